@@ -1,5 +1,5 @@
-//! Flexible machines with joints: the equations of geometrically nonlinear, strain-based beams and rigid bodies in a
-//! tree, forces, air, and their integration in time.
+//! Flexible machines with joints: the equations of geometrically nonlinear, strain-based beams and rigid bodies in a tree, forces,
+//! aerodynamics, and their integration in time.
 //!
 //! `docs/NOTATION.md` numbers the equations that the code cites. This crate is independent of files, clocks and FMI. A [`machine::Machine`]
 //! is built by its [builder](machine::Machine::builder); a [`plant::Plant`] runs it.

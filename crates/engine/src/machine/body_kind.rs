@@ -5,25 +5,25 @@ use crate::machine::{Body, GeneratorLaw, JointMotion, Machine, OneFreedom, Paren
 use crate::math::strain::{SHEARED, STRAINS};
 
 impl Machine {
-    /// Bodies whose joint is revolute or prismatic, with that joint.
+    /// Bodies with a revolute or prismatic joint, and that joint.
     pub fn one_freedoms(&self) -> impl Iterator<Item = (usize, &OneFreedom)> {
         let bodies = self.bodies.iter().enumerate();
         bodies.filter_map(|(index, body)| body.joint.kind.one_freedom().map(|(_, joint)| (index, joint)))
     }
 
-    /// Bodies whose joint is universal, ball or free, with that joint.
+    /// Bodies with a universal, ball or free joint, and that joint.
     pub fn spatials(&self) -> impl Iterator<Item = (usize, &Spatial)> {
         let bodies = self.bodies.iter().enumerate();
         bodies.filter_map(|(index, body)| body.joint.kind.spatial().map(|joint| (index, joint)))
     }
 
-    /// Generators on joints with free motion: indices into [`Machine::one_freedoms`], with their laws.
+    /// Generators on joints with free motion: indices into [`Machine::one_freedoms`], with their torque laws.
     pub fn generators(&self) -> impl Iterator<Item = (usize, &GeneratorLaw)> {
         let joints = self.one_freedoms().enumerate().filter(|(_, (_, joint))| joint.motion == JointMotion::Free);
         joints.filter_map(|(index, (_, joint))| Some((index, joint.generator.as_ref()?)))
     }
 
-    /// Bodies with a reference frame for the deflection of their outer end: modal ones, and beams with an axis given by points.
+    /// Bodies with a reference frame for the deflection of their outer end: modal bodies, and beams with an axis given by points.
     pub fn framed_bodies(&self) -> impl Iterator<Item = usize> {
         let framed = |body: &Body| body.is_modal() || body.axis.is_some();
         (0..self.bodies.len()).filter(move |&body| framed(&self.bodies[body]))
@@ -44,33 +44,33 @@ impl Machine {
 }
 
 impl Body {
-    /// The body has no elements: one frame that carries masses, joints and loads.
+    /// Whether the body has no elements: a single frame that carries masses, joints and loads.
     pub fn is_rigid(&self) -> bool {
         self.elements == 0
     }
 
-    /// Whether it is a modal body; its elements are then the cells of the sums of its shapes.
+    /// Whether it is a modal body; its elements are then the intervals over which its shapes are integrated.
     pub fn is_modal(&self) -> bool {
         self.section.modal().is_some()
     }
 
-    /// Whether its sections turn as it bends: all but those of a modal body without this option.
+    /// Whether its sections rotate when it bends: always, except for a modal body without this option.
     pub fn sections_turn(&self) -> bool {
         self.section.modal().is_none_or(|law| law.section_rotation)
     }
 
-    /// The body is made of strain elements.
+    /// Whether the body is made of strain elements.
     pub fn is_beam(&self) -> bool {
         !self.is_rigid() && !self.is_modal()
     }
 
-    /// Its elements deform in shear and have six strains.
+    /// Whether its elements deform in shear and have six strains.
     pub fn has_shear(&self) -> bool {
         self.is_beam() && self.section.shears()
     }
 
-    /// Number of its elastic coordinates: the strains of each constant-strain element and of both halves of each linear one, one of each
-    /// shape of a modal body, none of a rigid one.
+    /// Number of its elastic coordinates: the strains of each constant-strain element and of both halves of each linear one; one per shape
+    /// of a modal body; none for a rigid body.
     pub fn elastic_freedoms(&self) -> usize {
         let strains = if self.has_shear() { SHEARED } else { STRAINS };
         match (self.section.modal(), self.element) {

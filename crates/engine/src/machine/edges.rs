@@ -6,26 +6,27 @@ use crate::machine::pose::{along, first_frames};
 use crate::machine::{Body, JointMotion, LiftingSurface, Parent};
 use nalgebra::{Matrix3, Vector3};
 
-/// Distance over a body's length, or over a chord, below which two positions are the same.
+/// Distance, relative to a body's length or to a chord, below which two positions coincide.
 const NEAR: f64 = 1e-9;
 
-/// Relative speed of air and edge, over the speeds that it is the difference of, below which both move together.
+/// Speed of an edge relative to the air, divided by the speeds of both, below which they move together.
 const REST_SHARE: f64 = 1e-9;
 
 /// Inner edge of a surface.
 pub(crate) struct RootEdge {
     /// Body that carries the surface.
     pub body: usize,
-    /// Chord there, section frame.
+    /// Chord at the edge, section frame.
     pub chord: ChordLine,
 }
 
-/// Whether the lattice of a body has a free edge at its inner and outer end.
+/// Whether the lattice of a body has a free edge at its inner and at its outer end.
 ///
-/// It is continued if a child with a surface is attached to its outer end, or if its inner end is attached to such an end. Surfaces whose
-/// inner ends are attached to one point (two halves of a wing on the root or on a keel) continue each other if their edges coincide at the
-/// start: parts attached to one point stay together. A mirror plane through the inner end also continues it. Edges that coincide only at
-/// the start, as those of a wing folded flat, are free, and so are those at a prismatic joint, whose surface can move away.
+/// An edge is continued if a child with a surface is attached to the outer end, or if the inner end is attached to such an end. Surfaces
+/// whose inner ends are attached to one point (two halves of a wing on the root or on a keel) continue each other if their edges coincide
+/// at the start, because parts attached to one point stay together. A mirror plane through the inner end also continues it. Edges that only
+/// coincide at the start, such as those of a wing that is folded flat, are free, and so are those at a prismatic joint, whose surface can
+/// move away.
 pub(crate) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirror: Option<Vector3<f64>>) -> [bool; 2] {
     let has_surface = |body: usize| edges.iter().any(|edge| edge.body == body);
     let at_end = |parent: usize, position_m: f64| position_m >= bodies[parent].length_m * (1.0 - NEAR);
@@ -50,7 +51,7 @@ pub(crate) fn other_half(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Op
     edges.iter().find(|edge| edge.body != body && coincide(body, edge, edges, bodies)).map(|edge| edge.body)
 }
 
-/// Whether the inner end of a body is on a plane through the origin and stays there.
+/// Whether the inner end of a body lies on a plane through the origin and remains there.
 fn stands_on(normal: &Vector3<f64>, body: usize, bodies: &[Body]) -> bool {
     if slides(body, bodies) {
         return false;
@@ -95,8 +96,8 @@ fn coincide(body: usize, other: &RootEdge, edges: &[RootEdge], bodies: &[Body]) 
     same_place && apart_m(|chord| chord.leading_m) <= near_m && apart_m(|chord| chord.trailing_m) <= near_m
 }
 
-/// Point to which the inner end of a body is attached, and the body's attitude at the start in the frame there. If the parent is held at
-/// that very end, this is the point of its own parent.
+/// Point to which the inner end of a body is attached, and the body's initial attitude in the frame there. If the parent's inner end is at
+/// the same point, this is the point to which the parent is attached.
 fn hold(body: usize, bodies: &[Body]) -> (Parent, Matrix3<f64>) {
     let joint = &bodies[body].joint;
     let fold = joint.kind.one_freedom().map(|(travel, own)| travel.moved(&own.axis, own.start_angle_rad).1);
@@ -112,7 +113,7 @@ fn hold(body: usize, bodies: &[Body]) -> (Parent, Matrix3<f64>) {
     }
 }
 
-/// Whether a body can slide along its joint's axis.
+/// Whether a body can translate along its joint's axis.
 fn slides(body: usize, bodies: &[Body]) -> bool {
     bodies[body].joint.kind.slides()
 }
@@ -122,8 +123,8 @@ fn stays(body: usize, bodies: &[Body]) -> bool {
     bodies[body].joint.kind.holds_place()
 }
 
-/// Speed in m/s of the trailing edge's fastest point relative to the air at the start, with the root frame at rest; `None` without relative
-/// motion.
+/// Speed in m/s of the fastest point of the trailing edges relative to the air at the start, with the root frame at rest; `None` without
+/// relative motion.
 pub(crate) fn fastest_m_s(
     surfaces: &[LiftingSurface],
     bodies: &[Body],
@@ -176,8 +177,8 @@ mod tests {
     use crate::beam::section::{Material, Solid};
     use crate::machine::{Joint, Machine};
 
-    /// A surface continues if it is attached to its parent's outer end, for any lengths, and on both sides of the joint; elsewhere along
-    /// the parent, and if one of the two has no surface, the edges there are free.
+    /// An edge is continued, on both sides of the joint, if a surface is attached to its parent's outer end, for any lengths; elsewhere
+    /// along the parent, and if one of the two has no surface, the edges are free.
     #[test]
     fn surfaces_go_on_at_the_outer_end_of_the_parent() {
         let plate = Solid::rectangle(0.1, 0.01, Material::isotropic(7e10, 0.3, 2700.0));

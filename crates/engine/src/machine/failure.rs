@@ -5,15 +5,15 @@ pub use crate::force::watch::{Bound, BoundSide, Quantity};
 
 /// A failure of a machine. It occurs once and is permanent.
 ///
-/// Its input is always a trigger; time, another failure or a bound on the motion of a joint can be others. The first trigger counts, and
-/// the failure occurs [`Failure::delay_s`] later.
+/// Its input is always a trigger; a time, another failure or a bound on the motion of a joint can be further ones. The first trigger
+/// counts, and the failure occurs [`Failure::delay_s`] later.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Failure {
     /// Identifier.
     pub name: String,
     /// Effect of the failure.
     pub effect: Effect,
-    /// Time of its trigger in s, if it is known.
+    /// Time of its trigger in s, if known in advance.
     pub at_time_s: Option<f64>,
     /// Index of another failure that triggers it, in [`Machine::failures`](crate::machine::Machine::failures).
     pub after: Option<usize>,
@@ -23,8 +23,8 @@ pub struct Failure {
     pub delay_s: f64,
 }
 
-/// Effect of a failure. Bodies of joints are indices into [`Machine::bodies`](crate::machine::Machine::bodies): the body whose inner end
-/// the joint holds.
+/// Effect of a failure. Bodies of joints are indices into [`Machine::bodies`](crate::machine::Machine::bodies): the body whose inner end is
+/// attached by the joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effect {
     /// Motor and generator of a joint lose their torque; their inertia remains.
@@ -32,7 +32,7 @@ pub enum Effect {
         /// Body of the joint.
         body: usize,
     },
-    /// The joint is held at its position, as by its lock.
+    /// The joint is held at its position, as by a lock.
     DriveJams {
         /// Body of the joint.
         body: usize,
@@ -41,7 +41,7 @@ pub enum Effect {
     DriveRunsAway {
         /// Body of the joint.
         body: usize,
-        /// Neutral angle at which it ends, in rad or m.
+        /// Final neutral angle in rad, or position in m.
         to_rad: f64,
         /// Rate of the neutral angle in rad/s or m/s.
         rate_rad_s: f64,
@@ -56,43 +56,43 @@ pub enum Effect {
         /// Body of the joint.
         body: usize,
     },
-    /// The lock of a joint opens permanently: a link that held it fails.
+    /// The lock of a joint opens permanently, because the link that held it fails.
     StopperOpens {
         /// Body of the joint.
         body: usize,
     },
-    /// Spring and damper of a joint keep a share.
+    /// Spring and damper of a joint are reduced to a fraction.
     SpringWeakens {
         /// Body of the joint.
         body: usize,
-        /// Share that remains, from 0 to 1.
+        /// Remaining fraction, from 0 to 1.
         remaining: f64,
     },
-    /// The penalty that closes a loop keeps a share.
+    /// The penalty that closes a loop is reduced to a fraction.
     LoopWeakens {
         /// Index into [`Machine::closures`](crate::machine::Machine::closures).
         closure: usize,
-        /// Share that remains, from 0 to 1; at 0 the loop is open.
+        /// Remaining fraction, from 0 to 1; at 0 the loop is open.
         remaining: f64,
     },
-    /// All stiffness of a beam keeps a share.
+    /// All stiffness of a beam is reduced to a fraction.
     BodyWeakens {
         /// Index of the beam.
         body: usize,
-        /// Share that remains, above 0 and up to 1.
+        /// Remaining fraction, above 0 and up to 1.
         remaining: f64,
     },
     /// A brake is applied.
     BrakeComesOn {
         /// Body of the joint.
         body: usize,
-        /// Its torque.
+        /// The friction brake.
         brake: FrictionBrake,
     },
 }
 
 impl Effect {
-    /// Body of the joint whose forces it changes, if any.
+    /// Body of the joint whose forces the failure changes, if any.
     pub fn joint_of(&self) -> Option<usize> {
         match *self {
             Self::DriveDies { body }

@@ -5,8 +5,8 @@ use std::fmt;
 
 /// Path of an error, e.g. `joint "fold", latch, stiffness_n_m_rad`.
 ///
-/// Its parts are a type of part (`joint`), then a name if there are several of the type (`fold`), then fields of the machine or of its
-/// builder.
+/// Its components are a type of part (`joint`), then a name if there can be several of the type (`fold`), then fields of the machine or of
+/// its builder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place(pub Vec<String>);
 
@@ -38,12 +38,12 @@ impl fmt::Display for Place {
     }
 }
 
-/// One error. Displays as `place: value is not allowed; allowed: …`, with the cure.
+/// One error. Displays as `place: value is not allowed; allowed: …`, with the remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
     /// Path.
     pub place: Place,
-    /// The invalid value in SI and radians, or a description of the present state.
+    /// The invalid value in SI units and radians, or a description of the present state.
     pub value: String,
     /// Allowed values, with the unit.
     pub allowed: String,
@@ -54,7 +54,7 @@ pub struct Fault {
 /// Meaning of the `value` of a [`Fault`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Subject {
-    /// The value of the quantity at the place.
+    /// The value of the quantity at the location.
     Value,
     /// A description of the present state.
     State,
@@ -74,7 +74,7 @@ impl fmt::Display for Fault {
 /// Errors of an invalid machine. Displays one fault per line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refused {
-    /// Everything that is wrong; never empty.
+    /// All errors; never empty.
     pub faults: Vec<Fault>,
 }
 
@@ -90,11 +90,11 @@ impl std::error::Error for Refused {}
 /// Range of a number. No range contains NaN or numbers larger than [`UNLIMITED`](crate::machine::UNLIMITED).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Range {
-    /// All.
+    /// Any finite number.
     Finite,
-    /// From a number on.
+    /// At least a number.
     AtLeast(f64),
-    /// Beyond a number.
+    /// Greater than a number.
     Above(f64),
     /// From one number to another.
     Within(f64, f64),
@@ -111,7 +111,7 @@ impl Range {
         inside && is_finite(value)
     }
 
-    /// As text with a leading space; empty without bounds.
+    /// The range as text with a leading space; empty without bounds.
     fn words(self) -> String {
         match self {
             Self::Finite => String::new(),
@@ -122,15 +122,15 @@ impl Range {
     }
 }
 
-/// True for numbers up to the largest that a model may hold.
+/// Whether the magnitude of a number is at most the largest that a model may contain.
 pub(super) fn is_finite(value: f64) -> bool {
     value.abs() <= crate::machine::UNLIMITED
 }
 
-/// Collects faults.
+/// Collects the faults of a machine.
 #[derive(Debug, Default)]
 pub(crate) struct Checker {
-    /// Found so far.
+    /// Faults found so far.
     pub faults: Vec<Fault>,
 }
 
@@ -140,12 +140,12 @@ impl Checker {
         self.faults.push(Fault { place, value, allowed, subject });
     }
 
-    /// Reports the value at `place`.
+    /// Reports the value at the location `place`.
     pub fn refuse(&mut self, place: &[&str], value: impl ToString, allowed: impl Into<String>) {
         self.push(place, value.to_string(), allowed.into(), Subject::Value);
     }
 
-    /// Reports the present state, described by `state`, at `place`.
+    /// Reports the present state, described by `state`, at the location `place`.
     pub fn refuse_state(&mut self, place: &[&str], state: impl Into<String>, allowed: impl Into<String>) {
         self.push(place, state.into(), allowed.into(), Subject::State);
     }
@@ -164,7 +164,7 @@ impl Checker {
         self.push(place, format!("{name:?}"), allowed, Subject::Name { known });
     }
 
-    /// Reports a number out of its range; the last part of the place gives quantity and unit.
+    /// Reports a number outside its range; the last component of the location gives quantity and unit.
     pub fn number(&mut self, place: &[&str], value: f64, range: Range) -> bool {
         let fits = range.contains(value);
         if !fits {
@@ -174,7 +174,7 @@ impl Checker {
         fits
     }
 
-    /// Reports arrays with a number that is not finite.
+    /// Reports arrays that contain a number that is not finite.
     pub fn array(&mut self, place: &[&str], values: &[f64]) -> bool {
         let fits = values.iter().all(|value| is_finite(*value));
         if !fits {
@@ -185,7 +185,7 @@ impl Checker {
         fits
     }
 
-    /// Reports a count out of its range.
+    /// Reports a count outside its range.
     pub fn count(&mut self, place: &[&str], value: usize, least: usize, most: usize) -> bool {
         let fits = (least..=most).contains(&value);
         if !fits {
@@ -203,7 +203,7 @@ impl Checker {
     }
 }
 
-/// `[1, 2.5, 3]`.
+/// An array as text, for example `[1, 2.5, 3]`.
 pub(super) fn array_text(values: &[f64]) -> String {
     format!("[{}]", values.iter().map(|value| shortest(*value)).collect::<Vec<_>>().join(", "))
 }

@@ -5,7 +5,7 @@ use crate::multibody::joint;
 use nalgebra::Matrix3;
 
 impl JointKind {
-    /// The joint in the recursions over the tree.
+    /// The joint type in the recursions over the tree.
     pub(crate) fn in_tree(&self) -> joint::JointKind {
         match self {
             Self::Clamped => joint::JointKind::Clamped,
@@ -21,7 +21,7 @@ impl JointKind {
         }
     }
 
-    /// Travel and parts of a joint with one freedom; `None` for all others.
+    /// Travel and parts of a joint with one degree of freedom; `None` for all others.
     pub fn one_freedom(&self) -> Option<(Travel, &OneFreedom)> {
         match self {
             Self::Revolute(joint) => Some((Travel::Rotation, joint)),
@@ -47,12 +47,12 @@ impl JointKind {
         }
     }
 
-    /// Whether it has no freedom.
+    /// Whether it has no degree of freedom.
     pub fn is_clamped(&self) -> bool {
         self.one_freedom().is_none() && self.spatial().is_none()
     }
 
-    /// Freedoms that forces may move: none of a joint that is locked or prescribed.
+    /// Number of degrees of freedom that forces can move: none for a joint that is locked or prescribed.
     pub fn freedoms(&self) -> usize {
         match (self.one_freedom(), self.spatial()) {
             (Some((_, joint)), _) => usize::from(joint.motion == JointMotion::Free),
@@ -70,7 +70,7 @@ impl JointKind {
         self.spatial().is_none() && self.one_freedom().is_none_or(|(_, own)| own.motion == JointMotion::Locked)
     }
 
-    /// Whether the body can slide along an axis.
+    /// Whether the body can translate along an axis.
     pub fn slides(&self) -> bool {
         self.one_freedom().is_some_and(|(travel, _)| travel == Travel::Translation)
     }

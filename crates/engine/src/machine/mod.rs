@@ -1,7 +1,7 @@
-//! The machine: bodies, joints, loops, gauges, air, solver and simulation settings, in SI and radians.
+//! The machine: bodies, joints, loops, gauges, aerodynamics, solver and simulation settings, in SI units and radians.
 //!
 //! Complete description of the model. A [`Machine`] is built by [`Machine::builder`], in code or from a model file; [`Machine::validate`]
-//! reports the errors of one whose fields were set directly.
+//! reports the errors of a machine whose fields were set directly.
 
 mod body_kind;
 pub mod builder;
@@ -40,14 +40,14 @@ use crate::math::strain::Strain;
 use nalgebra::{Matrix3, Vector3};
 pub use travel::{LinearMotor, LinearSpring, Travel};
 
-/// A validated whole machine. Bodies are in topological order: a parent is before its children.
+/// A complete machine, validated. Bodies are in topological order: a parent comes before its children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
-    /// Model name, an identifier; names the FMU.
+    /// Model name, an identifier; also the name of the FMU.
     pub name: String,
     /// One-line description.
     pub description: String,
-    /// Bodies, each with the joint that holds it to its parent.
+    /// Bodies, each with the joint that attaches it to its parent.
     pub bodies: Vec<Body>,
     /// Joints that close loops, by the penalty method.
     pub closures: Vec<Closure>,
@@ -55,7 +55,7 @@ pub struct Machine {
     pub gauges: Vec<Gauge>,
     /// Sections whose internal loads are outputs.
     pub internal_loads: Vec<InternalLoad>,
-    /// Air, if it is computed here.
+    /// Aerodynamics, if it is computed here.
     pub air: Option<Air>,
     /// Possible failures.
     pub failures: Vec<Failure>,
@@ -74,32 +74,32 @@ pub struct Body {
     pub name: String,
     /// Arc length of the undeformed axis in m; 0 for a rigid body.
     pub length_m: f64,
-    /// Cross-section along the body; of no meaning for a rigid body.
+    /// Cross-section along the body; unused for a rigid body.
     pub section: SectionLaw,
     /// Kind of strain element.
     pub element: ElementKind,
-    /// Number of elements of that type along the body (a linear element is one pair of halves); 0 makes the body rigid.
+    /// Number of elements along the body (a linear element is one pair of halves); 0 makes the body rigid.
     pub elements: usize,
     /// Natural strains `(εx, κx, κy, κz)` along the body: initial stretch (–), twist and curvatures (1/m).
     pub natural_strain: NaturalStrain,
-    /// Ends of the axis from which the natural strain was derived, if it was given by points; the joint's mount includes its first
-    /// attitude.
+    /// Ends of the axis from which the natural strain was derived, if the axis was given by points; the joint's mount includes its attitude
+    /// at the inner end.
     pub axis: Option<AxisEnds>,
     /// Mass-proportional damping `α` in 1/s.
     pub mass_damping_1_s: f64,
-    /// It acts on the attached masses too.
+    /// Whether the mass-proportional damping also acts on the attached masses.
     pub damp_attached_masses: bool,
     /// Stiffness-proportional damping `β` in s.
     pub stiffness_damping_s: f64,
-    /// Shares of it in the strains `(εx, κx, κy, κz)`, ≥ 0.
+    /// Factors of the stiffness-proportional damping in the strains `(εx, κx, κy, κz)`, ≥ 0.
     pub stiffness_damping_factors: Strain,
-    /// The same of both shears of a body with shear.
+    /// Factors of the stiffness-proportional damping in both shears of a body with shear.
     pub shear_damping_factors: [f64; 2],
     /// Distances of the load stations from the body's inner end in m, ascending.
     pub station_positions_m: Vec<f64>,
     /// Frame of the station loads.
     pub load_frame: LoadFrame,
-    /// Start values of the loads, per station, in that frame; stations beyond the list carry none.
+    /// Start values of the loads, per station, in `load_frame`; stations beyond the list have zero load.
     pub station_loads: Vec<Wrench>,
     /// Point masses and rigid bodies on this body.
     pub masses: Vec<AttachedMass>,
@@ -116,11 +116,11 @@ pub struct AttachedMass {
     pub position_m: f64,
     /// Mass in kg.
     pub mass_kg: f64,
-    /// Centre of gravity from the axis, section frame, m.
+    /// Position of the centre of gravity relative to the axis, section frame, m.
     pub offset_m: Vector3<f64>,
     /// Inertia about the centre of gravity, section frame, kg·m².
     pub inertia_kg_m2: Matrix3<f64>,
-    /// Its principal moments need only be positive: an effective inertia that no rigid body could have, e.g. about one axis only.
+    /// Whether the principal moments need only be positive: an effective inertia that no rigid body could have, e.g. about one axis only.
     pub allow_nonphysical_inertia: bool,
 }
 
@@ -131,11 +131,11 @@ pub struct Joint {
     pub name: String,
     /// Parent of the joint.
     pub parent: Parent,
-    /// Offset from the position on the parent body to the body's first frame, parent's section frame there, in m; zero on the root.
+    /// Offset in m from the position on the parent body to the body's first frame, in the parent's section frame there; zero on the root.
     pub offset_m: Vector3<f64>,
-    /// Orientation of the body's first frame in the parent's frame at angle zero of a revolute joint: parent ← body.
+    /// Attitude of the body's first frame in the parent's frame, at angle zero of a revolute joint: parent ← body.
     pub mount: Matrix3<f64>,
-    /// Type of the joint with its freedoms.
+    /// Type of the joint with its degrees of freedom.
     pub kind: JointKind,
 }
 
@@ -156,35 +156,36 @@ pub enum Parent {
     },
 }
 
-/// Type of a joint with its freedoms.
+/// Type of a joint with its degrees of freedom.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JointKind {
-    /// Nothing.
+    /// No degree of freedom.
     Clamped,
     /// Rotation about one axis: `R_body = R_parent · Rot(axis, θ) · mount`.
     Revolute(Box<OneFreedom>),
     /// Translation along one axis: `r_body = r_parent + s · axis`, `R_body = R_parent · mount`.
     Prismatic(Box<OneFreedom>),
-    /// Several freedoms, described by the paper's redundant parameters; `mount` is the attitude at the start.
+    /// Several degrees of freedom, described by the paper's redundant parameters; `mount` is the attitude at the start.
     Spatial(Box<Spatial>),
 }
 
 /// A universal, ball or free joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spatial {
-    /// Freedoms.
+    /// Degrees of freedom.
     pub freedom: SpatialFreedom,
-    /// Spring towards the start attitude in N·m/rad: per axis of a universal joint, about the rotation vector of a ball.
+    /// Stiffness in N·m/rad of the spring towards the initial attitude: per axis of a universal joint, about the rotation vector of a ball
+    /// joint.
     pub stiffness_n_m_rad: f64,
     /// Damping in N·m·s/rad.
     pub damping_n_m_s_rad: f64,
-    /// Angular velocity at the start relative to the parent, parent's frame, rad/s.
+    /// Initial angular velocity relative to the parent, parent's frame, rad/s.
     pub start_angular_velocity_rad_s: Vector3<f64>,
-    /// Velocity of the body's inner end at the start, root frame, m/s; free joints only.
+    /// Initial velocity of the body's inner end, root frame, m/s; free joints only.
     pub start_velocity_m_s: Vector3<f64>,
 }
 
-/// Freedoms of a joint with several.
+/// Degrees of freedom of a joint that has several.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SpatialFreedom {
     /// Rotation about two axes, one fixed to each side.
@@ -196,18 +197,18 @@ pub enum SpatialFreedom {
     },
     /// All rotations.
     Ball,
-    /// Everything; only on the root.
+    /// All rotations and displacements; only on the root.
     Free,
 }
 
 /// Type of motion of a fold angle or a position.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JointMotion {
-    /// By its torques or forces.
+    /// Free motion under the joint's torques or forces.
     Free,
-    /// Locked at its start.
+    /// Locked at its initial position.
     Locked,
-    /// As a function of absolute time.
+    /// Motion prescribed as a function of absolute time.
     Prescribed(Motion),
 }
 
@@ -218,16 +219,17 @@ pub struct Motor {
     pub stiffness_n_m_rad: f64,
     /// Damping `c` in N·m·s/rad.
     pub damping_n_m_s_rad: f64,
-    /// Constant torque `T` in N·m, towards −θ.
+    /// Constant torque `T` in N·m, in the direction of −θ.
     pub constant_torque_n_m: f64,
     /// Largest magnitude of the motor's torque in N·m; [`UNLIMITED`] without a limit.
     pub torque_limit_n_m: f64,
     /// Largest slew rate of the neutral angle in rad/s; [`UNLIMITED`] without a limit.
     pub rate_limit_rad_s: f64,
-    /// Moment of inertia that turns with the angle only, in kg·m².
+    /// Moment of inertia that rotates with the joint angle only, in kg·m².
     pub inertia_kg_m2: f64,
-    /// Gear ratio: rotation of the motor's rotor over that of the joint, negative for opposite directions; the rotor then also turns with
-    /// the carrier of the joint about its axis. `None` neglects this, as for a large ratio. For revolute joints only.
+    /// Gear ratio: rotation of the motor's rotor divided by that of the joint, negative for opposite directions; the rotor then also
+    /// rotates with the body that carries the joint about its axis. `None` neglects this, which is accurate for a large ratio. For revolute
+    /// joints only.
     pub gear_ratio: Option<f64>,
     /// Start value of the command input in rad.
     pub command_rad: f64,
@@ -249,8 +251,8 @@ impl Default for Motor {
     }
 }
 
-/// Default half-width of a latch's capture range, rad: a joint at rest or in slow motion at the latch angle is captured, and a passing
-/// joint is captured earlier only by the time for this small angle.
+/// Default half-width of a latch's capture range, rad: it captures a joint at rest or in slow motion at the latch angle; a passing joint is
+/// captured too early only by the time in which it moves through this small angle.
 pub const DEFAULT_CAPTURE_RAD: f64 = 1e-6;
 
 /// Latch of a fold joint.
@@ -258,13 +260,13 @@ pub const DEFAULT_CAPTURE_RAD: f64 = 1e-6;
 pub struct Latch {
     /// Effect when closed.
     pub kind: LatchKind,
-    /// Angle at which it closes in rad.
+    /// Angle in rad at which it closes.
     pub angle_rad: f64,
-    /// Stiffness added when closed in N·m/rad; 0 for a rigid one.
+    /// Stiffness in N·m/rad added when closed; 0 for a rigid latch.
     pub stiffness_n_m_rad: f64,
     /// Half-width of the capture range: an enabled latch closes as soon as the angle is within it, rad.
     pub capture_rad: f64,
-    /// Closed at the start wherever the joint is; of elastic latches only.
+    /// Whether the latch is closed at the start, for any position of the joint; elastic latches only.
     pub initially_closed: bool,
     /// Start value of the enable input.
     pub enable: bool,
@@ -277,13 +279,13 @@ pub struct Closure {
     pub name: String,
     /// Indices into [`Machine::bodies`] and distances from the bodies' inner ends in m.
     pub places: [(usize, f64); 2],
-    /// Points from the sections' axes, section frames, m.
+    /// Positions of the points relative to the sections' axes, section frames, m.
     pub offsets_m: [Vector3<f64>; 2],
-    /// Penalty on the gap: inertia in kg.
+    /// Inertia of the penalty on the gap in kg.
     pub inertia_kg: f64,
-    /// Penalty on the gap: damping in N·s/m.
+    /// Damping of the penalty on the gap in N·s/m.
     pub damping_n_s_m: f64,
-    /// Penalty on the gap: stiffness in N/m.
+    /// Stiffness of the penalty on the gap in N/m.
     pub stiffness_n_m: f64,
 }
 
@@ -310,22 +312,22 @@ impl Gauge {
         Self { name: name.into(), body, position_m, y_m, z_m, direction: Vector3::x() }
     }
 
-    /// Weights of the strain measures `(γ₁, k₁, k₂, k₃)` of its section, NOTATION eqs. (R1), (R6). `None` for a fibre across the axis of
-    /// a section that is not solid with known Poisson's ratio, or deforms in shear.
+    /// Weights of the strain measures `(γ₁, k₁, k₂, k₃)` of its section, NOTATION eqs. (R1), (R6). `None` for a fibre that is not along the
+    /// axis if the section is not solid with a known Poisson's ratio, or deforms in shear.
     pub fn row(&self, section: &SectionLaw) -> Option<Strain> {
         if self.direction.y == 0.0 && self.direction.z == 0.0 {
             return Some(axial_row(self.y_m, self.z_m));
         }
         let solid = section.solid_at(self.position_m).filter(|solid| solid.material.poisson_ratio().is_some())?;
         if solid.shear_factor.is_some() {
-            return None; // the shear of transverse forces is not recovered
+            return None; // shear strain due to transverse forces is not recovered
         }
         Some(gauge_row(&solid, self.y_m, self.z_m, &self.direction))
     }
 }
 
 /// A section of a beam whose internal loads are outputs: force and moment of the part outboard of it on the part inboard of it, in the
-/// section's frame.
+/// section frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InternalLoad {
     /// Identifier.
@@ -349,18 +351,18 @@ pub enum SectionSide {
     Outboard,
 }
 
-/// Air around the machine.
+/// Aerodynamics of the machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Air {
-    /// Model with its settings.
+    /// Aerodynamic model with its settings.
     pub options: AirOptions,
-    /// Density in kg/m³.
+    /// Air density in kg/m³.
     pub density_kg_m3: f64,
-    /// Velocity of the air relative to the root's origin, root frame, m/s: start value of the input.
+    /// Wind velocity relative to the root's origin, root frame, m/s: start value of the input.
     pub wind_m_s: Vector3<f64>,
     /// Aerodynamic step in s.
     pub step_s: f64,
-    /// Coupling of air and structure.
+    /// Coupling of aerodynamics and structure.
     pub coupling: Coupling,
     /// Whether the run starts with an established flow.
     pub established: bool,
@@ -370,18 +372,18 @@ pub struct Air {
     pub surfaces: Vec<LiftingSurface>,
     /// Gusts.
     pub gusts: Vec<Gust>,
-    /// Flaps, in the order in which they were added.
+    /// Control surfaces, in the order in which they were added.
     pub flaps: Vec<Flap>,
 }
 
-/// Coupling of air and structure at the end of an aerodynamic step.
+/// Coupling of aerodynamics and structure at the end of an aerodynamic step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coupling {
-    /// Prediction and one correction.
+    /// A prediction and one correction.
     Staggered,
-    /// Iteration.
+    /// Iteration until convergence.
     Iterated {
-        /// Change of the loads, relative to the largest so far, at which it ends.
+        /// Change of the loads, relative to the largest so far, at which the iteration ends.
         tolerance: f64,
         /// Maximum number of iterations per aerodynamic step.
         most_iterations: usize,
@@ -393,13 +395,13 @@ pub enum Coupling {
 pub struct LiftingSurface {
     /// Index into [`Machine::bodies`].
     pub body: usize,
-    /// Body with an adjacent surface at this one's inner edge: the other half of a wing.
+    /// Body whose surface adjoins this one's inner edge: the other half of a wing.
     pub other_half: Option<usize>,
     /// Edges of its strips: distances from the body's inner end in m, ascending.
     pub positions_m: Vec<f64>,
     /// Chord at each edge.
     pub chords: Vec<ChordLine>,
-    /// Panels along the chord.
+    /// Number of panels along the chord.
     pub chord_panels: usize,
     /// Profile, for strip theory.
     pub profile: Profile,
@@ -412,7 +414,7 @@ pub enum Method {
     GeneralizedAlpha,
     /// TR-BDF2, second order.
     TrBdf2,
-    /// SDIRK of two stages, second order.
+    /// Two-stage SDIRK, second order.
     Sdirk2,
     /// `ESDIRK3(2)4L[2]SA`, third order.
     Esdirk3,
@@ -427,17 +429,17 @@ pub enum Method {
 pub struct Solver {
     /// Method.
     pub method: Method,
-    /// Tolerance of the kinematic error norm per step (displacement over wing length, rotation in rad).
+    /// Tolerance of the kinematic error norm per step (displacement divided by wing length, rotation in rad).
     pub tolerance: f64,
     /// Largest internal step in s.
     pub max_step_s: f64,
-    /// Smallest internal step in s: below it non-convergence is an error.
+    /// Smallest internal step in s, below which non-convergence is an error.
     pub min_step_s: f64,
     /// Fixed internal step in s; `None` for variable steps.
     pub fixed_step_s: Option<f64>,
     /// Spectral radius at infinity of generalised-α.
     pub rho_infinity: f64,
-    /// Maximum number of Newton iterations of a stage in real-time mode, which repeats no step; `None` otherwise.
+    /// Maximum number of Newton iterations of a stage in real-time mode, in which no step is repeated; `None` otherwise.
     pub most_iterations: Option<usize>,
 }
 
@@ -470,7 +472,7 @@ pub struct Experiment {
 }
 
 impl Default for Experiment {
-    /// Defaults of a model file without a table `[simulation]`: 0.4 s from 0 on by 0.5 ms, unstrained at the start.
+    /// Defaults of a model file without a table `[simulation]`: from 0 to 0.4 s in steps of 0.5 ms, from the unstrained state.
     fn default() -> Self {
         Self { start_time_s: 0.0, stop_time_s: 0.4, step_s: 5e-4, start: StartState::Unstrained }
     }
@@ -479,8 +481,8 @@ impl Default for Experiment {
 /// State of the machine at the start of the simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StartState {
-    /// Without strains: loads act from the start on.
+    /// Without strains, so that loads are applied suddenly at the start.
     Unstrained,
-    /// Static equilibrium under the loads of the start, with locks on the joints that are not latched.
+    /// Static equilibrium under the loads at the start, with locks on the joints that are not latched.
     Equilibrium,
 }

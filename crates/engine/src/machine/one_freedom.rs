@@ -3,19 +3,19 @@
 use crate::machine::{EndStops, GeneratorLaw, JointMotion, Latch, Motor, Spring};
 use nalgebra::Vector3;
 
-/// A joint with one freedom, either a rotation about its axis or a translation along it: [`Travel`](crate::machine::Travel).
+/// A joint with one degree of freedom, either a rotation about its axis or a translation along it: [`Travel`](crate::machine::Travel).
 ///
 /// Fields here, in [`Motor`], [`Spring`], [`Latch`] and [`EndStops`], and the joint's inputs, parameters and outputs in `plant`, are named
 /// for a revolute joint. For a prismatic one, read m for rad, N for N·m and kg for kg·m²; [`LinearMotor`](crate::machine::LinearMotor),
-/// [`LinearSpring`](crate::machine::LinearSpring) and [`JointBuilder`](crate::machine::builder::JointBuilder) name its quantities by their
-/// own units.
+/// [`LinearSpring`](crate::machine::LinearSpring) and [`JointBuilder`](crate::machine::builder::JointBuilder) name its quantities by the
+/// units of a prismatic joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OneFreedom {
     /// Unit axis in the parent's section frame.
     pub axis: Vector3<f64>,
-    /// Fold angle at the start in rad, or position in m.
+    /// Initial fold angle in rad, or position in m.
     pub start_angle_rad: f64,
-    /// Fold rate at the start in rad/s, or velocity in m/s (joints that are free at the start).
+    /// Initial fold rate in rad/s, or velocity in m/s (joints that are free at the start).
     pub start_rate_rad_s: f64,
     /// Type of motion of the coordinate.
     pub motion: JointMotion,
@@ -23,21 +23,22 @@ pub struct OneFreedom {
     pub release: bool,
     /// Motor.
     pub motor: Motor,
-    /// Spring and damper of the joint itself, if the file states them.
+    /// Spring and damper of the joint, apart from the motor.
     pub spring: Option<Spring>,
-    /// Generator on the motor's fast shaft, if the joint has one; for revolute joints.
+    /// Generator on the high-speed shaft of the motor; for revolute joints.
     pub generator: Option<GeneratorLaw>,
-    /// Latch, if the joint has one.
+    /// Latch of the joint.
     pub latch: Option<Latch>,
-    /// End stops at the ends of its travel, if the joint has some.
+    /// Stops at the ends of its travel.
     pub end_stops: Option<EndStops>,
 }
 
-/// A fold joint: the one freedom of [`JointKind::Revolute`](crate::machine::JointKind::Revolute).
+/// A fold joint: the data of [`JointKind::Revolute`](crate::machine::JointKind::Revolute).
 pub type Revolute = OneFreedom;
 
 impl OneFreedom {
-    /// A revolute joint about an axis in the parent's section frame: free, released, at rest at angle 0, without motor, spring or latch.
+    /// A revolute joint about an axis in the parent's section frame: free, released, with zero angle and rate, without motor, spring or
+    /// latch.
     pub fn about(axis: impl Into<Vector3<f64>>) -> Self {
         Self {
             axis: axis.into(),
@@ -53,7 +54,7 @@ impl OneFreedom {
         }
     }
 
-    /// A prismatic joint along an axis in the parent's section frame: as [`Self::about`], at position 0.
+    /// A prismatic joint along an axis in the parent's section frame, at position 0, otherwise like [`Self::about`].
     pub fn along(axis: impl Into<Vector3<f64>>) -> Self {
         Self::about(axis)
     }

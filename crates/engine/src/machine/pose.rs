@@ -13,10 +13,10 @@ pub struct Frame {
     pub attitude: Matrix3<f64>,
 }
 
-/// Frames of the bodies' inner ends, with natural strains only, at the fold angles (rad) and positions of prismatic joints (m) given by
+/// Frames of the bodies' inner ends, with natural strains only, at the fold angles (rad) and positions of prismatic joints (m) returned by
 /// `stand`.
 ///
-/// Universal, ball and free joints have their start attitude, which is their mount.
+/// Universal, ball and free joints are in their initial attitude, which is their mount.
 pub fn first_frames(bodies: &[Body], stand: impl Fn(&OneFreedom) -> f64) -> Vec<Frame> {
     let mut frames: Vec<Frame> = Vec::with_capacity(bodies.len());
     for body in bodies {
@@ -40,8 +40,8 @@ pub fn first_frames(bodies: &[Body], stand: impl Fn(&OneFreedom) -> f64) -> Vec<
     frames
 }
 
-/// Frame at a distance from a body's first frame: the curve of its natural strain, by the midpoint rule. A full circle
-/// closes to 1e-4 of its radius.
+/// Frame at a distance from a body's first frame along the curve of its natural strain, by the midpoint rule. A full circle closes to 1e-4
+/// of its radius.
 pub fn along(body: &Body, first: &Frame, distance_m: f64) -> Frame {
     const STEPS: usize = 200;
     if body.is_rigid() {

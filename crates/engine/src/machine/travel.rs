@@ -1,20 +1,20 @@
-//! Type of the single freedom of a joint: rotation or translation. All differences between revolute and prismatic joints in words, units
-//! and names are here; the numerics are the same for both.
+//! Type of the single degree of freedom of a joint: rotation or translation. All differences between revolute and prismatic joints in
+//! words, units and names are in this file; the numerics are the same for both.
 
 use crate::force::spring::Spring;
 use crate::machine::{Motor, UNLIMITED};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-/// Type of the coordinate of a joint with one freedom.
+/// Type of the coordinate of a joint with one degree of freedom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Travel {
-    /// An angle in rad about the axis; efforts are torques in N·m.
+    /// An angle in rad about the axis; the generalised forces are torques in N·m.
     Rotation,
-    /// A displacement in m along the axis; efforts are forces in N.
+    /// A displacement in m along the axis; the generalised forces are forces in N.
     Translation,
 }
 
-/// Words for a rotation and their replacements for a prismatic joint, applied in order: a word that contains another is before it.
+/// Words for a rotation and their replacements for a prismatic joint, applied in order: a word that contains another comes before it.
 const WORDS: &[(&str, &str)] = &[
     // fields and keys
     ("start_angle_rad", "start_position_m"),
@@ -65,7 +65,7 @@ const WORDS: &[(&str, &str)] = &[
 ];
 
 impl Travel {
-    /// Type of the joint as files and messages name it.
+    /// Name of the joint type in files and messages.
     pub fn joint_type(self) -> &'static str {
         match self {
             Self::Rotation => "revolute",
@@ -97,7 +97,7 @@ impl Travel {
         }
     }
 
-    /// The coordinate as people read it: in degrees, or in m.
+    /// The coordinate in the unit of messages: in degrees, or in m.
     pub fn shown(self, coordinate: f64) -> f64 {
         match self {
             Self::Rotation => coordinate.to_degrees(),
@@ -113,7 +113,7 @@ impl Travel {
         }
     }
 
-    /// Name, value and unit of the coordinate as people read them: `angle 3.000 deg`, `position 0.100000 m`.
+    /// Name, value and unit of the coordinate for messages: `angle 3.000 deg`, `position 0.100000 m`.
     pub fn told(self, coordinate: f64) -> String {
         let digits = if self == Self::Rotation { 3 } else { 6 };
         format!("{} {:.digits$} {}", self.coordinate(), self.shown(coordinate), self.shown_unit())
@@ -127,7 +127,7 @@ impl Travel {
         }
     }
 
-    /// A name or a sentence about a revolute joint, in the words of this type.
+    /// A name or a sentence about a revolute joint, in the terms of this joint type.
     pub fn words(self, of_rotation: &str) -> String {
         match self {
             Self::Rotation => of_rotation.to_owned(),
@@ -137,7 +137,7 @@ impl Travel {
         }
     }
 
-    /// Declared real type of a variable that is `of_rotation` of a revolute joint.
+    /// Declared real type of a variable whose type is `of_rotation` for a revolute joint.
     pub fn declared(self, of_rotation: &'static str) -> &'static str {
         match (self, of_rotation) {
             (Self::Rotation, _) => of_rotation,
@@ -151,7 +151,7 @@ impl Travel {
         }
     }
 
-    /// Displacement in m and rotation of the body by the joint, in the frame of its parent.
+    /// Displacement in m and rotation of the body due to the joint, in the frame of its parent.
     pub fn moved(self, axis: &Vector3<f64>, coordinate: f64) -> (Vector3<f64>, Matrix3<f64>) {
         match self {
             Self::Rotation => {
@@ -170,7 +170,7 @@ pub struct LinearMotor {
     pub stiffness_n_m: f64,
     /// Damping `c` in N·s/m.
     pub damping_n_s_m: f64,
-    /// Constant force in N, towards smaller positions.
+    /// Constant force in N, in the direction of smaller positions.
     pub constant_force_n: f64,
     /// Largest magnitude of the motor's force in N; [`UNLIMITED`] without a limit.
     pub force_limit_n: f64,
@@ -219,7 +219,7 @@ pub struct LinearSpring {
     pub stiffness_n_m: f64,
     /// Damping in N·s/m.
     pub damping_n_s_m: f64,
-    /// Position at which the spring is slack in m.
+    /// Position in m at which the spring force is zero.
     pub rest_position_m: f64,
 }
 

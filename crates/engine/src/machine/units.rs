@@ -1,11 +1,11 @@
-//! The unit that a name's ending states, and numbers in words.
+//! Units indicated by the ending of a name, and numbers in words.
 
-/// Unit and quantity of the keys that end alike.
+/// Unit and quantity of the keys with a common ending.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unit {
     /// Ending of the key, e.g. `_N_m_rad`.
     pub suffix: &'static str,
-    /// Unit as an engineer writes it, e.g. `N·m/rad`.
+    /// Unit symbol, e.g. `N·m/rad`.
     pub symbol: &'static str,
     /// Quantity in the singular, e.g. `stiffness`.
     pub quantity: &'static str,
@@ -15,8 +15,8 @@ const fn unit(suffix: &'static str, symbol: &'static str, quantity: &'static str
     Unit { suffix, symbol, quantity }
 }
 
-/// All endings, longer ones before those they contain. `mass_kg_m` is a mass per length, any other `_kg_m` a moment;
-/// `stiffness_N_m` is a stiffness, any other `_N_m` a torque.
+/// All endings, longer ones before those that they contain. `mass_kg_m` is a mass per length, any other `_kg_m` a moment; `stiffness_N_m`
+/// is a stiffness, any other `_N_m` a torque.
 const UNITS: &[Unit] = &[
     unit("_N_m_s_rad", "N·m·s/rad", "damping"),
     unit("_N_m_rad", "N·m/rad", "stiffness"),
@@ -49,18 +49,19 @@ const UNITS: &[Unit] = &[
     unit("_m", "m", "length"),
 ];
 
-/// Unit of a key of the model file or of a field here, `None` if its ending contains none.
+/// Unit of a key of the model file or of a field of the machine; `None` if its ending contains no unit.
 pub fn unit_of(key: &str) -> Option<Unit> {
     let ends = |unit: &&Unit| {
         let begin = key.len().checked_sub(unit.suffix.len());
         begin.and_then(|begin| key.get(begin..)).is_some_and(|ending| ending.eq_ignore_ascii_case(unit.suffix))
     };
     let unit = UNITS.iter().find(ends).copied()?;
-    // Off-diagonal stiffnesses in N·m are no torques.
+    // Off-diagonal stiffnesses in N·m are not torques.
     Some(if key.starts_with("coupling_") { Unit { quantity: "stiffness", ..unit } } else { unit })
 }
 
-/// A finite number as text, with a range that starts with a space or is empty, e.g. `a finite length > 0 m`; several with `plural`.
+/// Description of a finite number, with a range that starts with a space or is empty, e.g. `a finite length > 0 m`; of several numbers with
+/// `plural`.
 pub fn finite(key: &str, range: &str, plural: &str) -> String {
     let article = if plural.is_empty() { "a " } else { "" };
     let (quantity, unit) = unit_of(key).map_or(("number", ""), |unit| (unit.quantity, unit.symbol));
@@ -77,18 +78,18 @@ pub fn finite(key: &str, range: &str, plural: &str) -> String {
     format!("{article}finite {quantity}{plural}{range}{unit}")
 }
 
-/// `"a" or "b"`.
+/// Quoted alternatives, for example `"a" or "b"`.
 pub fn quoted(options: &[&str]) -> String {
     options.iter().map(|option| format!("{option:?}")).collect::<Vec<_>>().join(" or ")
 }
 
-/// A number in its shortest form.
+/// A number as text in its shortest form.
 pub fn shortest(value: f64) -> String {
     let size = value.abs();
     if value != 0.0 && !(1e-3..1e6).contains(&size) { format!("{value:e}") } else { format!("{value}") }
 }
 
-/// The known key that `key` denotes without its unit or with another one, e.g. `length` or `length_mm` for `length_m`.
+/// The known key that `key` denotes without a unit or with a different one, e.g. `length` or `length_mm` for `length_m`.
 pub fn same_quantity<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) -> Option<(&'a str, Unit)> {
     known
         .into_iter()
@@ -101,7 +102,7 @@ pub fn same_quantity<'a>(key: &str, known: impl IntoIterator<Item = &'a str>) ->
         .max_by_key(|(known, _)| known.len())
 }
 
-/// Whether every part behind an underscore is short enough to be a unit, as in `_mm` or `_kN_m`.
+/// Whether every part after an underscore is short enough to be a unit, as in `_mm` or `_kN_m`.
 fn is_unit_like(ending: &str) -> bool {
     ending.split('_').skip(1).all(|part| !part.is_empty() && part.len() <= 4)
 }

@@ -1,7 +1,7 @@
-//! Slopes of mass and stiffness blocks by a parameter, eq. (X9).
+//! Derivatives of mass and stiffness blocks with respect to a parameter, eq. (X9).
 //!
-//! The residual is linear in the blocks of the mesh, the inertias of drives and the penalties of loops. So a model that has the slopes of these
-//! in their places has the slope of the residual for its residual.
+//! The residual is linear in the blocks of the mesh, the inertias of drives and the penalties of loops. A model that has their derivatives
+//! in place of them therefore has the derivative of the residual as its residual.
 
 use crate::load::RootMotion;
 use crate::multibody::closure::Penalty;
@@ -11,14 +11,15 @@ use crate::multibody::model::{Elastic, Element, NodeMass};
 use crate::multibody::{Model, Workspace};
 use nalgebra::Matrix4;
 
-/// A mesh whose blocks are slopes.
+/// A mesh whose blocks are derivatives.
 pub(crate) struct BlockSlopes {
     model: Model,
     work: Workspace,
 }
 
 impl BlockSlopes {
-    /// Slopes over machines with their weights. `None` if they differ from `own` in more than blocks, such as in lengths.
+    /// Combines the blocks of several machines with the weights of a difference quotient. `None` if the models differ from `own` in more
+    /// than blocks, for example in lengths.
     pub fn new<'a>(own: &Model, others: impl Iterator<Item = (f64, &'a Model)>) -> Option<Self> {
         let mut model = own.clone();
         clear(&mut model);
@@ -39,7 +40,8 @@ impl BlockSlopes {
         Some(Self { model, work })
     }
 
-    /// Slope of the residual of tree and loops at a point, in the field and with the damping of `environment`; loads have none.
+    /// Derivative of the residual of tree and loops at a point, in the gravity field and with the damping of `environment`; loads do not
+    /// contribute.
     pub fn residual(&mut self, (root, damping): (&RootMotion, &[Damping]), motion: Motion, out: &mut [f64]) {
         let environment = Environment { root, damping, stations: &[] };
         dynamics::residual(&self.model, &mut self.work, motion, environment, out);

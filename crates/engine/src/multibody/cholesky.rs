@@ -2,8 +2,8 @@
 
 use crate::math::strain::{Strain, StrainMatrix};
 
-/// Cholesky factor of a symmetric matrix given by its lower part, with inverted diagonal; `None` at a pivot that
-/// is not positive or not finite.
+/// Cholesky factor of a symmetric matrix given by its lower triangle, with inverted diagonal; `None` at a pivot that is not positive or not
+/// finite.
 #[inline]
 pub(super) fn cholesky<const N: usize>(matrix: &StrainMatrix<N>) -> Option<StrainMatrix<N>> {
     let mut l = StrainMatrix::<N>::zeros();

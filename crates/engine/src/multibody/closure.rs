@@ -1,8 +1,8 @@
 //! Closed loops by the penalty method: a joint between two nodes of the tree.
 //!
-//! The gap `g` between a point of either node is held small by `m g̈ + c ġ + k g`, \[O\] section 1 and NOTATION
-//! eqs. (C1)–(C3). Its part of the Newton matrix couples distant branches; it has low rank, so the tree's O(n)
-//! factorisation stays and Woodbury's formula adds the loops.
+//! The gap `g` between a point of each node is kept small by `m g̈ + c ġ + k g`, \[O\] section 1 and NOTATION eqs. (C1)–(C3). Its
+//! contribution to the Newton matrix couples distant branches; it has low rank, so the O(n) factorisation of the tree is kept and the
+//! Woodbury formula adds the loops.
 
 use crate::math::strain::{SHEARED, STRAINS};
 use crate::multibody::factor::{Weights, solve_tree};
@@ -22,23 +22,23 @@ pub struct Penalty {
     pub stiffness_n_m: f64,
 }
 
-/// A closure as the mesh maker needs it: two points that coincide.
+/// Description of a closure for meshing: two points that coincide.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosureDescription {
     /// Bodies and the distances of the sections from their inner ends in m.
     pub places: [(usize, f64); 2],
-    /// Points from the sections' axes, section frames, m.
+    /// Positions of the points relative to the sections' axes, section frames, m.
     pub offsets_m: [Vector3<f64>; 2],
     /// Penalty.
     pub penalty: Penalty,
 }
 
-/// Two points of the tree that coincide.
+/// Closure in the tree: two points that must coincide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closure {
     /// Nodes.
     pub nodes: [usize; 2],
-    /// Points from the nodes, node frames, m.
+    /// Positions of the points relative to the nodes, node frames, m.
     pub offsets_m: [Vector3<f64>; 2],
     /// Penalty.
     pub penalty: Penalty,
@@ -47,11 +47,11 @@ pub struct Closure {
 /// Gap of a closure with its rates, root frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gap {
-    /// Second point less first point in m.
+    /// Position of the second point relative to the first in m.
     pub position_m: Vector3<f64>,
-    /// Its rate in m/s.
+    /// Rate of the gap in m/s.
     pub velocity_m_s: Vector3<f64>,
-    /// Its second rate in m/s².
+    /// Second rate of the gap in m/s².
     pub acceleration_m_s2: Vector3<f64>,
 }
 
@@ -107,7 +107,7 @@ impl Closure {
         }
     }
 
-    /// Change of the gap that the node displacements in `work.bias` make.
+    /// Change of the gap due to the node displacements in `work.bias`.
     fn gap_change(&self, work: &Workspace) -> Vector3<f64> {
         let change = |side: usize| {
             let n = self.nodes[side];
@@ -118,7 +118,7 @@ impl Closure {
     }
 }
 
-/// Scratch for the closures of a model.
+/// Workspace for the closures of a model.
 #[derive(Debug, Clone)]
 pub(crate) struct ClosureFactor {
     /// Columns `Z = A⁻¹ Gᵀ`, one per row of the gaps.
@@ -129,17 +129,17 @@ pub(crate) struct ClosureFactor {
 }
 
 impl ClosureFactor {
-    /// Scratch for `closures` closures on `coordinates` coordinates.
+    /// Workspace for `closures` closures and `coordinates` coordinates.
     pub(crate) fn new(closures: usize, coordinates: usize) -> Self {
         let rows = 3 * closures;
         Self { columns: vec![vec![0.0; coordinates]; rows], cholesky: vec![0.0; rows * rows], gaps: vec![0.0; rows] }
     }
 }
 
-/// Value for an absent penalty; its inverse and the square of that are still finite.
+/// Value that replaces an absent penalty; its inverse and the square of the inverse are still finite.
 const ABSENT: f64 = 1e-150;
 
-/// Adds the closures to a factorisation of the tree. `None` if the small matrix has no factor.
+/// Adds the closures to a factorisation of the tree. `None` if the small matrix cannot be factorised.
 pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -> Option<()> {
     let rows = 3 * model.closures.len();
     let mut factor = std::mem::replace(&mut work.closure_factor, ClosureFactor::new(0, 0));
@@ -155,7 +155,7 @@ pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -
         }
         let Penalty { inertia_kg, damping_n_s_m, stiffness_n_m } = closure.penalty;
         let penalty = weights.mass * inertia_kg + weights.damping * damping_n_s_m + weights.stiffness * stiffness_n_m;
-        // without inertia the mass matrix alone does not contain the loop
+        // without penalty inertia the mass matrix does not contain the loop
         factor.cholesky[row * rows + row] += 1.0 / penalty.max(ABSENT);
     }
     let outcome = cholesky(&mut factor.cholesky, rows);
@@ -191,7 +191,7 @@ pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64
     kinematic_norm(model, work, x)
 }
 
-/// Generalised forces of a unit force across a closure's gap.
+/// Generalised forces due to a unit force across a closure's gap.
 fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, axis: usize, out: &mut [f64]) {
     work.bias.fill(Pair::ZERO);
     let mut unit = Vector3::zeros();
@@ -228,7 +228,7 @@ fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, ax
     }
 }
 
-/// Forces of a wrench at the outer end of an element on its strains, and the wrench that passes to the inner end with that of its node.
+/// Forces on the strains of an element due to a wrench at its outer end, and the wrench transmitted to the inner end plus that of its node.
 fn project_on_element<const N: usize>(
     model: &Model,
     work: &Workspace,

@@ -1,7 +1,7 @@
 //! Residual of the equations of motion, \[O\] (9), by recursion: `BᵀM(ë − g) + K(q − q₀) + damping − loads`.
 //!
-//! Everything is written with the nodal vectors `(r, r_x, r_y, r_z)`: their mass is constant, so no velocity
-//! term appears besides `ω × (ω × r_k)`, NOTATION eqs. (D4)–(D7).
+//! Everything is expressed in the nodal vectors `(r, r_x, r_y, r_z)`: their mass is constant, so no velocity term appears except `ω × (ω ×
+//! r_k)`, NOTATION eqs. (D4)–(D7).
 
 use crate::beam::element::ElementKind;
 use crate::load::{RootMotion, Wrench};
@@ -14,13 +14,13 @@ use crate::multibody::station_load;
 use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
-/// Damping of one body; acts on its beam, and optionally on attached masses, on velocity relative to the carrier of the tree: the root
-/// frame, or the rigid motion of the first node behind a free joint.
+/// Damping of one body; acts on its beam, and optionally on attached masses, on the velocity relative to the carrier of the tree: the root
+/// frame, or the rigid-body motion of the first node outboard of a free joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Damping {
-    /// Mass proportional, `α` in 1/s.
+    /// Mass-proportional, `α` in 1/s.
     pub mass_1_s: f64,
-    /// Stiffness proportional, `β` in s.
+    /// Stiffness-proportional, `β` in s.
     pub stiffness_s: f64,
 }
 
@@ -31,11 +31,11 @@ pub struct Environment<'a> {
     pub root: &'a RootMotion,
     /// Damping per body.
     pub damping: &'a [Damping],
-    /// Wrench per station, in its station's frame; empty without loads.
+    /// Wrench per station, in the station's frame; empty without loads.
     pub stations: &'a [Wrench],
 }
 
-/// Computes the residual in generalised coordinates: the additional loads that would make the motion possible.
+/// Computes the residual in generalised coordinates: the additional loads that would be needed to make the motion possible.
 ///
 /// `residual` has [`Model::coordinates`] entries: N·m at joints (without motor torques, which the caller subtracts), N·m and N·m² at
 /// strains. Stores poses, accelerations and accumulated wrenches in `work`. Allocates nothing.
@@ -45,13 +45,13 @@ pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment
     sweep_forces::<true>(model, work, motion, environment, residual);
 }
 
-/// Computes only the contents of `work` after [`residual`], bit-identical; `scratch` has its size.
+/// Computes only the contents of `work` as after [`residual`], bit-identical; `scratch` has the size of a residual.
 pub fn wrenches(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, scratch: &mut [f64]) {
     sweep_motion(model, work, motion);
     sweep_forces::<false>(model, work, motion, environment, scratch);
 }
 
-/// Adds the projection of loads at the stations on the coordinates, as [`residual`] counts them: negative. `work` must hold the poses; its
+/// Adds the projection of loads at the stations on the coordinates, with the negative sign of [`residual`]. `work` must hold the poses; its
 /// wrenches are overwritten.
 pub fn project_loads(model: &Model, work: &mut Workspace, q: &[f64], loads: &[Wrench], residual: &mut [f64]) {
     for node in &mut work.nodes {
@@ -96,7 +96,7 @@ fn sweep_forces<const PROJECT: bool>(
     }
 }
 
-/// Rates of the nodal vectors that the mass multiplies, and the wrenches of attached masses, eq. (D5).
+/// Computes the rates of the nodal vectors that are multiplied by the mass, and the wrenches of attached masses, eq. (D5).
 fn load_rates(model: &Model, work: &mut Workspace, environment: Environment) {
     let root = environment.root;
     let field = root.apparent_gravity_m_s2();
@@ -149,7 +149,7 @@ fn react_on_carriers(model: &Model, work: &mut Workspace, damping: &[Damping]) {
 }
 
 /// Adds the effect of the carrier's rotation on the rotors of geared motors, and their reaction on it, eq. (D17). Returns the moment on the
-/// root, if any.
+/// root, if there is one.
 fn react_of_rotors<const PROJECT: bool>(
     model: &Model,
     work: &mut Workspace,
@@ -182,7 +182,7 @@ fn react_of_rotors<const PROJECT: bool>(
     on_root
 }
 
-/// `Σ f` and `Σ e × f` about the carrier of `f = M̂ ė`, `ė` relative to the carrier's rigid motion, of one body's beam.
+/// `Σ f` and `Σ e × f` about the carrier of `f = M̂ ė`, with `ė` relative to the carrier's rigid-body motion, for one body's beam.
 fn damping_resultant(model: &Model, body: &Body, work: &Workspace, carrier: usize) -> (Vector3<f64>, Vector3<f64>) {
     let carrier = &work.nodes[carrier];
     let (mut force, mut moment) = slope::damping_resultant(model, body, work, carrier);
@@ -220,7 +220,7 @@ fn inertia_forces<const SLIM: bool>(model: &Model, body: &Body, work: &mut Works
     }
 }
 
-/// Forces on the nodal vectors of node `i` of a body, `load_rate` of its nodes given, eq. (D5).
+/// Forces on the nodal vectors of node `i` of a body, with the given `load_rate` of its nodes, eq. (D5).
 #[inline(always)]
 pub(crate) fn beam_force<'a, const SLIM: bool>(
     model: &Model,
@@ -241,7 +241,7 @@ pub(crate) fn beam_force<'a, const SLIM: bool>(
     forces
 }
 
-/// [`multiply`], reduced for blocks that couple the axis only.
+/// [`multiply`], reduced for blocks that couple only `r` and `r_x`.
 #[inline]
 pub(super) fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     if !SLIM {
@@ -256,7 +256,7 @@ pub(super) fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<
     ]
 }
 
-/// [`multiply_transposed`], reduced for blocks that couple the axis only.
+/// [`multiply_transposed`], reduced for blocks that couple only `r` and `r_x`.
 #[inline]
 pub(super) fn transposed_product<const SLIM: bool>(
     mass: &Matrix4<f64>,
@@ -274,14 +274,14 @@ pub(super) fn transposed_product<const SLIM: bool>(
     ]
 }
 
-/// `[α]× + [ω]×²`: turns a vector fixed to the node into its acceleration.
+/// `[α]× + [ω]×²`: maps a vector fixed to the node to its acceleration.
 #[inline]
 fn turning(spin_rate: &Vector3<f64>, spin: &Vector3<f64>) -> Matrix3<f64> {
     let square = spin.norm_squared();
     hat(spin_rate) + spin * spin.transpose() - Matrix3::from_diagonal_element(square)
 }
 
-/// Rates of the four nodal vectors from that of the origin and the matrix that turns the gradients.
+/// Rates of the four nodal vectors from that of the origin and the matrix that is applied to the gradients.
 #[inline]
 fn nodal_rates(origin: Vector3<f64>, turn: &Matrix3<f64>, rotation: &Matrix3<f64>) -> [Vector3<f64>; 4] {
     let gradients = turn * rotation;
@@ -317,7 +317,7 @@ pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> 
     (forces[0], moment)
 }
 
-/// Elastic and damping forces of the strains, eq. (D8); joint entries start at zero.
+/// Computes the elastic and damping forces of the strains, eq. (D8); joint entries are set to zero.
 fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Damping], residual: &mut [f64]) {
     for (index, (body, damping)) in model.bodies.iter().zip(damping).enumerate() {
         body.joint.own_forces(&work.joints[index], motion, residual);
@@ -331,7 +331,7 @@ fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Da
     }
 }
 
-/// The same of one body.
+/// Elastic and damping forces of the strains of one body.
 #[inline(always)]
 fn body_elastic_forces<const N: usize>(model: &Model, body: &Body, beta: f64, motion: Motion, residual: &mut [f64])
 where
@@ -362,7 +362,7 @@ where
     }
 }
 
-/// The same for strains with different shares of the damping: `K (ε − ε₀) + β S K S ε̇`, eq. (D8).
+/// Elastic and damping forces for strains with different damping factors: `K (ε − ε₀) + β S K S ε̇`, eq. (D8).
 fn shared_elastic_forces<const N: usize>(
     model: &Model,
     body: &Body,
@@ -438,7 +438,7 @@ fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residu
     }
 }
 
-/// The elements of one body: takes the wrench at its last node, returns that at its first one.
+/// Sweeps the elements of one body: from the wrench at its last node to that at its first node.
 #[inline(always)]
 fn sweep_body<const PROJECT: bool, const N: usize>(
     model: &Model,

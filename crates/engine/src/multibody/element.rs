@@ -1,4 +1,4 @@
-//! An element of the mesh: place, elasticity of its strains, mass blocks.
+//! An element of the mesh: position, elasticity of its strains, mass blocks.
 
 use crate::beam::element::{ElementElasticity, ElementKind};
 use crate::beam::law::{NaturalStrain, SectionLaw};
@@ -16,15 +16,15 @@ pub struct Element {
     pub start_m: f64,
     /// Index of its first strain in `q`.
     pub coordinate: usize,
-    /// Elasticity of an element without shear; that of one with shear has no numbers here.
+    /// Elasticity of an element without shear; NaN for an element with shear.
     pub elastic: Elastic,
     /// Elasticity of an element with shear.
     pub sheared: Option<Box<Elastic<SHEARED>>>,
     /// Mass block that couples the ends: rows outer, columns inner.
     pub cross_mass: Matrix4<f64>,
-    /// Mass block of the outer end: for the section wrench, and the inertia of an element with shear.
+    /// Mass block of the outer end: for the section wrench, and for the inertia of an element with shear.
     pub outer_mass: Matrix4<f64>,
-    /// Mass block of the inner end of an element with shear; that of others is part of the node's alone.
+    /// Mass block of the inner end of an element with shear; for other elements it is only contained in the node mass.
     pub inner_mass: Option<Box<Matrix4<f64>>>,
 }
 
@@ -33,23 +33,23 @@ pub struct Element {
 pub struct Elastic<const N: usize = STRAINS> {
     /// Natural strain.
     pub natural_strain: Strain<N>,
-    /// Stiffness of its strains, `∫ K_s ds` weighted by its type, N·m, N·m², N·m³.
+    /// Stiffness of its strains, `∫ K_s ds` weighted by the element type, N·m, N·m², N·m³.
     pub stiffness: StrainMatrix<N>,
-    /// Stiffness that couples it to its sibling in a pair; zero for constant elements.
+    /// Stiffness that couples it to the other half of a pair; zero for constant elements.
     pub coupling: StrainMatrix<N>,
-    /// Section stiffness at its inner and outer end, for strain recovery.
+    /// Section stiffness at the inner and outer ends, for strain recovery.
     pub section_stiffness: [StrainMatrix<N>; 2],
 }
 
 impl<const N: usize> Elastic<N> {
-    /// Not a number anywhere.
+    /// All entries NaN.
     pub(super) fn none() -> Self {
         let stiffness = StrainMatrix::repeat(f64::NAN);
         let natural_strain = Strain::repeat(f64::NAN);
         Self { natural_strain, stiffness, coupling: stiffness, section_stiffness: [stiffness; 2] }
     }
 
-    /// The parts of an element on `[start_m, start_m + length_m]` of a body.
+    /// The parts of an element on the interval `[start_m, start_m + length_m]` of a body.
     pub(super) fn parts(
         kind: ElementKind,
         (start_m, length_m): (f64, f64),
@@ -75,7 +75,7 @@ impl<const N: usize> Elastic<N> {
             .collect()
     }
 
-    /// Without stiffness.
+    /// Sets the stiffness to zero.
     pub fn release(&mut self) {
         (self.stiffness, self.coupling) = (StrainMatrix::zeros(), StrainMatrix::zeros());
     }
@@ -90,7 +90,7 @@ impl<const N: usize> Elastic<N> {
 
 /// The elasticity of an element's `N` strains.
 pub trait Strained<const N: usize> {
-    /// Its elasticity.
+    /// Elasticity of the element's strains.
     fn elastic(&self) -> &Elastic<N>;
 }
 
@@ -124,13 +124,13 @@ impl Element {
         self.coordinate..self.coordinate + self.count()
     }
 
-    /// The same for an element of `N` strains.
+    /// Indices of its strains in `q` for an element of `N` strains.
     #[inline(always)]
     pub fn range_of<const N: usize>(&self) -> Range<usize> {
         self.coordinate..self.coordinate + N
     }
 
-    /// Stiffness of one of its strains, `∫ K_s ds` weighted by its type, N·m, N·m², N·m³.
+    /// Stiffness of one of its strains, `∫ K_s ds` weighted by the element type, N·m, N·m², N·m³.
     pub fn stiffness_of(&self, strain: usize) -> f64 {
         let plain = |elastic: &Elastic| elastic.stiffness[(strain, strain)];
         self.sheared.as_ref().map_or_else(|| plain(&self.elastic), |elastic| elastic.stiffness[(strain, strain)])
@@ -149,7 +149,7 @@ impl Element {
         self.coordinate + CURVATURES.start..self.coordinate + CURVATURES.end
     }
 
-    /// Its numbers in a vector of coordinates: strains, or their rates or accelerations.
+    /// Its entries in a vector of coordinates: strains, or their rates or accelerations.
     #[inline]
     pub fn strains<const N: usize>(&self, coordinates: &[f64]) -> [f64; N] {
         strains_at(coordinates, self.coordinate)

@@ -1,4 +1,4 @@
-//! Energies and powers of the tree, from the motion that the last sweep left in the workspace.
+//! Energies and powers of the tree, from the motion of the last sweep in the workspace.
 
 use crate::load::RootMotion;
 use crate::math::so3::hat;
@@ -46,7 +46,7 @@ pub fn mass_damping_power(model: &Model, work: &Workspace, damping: &[Damping], 
     }
 }
 
-/// Kinetic energy relative to the root frame, J: of the beams per body through `per_body`, and in all.
+/// Kinetic energy relative to the root frame, J: the total, and that of each body's beam through `per_body`.
 pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, f64)) -> f64 {
     let mut total = 0.0;
     for (index, body) in model.bodies.iter().enumerate() {
@@ -85,13 +85,13 @@ pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, 
     total
 }
 
-/// Kinetic energy in J of the inertias that turn with the joint angles only, eq. (D16).
+/// Kinetic energy in J of the inertias that rotate with the joint angles only, eq. (D16).
 pub fn kinetic_of_drives(model: &Model, work: &Workspace, v: &[f64]) -> f64 {
     let driven = model.bodies.iter().zip(&work.joints).filter(|(body, _)| body.joint.drive_inertia != 0.0);
     driven.map(|(body, scratch)| 0.5 * body.joint.drive_inertia * rotor_rate(body, scratch, work, v).powi(2)).sum()
 }
 
-/// Rate of a motor's rotor over its gear ratio in rad/s, or in m/s for a prismatic joint, eq. (D17).
+/// Rate of a motor's rotor divided by its gear ratio, in rad/s, or in m/s for a prismatic joint, eq. (D17).
 fn rotor_rate(body: &Body, scratch: &JointWork, work: &Workspace, v: &[f64]) -> f64 {
     let own = v[body.joint.coordinate];
     match (body.joint.drive_carried, scratch.one_freedom(), body.base) {
@@ -102,7 +102,7 @@ fn rotor_rate(body: &Body, scratch: &JointWork, work: &Workspace, v: &[f64]) -> 
     }
 }
 
-/// Power in W of the inertia forces of a rotating root frame on the rotors of motors, as [`frame_power`].
+/// Power in W of the inertia forces of a rotating root frame on the rotors of motors, like [`frame_power`].
 pub fn frame_power_of_drives(model: &Model, work: &Workspace, root: &RootMotion, v: &[f64]) -> f64 {
     let mut power = 0.0;
     for (body, scratch) in model.bodies.iter().zip(&work.joints).filter(|(body, _)| body.joint.drive_carried != 0.0) {
@@ -118,7 +118,7 @@ pub fn frame_power_of_drives(model: &Model, work: &Workspace, root: &RootMotion,
     power
 }
 
-/// Strain energy of the beams and modal bodies in J; linear elements with their coupling.
+/// Strain energy of the beams and modal bodies in J, including the coupling within pairs.
 pub fn elastic(model: &Model, q: &[f64]) -> f64 {
     strain_form(model, |body, elements| match body.sheared {
         false => excess_form::<STRAINS>(elements, q),
@@ -130,7 +130,7 @@ pub fn elastic(model: &Model, q: &[f64]) -> f64 {
         + model.bodies.iter().filter_map(|body| body.modal.as_ref()).map(|modal| modal.elastic_j(q)).sum::<f64>()
 }
 
-/// Dissipation of the damping of modal bodies, in W.
+/// Power in W dissipated by the damping of modal bodies.
 pub fn modal_damping_power(model: &Model, v: &[f64]) -> f64 {
     model.bodies.iter().filter_map(|body| body.modal.as_ref()).map(|modal| modal.damping_w(v)).sum()
 }
@@ -158,7 +158,7 @@ fn strain_form<'a>(
         .map(move |body| form(body, &model.elements[body.first_element..body.first_element + body.elements]))
 }
 
-/// The form of the strains less the natural ones.
+/// The form for the strains minus the natural strains.
 fn excess_form<const N: usize>(elements: &[Element], q: &[f64]) -> f64
 where
     Element: Strained<N>,
@@ -169,7 +169,7 @@ where
     })
 }
 
-/// The form of the rates, with the shares of the damping.
+/// The form for the strain rates, with the damping factors.
 fn rate_form<const N: usize>(body: &Body, elements: &[Element], v: &[f64]) -> f64
 where
     Element: Strained<N>,
@@ -223,7 +223,8 @@ pub fn mass_kg(model: &Model) -> f64 {
     sum_of_mass_rows(model, |_| unit).x + modal + sheared
 }
 
-/// `Σ uᵀ M̂ e` of all but elements with shear, with `u` that selects positions: shape functions of the positions add up to one.
+/// `Σ uᵀ M̂ e` of all elements except those with shear, with `u` that selects positions: the shape functions of the positions add up to
+/// one.
 fn sum_of_mass_rows(model: &Model, vectors: impl Fn(usize) -> [Vector3<f64>; 4]) -> Vector3<f64> {
     let row = |mass: &Matrix4<f64>, e: &[Vector3<f64>; 4]| multiply(mass, e)[0];
     let mut sum = Vector3::zeros();
@@ -247,8 +248,7 @@ fn sum_of_mass_rows(model: &Model, vectors: impl Fn(usize) -> [Vector3<f64>; 4])
     sum
 }
 
-/// Power of the inertia forces that a rotating root frame adds, in W: centrifugal and Euler terms (the Coriolis
-/// term does no work).
+/// Power in W of the inertia forces due to a rotating root frame: centrifugal and Euler terms (the Coriolis term does no work).
 pub fn frame_power(model: &Model, work: &Workspace, root: &RootMotion) -> f64 {
     let turn = hat(&root.angular_velocity_rad_s);
     let frame = hat(&root.angular_acceleration_rad_s2) + turn * turn;
@@ -303,7 +303,7 @@ fn quadratic(mass: &Matrix4<f64>, a: &[Vector3<f64>; 4], b: &[Vector3<f64>; 4]) 
     multiply(mass, b).iter().zip(a).map(|(mb, a)| a.dot(mb)).sum()
 }
 
-/// [`quadratic`], reduced for blocks that couple the axis only.
+/// [`quadratic`], reduced for blocks that couple only `r` and `r_x`.
 fn slim_form(mass: &Matrix4<f64>, a: &[Vector3<f64>; 4], b: &[Vector3<f64>; 4]) -> f64 {
     a[0].dot(&(b[0] * mass[(0, 0)] + b[1] * mass[(0, 1)]))
         + a[1].dot(&(b[0] * mass[(1, 0)] + b[1] * mass[(1, 1)]))

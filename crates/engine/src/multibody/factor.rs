@@ -1,8 +1,8 @@
 //! Factorisation and solution of `(a BᵀM B + b C + c K) x = r` by the articulated-body recursion.
 //!
-//! Per element the strains are eliminated by a small Cholesky factor, per hinge its angle by a scalar pivot, and a 6×6 inertia is passed
-//! inward; trees branch freely. The halves of a pair are eliminated in sequence, the outer one first, with their coupled stiffness carried
-//! along; NOTATION eqs. (D10)–(D14).
+//! In each element the strains are eliminated by a small Cholesky factor, in each hinge its angle by a scalar pivot, and a 6×6 inertia is
+//! passed inward; the tree may branch anywhere. The halves of a pair are eliminated in sequence, the outer one first, with their coupled
+//! stiffness carried along; NOTATION eqs. (D10)–(D14).
 
 use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
@@ -28,24 +28,24 @@ pub struct Weights {
     pub stiffness: f64,
 }
 
-/// Pivot of a joint's freedom, over the largest inertia of its type, that is indistinguishable from round-off: earlier eliminations leave a
-/// few round-off errors of 1e-16 of the subtracted numbers, which are up to a thousand times the inertia. The threshold corresponds to the
-/// inertia of a wire a kilometre long and 1 mm thick about its axis.
+/// Pivot of a joint's degree of freedom, relative to the largest inertia of its type, below which it is indistinguishable from round-off:
+/// earlier eliminations leave a few round-off errors of 1e-16 of the subtracted numbers, which are up to a thousand times the inertia. The
+/// threshold corresponds to the inertia about its axis of a wire a kilometre long and 1 mm thick.
 pub(crate) const ROUND_OFF: f64 = 1e-12;
 
-/// Tangent of the forces on the freedoms of a joint, the same for all of them.
+/// Tangent of the forces on the degrees of freedom of a joint, the same for all of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreedomTangent {
-    /// The freedoms are unknowns; otherwise they are held or prescribed.
+    /// Whether the degrees of freedom are unknowns; otherwise they are held or prescribed.
     pub free: bool,
-    /// `−∂τ/∂θ` in N·m/rad, of translations in N/m.
+    /// `−∂τ/∂θ` in N·m/rad, for translations in N/m.
     pub stiffness: f64,
-    /// `−∂τ/∂θ̇` in N·m·s/rad, of translations in N·s/m.
+    /// `−∂τ/∂θ̇` in N·m·s/rad, for translations in N·s/m.
     pub damping: f64,
 }
 
 impl FreedomTangent {
-    /// Held or prescribed.
+    /// Tangent of a held or prescribed joint.
     pub const HELD: Self = Self { free: false, stiffness: 0.0, damping: 0.0 };
 }
 
@@ -131,7 +131,7 @@ where
     Workspace: Keeps<N>,
 {
     let stiffness = &body.damped_weights(elastic, viscous);
-    // remainder of the outer half of a pair for the inner one: coupling to the middle node, and stiffness
+    // contributions of the outer half of a pair to the inner one: coupling to the middle node, and stiffness
     let mut carried: Option<Carried<N>> = None;
     for i in (0..body.elements).rev() {
         let e = body.first_element + i;
@@ -172,7 +172,7 @@ where
     Ok(())
 }
 
-/// Node lump in twist form, eq. (D10).
+/// Lumped mass of a node in twist form, eq. (D10).
 #[inline]
 pub(super) fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedInertia {
     let gradients: Matrix3<f64> = mass.fixed_view::<3, 3>(1, 1).into_owned();
@@ -185,12 +185,12 @@ pub(super) fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedI
     }
 }
 
-/// Remainder of an eliminated outer half for its sibling, and coupling of the outer node with the strains by inertia.
+/// Contributions of an eliminated outer half to the inner half, and inertial coupling of the outer node with the strains.
 struct Carried<const N: usize> {
-    /// Coupling of the outer node to the strains.
+    /// Coupling of the outer node with the strains, velocity rows.
     velocity: [Vector3<f64>; N],
     spin: [Vector3<f64>; N],
-    /// Change of the strains' own block.
+    /// Change of the diagonal block of the strains.
     block: StrainMatrix<N>,
 }
 
@@ -198,7 +198,7 @@ impl<const N: usize> Carried<N>
 where
     Element: Strained<N>,
 {
-    /// `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
+    /// Computes `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
     fn new(element: &Element, stiffness: &StrainMatrix<N>, factor: &ElementFactor<N>) -> Self {
         let coupling = element.elastic().coupling.component_mul(stiffness);
         let solved: [Strain<N>; N] =
@@ -247,7 +247,7 @@ struct Elimination<const N: usize> {
     inertia: ArticulatedInertia,
 }
 
-/// Eliminates the strains of one element with the axes `[r_x r_y r_z]`, or with the slope for `r_x`, of its ends, eqs. (D11)–(D13).
+/// Eliminates the strains of one element with the axes `[r_x r_y r_z]` of its ends, or with the slope in place of `r_x`, eqs. (D11)–(D13).
 #[inline]
 fn eliminate<const N: usize>(
     element: &Element,
@@ -350,16 +350,16 @@ where
     })
 }
 
-/// Whether a strain of an element with shear moves its outer end without a turn.
+/// Whether a strain of an element with shear displaces its outer end without rotation.
 #[inline(always)]
 fn moves_only(strains: usize, strain: usize) -> bool {
     strains == SHEARED && LINEAR.contains(&strain)
 }
 
-/// Solves with the last factorisation: `x` holds the right side and then the solution.
+/// Solves with the last factorisation: `x` holds the right-hand side and then the solution.
 ///
-/// Returns the kinematic norm of the solution: the largest node displacement over the reference length or rotation in rad caused by `x`.
-/// Not finite if an entry is not. Allocates nothing.
+/// Returns the kinematic norm of the solution: the largest rotation in rad, or node displacement divided by the reference length, caused by
+/// `x`. Not finite if an entry is not finite. Allocates nothing.
 pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let norm = solve_tree(model, work, x);
     if model.closures.is_empty() { norm } else { closure::correct(model, work, x) }
@@ -411,7 +411,7 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     norm.value(model.reference_length_m)
 }
 
-/// Inward half of [`solve`] over the elements of one body: takes the wrench at its last node, returns that at its first one.
+/// Inward half of [`solve`] over the elements of one body: from the wrench at its last node to that at its first node.
 #[inline(always)]
 fn reduce_body<const N: usize>(model: &Model, work: &mut Workspace, body: &Body, x: &[f64], mut p: Pair) -> Pair
 where
@@ -442,7 +442,7 @@ where
     p
 }
 
-/// Outward half over the elements of one body; takes the displacement of its first node.
+/// Outward half over the elements of one body, from the displacement of its first node.
 #[inline(always)]
 fn expand_body<const N: usize>(
     model: &Model,

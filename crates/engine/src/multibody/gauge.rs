@@ -1,12 +1,12 @@
 //! Strain along a body: between element centres for constant elements, recovered from the section wrench for
 //! linear ones.
 //!
-//! The raw strain of a pair is of second order pointwise; at its ends the wrench of the outboard part gives a fourth-order value,
-//! `ε − ε₀ = −K_s⁻¹ Rᵀ (F, M) − β ε̇`, NOTATION eq. (G2). Inside, a cubic joins both ends and the raw values at the two Gauss points, eq.
-//! (G3). Stiffness and natural strain are those of the section itself.
+//! The raw strain of a pair is of second order pointwise; at its ends the wrench of the outboard part gives a fourth-order value, `ε − ε₀ =
+//! −K_s⁻¹ Rᵀ (F, M) − β ε̇`, NOTATION eq. (G2). In between, a cubic interpolates both ends and the raw values at the two Gauss points, eq.
+//! (G3). Stiffness and natural strain are those of the section.
 //!
-//! The wrench contains every force immediately, the strains of the elements do not: while waves are not resolved by the mesh (a torque that
-//! jumps, the first instants after a release or a latch) the recovered end values alternate in sign from pair to pair, and are not zero
+//! The wrench changes immediately with every force, the strains of the elements do not: while the mesh does not resolve the waves (a torque
+//! that jumps, the first instants after a release or a latch) the recovered end values alternate in sign from pair to pair, and are nonzero
 //! before the body is strained. [`element_measures`] returns the strains of the elements.
 
 use crate::beam::element::ElementKind;
@@ -30,14 +30,14 @@ pub struct GaugePoint {
 }
 
 impl GaugePoint {
-    /// Reading of the gauge, zero for an unstrained body, eq. (G4). `work` must hold a residual of `motion`.
+    /// Strain at the gauge, zero for an unstrained body, eq. (G4). `work` must hold a residual of `motion`.
     pub fn strain(&self, model: &Model, work: &Workspace, motion: Motion, damping: &[Damping]) -> f64 {
         self.row.dot(&strain_measures(model, work, motion, damping, self.body, self.position_m))
     }
 }
 
-/// Section strains `(εx, κx, κy, κz)` of a body at `position_m` from its inner end, natural strain included. `work`
-/// must hold a residual of `motion`.
+/// Section strains `(εx, κx, κy, κz)` of a body at `position_m` from its inner end, including the natural strain. `work` must hold a
+/// residual of `motion`.
 pub fn section_strain(
     model: &Model,
     work: &Workspace,
@@ -49,7 +49,7 @@ pub fn section_strain(
     strain_measures(model, work, motion, damping, body, position_m) + model.bodies[body].natural_strain.at(position_m)
 }
 
-/// Strain measures `(γ₁, k₁, k₂, k₃)` of a section: its strains less the natural ones.
+/// Strain measures `(γ₁, k₁, k₂, k₃)` of a section: its strains minus the natural strains.
 pub fn strain_measures(
     model: &Model,
     work: &Workspace,
@@ -83,7 +83,7 @@ pub fn section_shear(
     [measures[SHEAR_Y], measures[SHEAR_Z]]
 }
 
-/// The measures of all strains of a body whose elements have `N`, or that has none.
+/// All `N` strain measures of a body with elements of `N` strains, or of a body without elements.
 fn measures<const N: usize>(
     model: &Model,
     work: &Workspace,
@@ -103,7 +103,7 @@ where
     }
 }
 
-/// Linear between element centres, extrapolated in the end half-elements, eq. (G1).
+/// Strains interpolated linearly between element centres, extrapolated in the end half-elements, eq. (G1).
 fn between_centres<const N: usize>(model: &Model, q: &[f64], body: usize, position_m: f64) -> Strain<N>
 where
     Element: Strained<N>,
@@ -120,11 +120,11 @@ where
     strain(after - 1) * (1.0 - weight) + strain(after) * weight
 }
 
-/// Abscissae of the two Gauss points of `[0, 1]`.
+/// Abscissae of the two Gauss points on `[0, 1]`.
 const GAUSS_2: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
 /// Strain measures `(γ₁, k₁, k₂, k₃)` of a section from the strains of the elements, eq. (G7): independent of wrenches, so that they vanish
-/// for unstrained elements. For pictures of whole bodies; gauges read [`strain_measures`].
+/// for unstrained elements. For displays of whole bodies; gauges use [`strain_measures`].
 pub fn element_measures(model: &Model, q: &[f64], body: usize, position_m: f64) -> Strain {
     match model.bodies[body].sheared {
         false => of_elements(model, q, body, position_m),
@@ -157,13 +157,13 @@ where
     cubic(&values, offset_m / (2.0 * model.elements[inner].length_m))
 }
 
-/// Linear function over a pair from values of its halves, at `sigma` from 0 to 1 along it: `(A+B)/2 + 3/2 (B−A)(σ − 1/2)`, eq. (D8).
+/// Linear function over a pair from values at its halves, at `sigma` from 0 to 1 along it: `(A+B)/2 + 3/2 (B−A)(σ − 1/2)`, eq. (D8).
 fn on_line<const N: usize>(halves: &[Element], of: &dyn Fn(&Element) -> Strain<N>, sigma: f64) -> Strain<N> {
     let (a, b) = (of(&halves[0]), of(&halves[1]));
     (a + b) * 0.5 + (b - a) * (1.5 * (sigma - 0.5))
 }
 
-/// The cubic through values at both ends of a pair and at its Gauss points, eq. (G3).
+/// The cubic through the values at both ends of a pair and at its Gauss points, eq. (G3).
 fn cubic<const N: usize>(values: &[Strain<N>; 4], sigma: f64) -> Strain<N> {
     let places = [0.0, GAUSS_2[0], GAUSS_2[1], 1.0];
     let mut strain = Strain::<N>::zeros();
@@ -192,7 +192,7 @@ where
     let strain = |half: &Element| Strain::from(half.strains(motion.q)) - half.elastic().natural_strain;
     let rate = |half: &Element| Strain::from(half.strains(motion.v));
     let roots = model.bodies[body].damping_roots.map(|roots| roots.fixed_rows::<N>(0).into_owned());
-    // strain that corresponds to the damping's stress: the rate itself if all shares are 1
+    // strain that corresponds to the damping stress: the strain rate itself if all factors are 1
     let viscous = |rate: Strain<N>, stiffness: &StrainMatrix<N>| match &roots {
         None => rate,
         Some(roots) => {
@@ -224,29 +224,29 @@ fn end_strain<const N: usize>(
     let (force, moment) = section_wrench(model, work, body, node, side);
     let axes = work.nodes[node].rotation.transpose();
     let (force, moment): (Vector3<f64>, Vector3<f64>) = (axes * force, axes * moment);
-    // without shear only the part of the force along the axis works on a strain
+    // without shear only the axial component of the force works on a strain
     let mut resultant = Strain::<N>::zeros();
     resultant[STRETCH] = -force.x;
     if N == SHEARED {
         (resultant[SHEAR_Y], resultant[SHEAR_Z]) = (-force.y, -force.z);
     }
     resultant.as_mut_slice()[CURVATURES].copy_from_slice((-moment).as_slice());
-    // sections of a machine are positive definite; for others there is no strain
+    // sections of a validated machine are positive definite; others have no defined strain
     nalgebra::Cholesky::new(*section_stiffness)
         .map_or(Strain::<N>::repeat(f64::NAN), |stiffness| stiffness.solve(&resultant))
 }
 
-/// Section next to a node: attached masses, loads on the node and child bodies are between the two.
+/// Side of a node at which the section is cut: attached masses, loads on the node and child bodies lie between the two sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// Towards the body's inner end: attached masses and loads of the node are outboard.
+    /// Towards the body's inner end: attached masses and loads of the node are part of the outboard part.
     Inboard,
     /// Towards the body's outer end.
     Outboard,
 }
 
-/// Force and moment of inertia less loads of all outboard parts at a section next to a node, root frame: the accumulated wrench less the
-/// inner element's own share and, outboard of the node, less that of attached masses and loads.
+/// Inertia forces minus loads of all outboard parts, as force and moment at a section next to a node, root frame: the accumulated wrench
+/// minus the contribution of the inner element and, outboard of the node, minus that of attached masses and loads.
 pub fn section_wrench(
     model: &Model,
     work: &Workspace,

@@ -1,7 +1,7 @@
 //! Internal loads: force and moment of the part outboard of a section on the part inboard of it.
 //!
 //! They follow from the balance of the outboard part: inertia, loads at stations, attached masses, children. At a node this is the wrench
-//! of the recursion. Inside an element the mass between the section and the element's outer node moves with the element's own shape
+//! of the recursion. Inside an element the mass between the section and the element's outer node moves according to the element's shape
 //! functions, so that the values at both ends of the element are exact, NOTATION eqs. (G5), (G6).
 
 use crate::beam::element::{ElementMass, shape_at};
@@ -18,32 +18,32 @@ use nalgebra::{Matrix3, Vector3};
 /// A section of a beam for internal loads.
 #[derive(Debug, Clone)]
 pub struct SectionPlace {
-    /// The place itself.
+    /// Position of the section.
     station: Station,
     /// Side of the section for masses and loads attached there.
     side: Side,
-    /// Part between the section and the next node outboard; none for a section at a node.
+    /// Part between the section and the next node outboard; `None` for a section at a node.
     cut: Option<Cut>,
-    /// Stations of the model in the same element or pair, not on its ends, whose loads act outboard.
+    /// Stations of the model inside the same element or pair whose loads act outboard.
     loaded: Vec<usize>,
 }
 
-/// An element cut at a place.
+/// An element cut at a section.
 #[derive(Debug, Clone)]
 struct Cut {
     /// Inner node of the element, or of the half of a pair.
     inner_node: usize,
     /// Length in m.
     length_m: f64,
-    /// Place in it, 0 to 1.
+    /// Position in the element, 0 to 1.
     xi: f64,
-    /// Mass of the part outboard of the place over the nodal vectors at the place and at the outer node.
+    /// Mass of the part outboard of the cut, in terms of the nodal vectors at the cut and at the outer node.
     mass: ElementMass,
 }
 
 impl SectionPlace {
     /// The section of a body with elements at `position_m` from its inner end; `law` is the section law of the body in the model. Stations
-    /// added to the model later are not included.
+    /// that are added to the model later are not taken into account.
     pub fn new(model: &Model, law: &SectionLaw, body: usize, position_m: f64, side: Side) -> Self {
         let (element, offset_m) = model.locate(body, position_m);
         let station = Station { body, element, offset_m, frame: LoadFrame::Root };
@@ -99,7 +99,7 @@ impl SectionPlace {
 }
 
 impl Cut {
-    /// Inertia less loads on nodes of the part outboard of the section, about a point, root frame.
+    /// Inertia forces minus loads on nodes of the part outboard of the section, about a point, root frame.
     fn wrench(
         &self,
         model: &Model,

@@ -23,12 +23,12 @@ pub fn sweep_poses(model: &Model, work: &mut Workspace, q: &[f64]) {
     sweep::<false>(model, work, Motion { q, v: &[], a: &[] });
 }
 
-/// Poses, velocities and accelerations, NOTATION eqs. (K8)–(K9). Allocates nothing.
+/// Computes poses, velocities and accelerations, NOTATION eqs. (K8)–(K9). Allocates nothing.
 pub fn sweep_motion(model: &Model, work: &mut Workspace, motion: Motion) {
     sweep::<true>(model, work, motion);
 }
 
-/// Poses and, with `RATES`, the rest.
+/// Computes poses and, with `RATES`, velocities and accelerations.
 #[inline]
 fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion) {
     sweep_links::<RATES>(model, &mut work.local_links, &mut work.local_motions, motion);
@@ -73,7 +73,7 @@ fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion)
     }
 }
 
-/// Works out all links in their own frames, some at a time.
+/// Evaluates all links in their own frames, several at a time.
 #[inline]
 fn sweep_links<const RATES: bool>(
     model: &Model,

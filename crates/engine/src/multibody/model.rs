@@ -1,7 +1,7 @@
 //! The immutable tree: mesh, masses, stiffness, joints and the positions of their coordinates in `q`.
 //!
-//! Coordinates follow \[O\] (10)–(12): body by body, first the joint parameter (if the joint is revolute),
-//! then the strains element by element ([`Element::range`]); a linear element is two halves with strains of their own.
+//! Coordinates follow \[O\] (10)–(12): body by body, first the joint parameter (if the joint is revolute), then the strains element by
+//! element ([`Element::range`]); a linear element is two halves with separate strains.
 
 use crate::beam::element::{ElementKind, ElementMass};
 use crate::beam::law::{NaturalStrain, SectionLaw};
@@ -14,7 +14,7 @@ use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::modal::Modal;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
-/// A body as the mesh maker needs it.
+/// Description of a body for meshing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyDescription {
     /// Arc length in m.
@@ -30,7 +30,7 @@ pub struct BodyDescription {
     pub natural_strain: NaturalStrain,
     /// Attachment of the inner end.
     pub parent: Attachment,
-    /// Offset of the inner end from the place on the parent, frame of the parent's section there, m; zero on the root.
+    /// Offset of the inner end from the position on the parent, frame of the parent's section there, m; zero on the root.
     pub offset_m: Vector3<f64>,
     /// Parent ← body at angle zero, or at the start for joints without an angle.
     pub mount: Matrix3<f64>,
@@ -74,36 +74,36 @@ pub struct Body {
     pub base: Base,
     /// Parent ← body at angle zero.
     pub mount: Matrix3<f64>,
-    /// Offset of its first node from the node that carries it, that node's frame, m; zero on the root.
+    /// Offset of its first node from its carrier node, in that node's frame, m; zero on the root.
     pub offset_m: Vector3<f64>,
     /// Joint at its inner end.
     pub joint: Joint,
-    /// First of its nodes; node `first_node + i` is the inner end of element `first_element + i`.
+    /// Index of its first node; node `first_node + i` is the inner end of element `first_element + i`.
     pub first_node: usize,
-    /// First of its (half-)elements.
+    /// Index of its first (half-)element.
     pub first_element: usize,
-    /// Number of (half-)elements; none of a rigid and of a modal body.
+    /// Number of (half-)elements; zero for a rigid or modal body.
     pub elements: usize,
     /// The shapes of a modal body, between its first node and the one at its outer end.
     pub modal: Option<Box<Modal>>,
     /// Kind of element.
     pub kind: ElementKind,
-    /// Its elements have six strains.
+    /// Whether its elements have six strains.
     pub sheared: bool,
     /// Natural strains along it.
     pub natural_strain: NaturalStrain,
     /// Mass blocks of its elements couple `r` and `r_x` only ([`couples_axis_only`]).
     pub slim_mass: bool,
-    /// First node of the body on a `free` joint that carries this one, itself included; `None` for bodies carried by the root.
+    /// First node of the body on a `free` joint that carries this body, which may be itself; `None` for bodies carried by the root.
     pub carrier: Option<usize>,
-    /// Mass-proportional damping acts on its attached masses too.
+    /// Whether the mass-proportional damping also acts on its attached masses.
     pub damps_attached: bool,
-    /// Square roots of the shares of stiffness-proportional damping per strain; `None` if all are 1.
+    /// Square roots of the factors of stiffness-proportional damping per strain; `None` if all are 1.
     pub damping_roots: Option<Strain<SHEARED>>,
 }
 
-/// Whether a mass block couples only the nodal vectors `r` and `r_x` with each other: sections whose mass line is the axis, on principal
-/// axes.
+/// Whether a mass block couples only the nodal vectors `r` and `r_x` with each other: sections whose centre of mass is on the axis, in
+/// principal axes.
 pub fn couples_axis_only(mass: &Matrix4<f64>) -> bool {
     let slim = |i: usize, j: usize| i == j || i < 2 && j < 2;
     (0..4).all(|i| (0..4).all(|j| slim(i, j) || mass[(i, j)] == 0.0))
@@ -125,24 +125,25 @@ impl Body {
         self.first_node + self.elements + usize::from(self.modal.is_some())
     }
 
-    /// Nodes that are frames of the beam: all but the middles of pairs.
+    /// Nodes that are frames of the beam: all except the middle nodes of pairs.
     pub fn frames(&self) -> impl Iterator<Item = usize> + use<> {
         let stride = if self.kind == ElementKind::Linear { 2 } else { 1 };
         (self.first_node..=self.last_node()).step_by(stride)
     }
 }
 
-/// Mass that the elements and attachments lump at a node.
+/// Lumped mass of elements and attachments at a node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeMass {
-    /// Beam inertia: outer block of the element before, inner block of the element after; zero with shear, where they stay with elements.
+    /// Beam inertia: outer block of the element before, inner block of the element after; zero with shear, where these blocks remain with
+    /// the elements.
     pub beam: Matrix4<f64>,
     /// Attached rigid masses: damped if [`Body::damps_attached`].
     pub attached: Option<Matrix4<f64>>,
 }
 
 impl NodeMass {
-    /// Mass for the mass-proportional damping of its body.
+    /// Mass on which the mass-proportional damping of its body acts.
     pub fn damped(&self, body: &Body) -> Matrix4<f64> {
         match &self.attached {
             Some(attached) if body.damps_attached => self.beam + attached,
@@ -156,7 +157,7 @@ impl NodeMass {
 pub struct Station {
     /// Body.
     pub body: usize,
-    /// Element, or inner half of the pair, that contains it; for a rigid body the index at which its elements would start.
+    /// Element, or inner half of the pair, that contains it; for a rigid body, the index at which its elements would start.
     pub element: usize,
     /// Arc length from the inner end of that element or pair in m.
     pub offset_m: f64,
@@ -164,7 +165,7 @@ pub struct Station {
     pub frame: LoadFrame,
 }
 
-/// The tree. Bodies are stored after their parents; nodes and elements run outward within each body.
+/// The tree. Bodies are stored after their parents; nodes and elements are ordered outward within each body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     /// Bodies.
@@ -173,13 +174,13 @@ pub struct Model {
     pub elements: Vec<Element>,
     /// Node masses.
     pub nodes: Vec<NodeMass>,
-    /// Stations: body by body, then those that were added.
+    /// Stations: body by body, then those added later.
     pub stations: Vec<Station>,
     /// Closed loops.
     pub closures: Vec<Closure>,
     /// Number of coordinates.
     pub coordinates: usize,
-    /// At least one body has elements with six strains.
+    /// Whether at least one body has elements with six strains.
     pub sheared: bool,
     /// Longest path from the root to a free end in m; scales displacements in the kinematic norm.
     pub reference_length_m: f64,
@@ -191,7 +192,7 @@ impl Model {
         Self::with_closures(descriptions, &[])
     }
 
-    /// Meshes the bodies of a machine with closed loops; the loops' places become mesh boundaries.
+    /// Meshes the bodies of a machine with closed loops; the positions of the loops become mesh boundaries.
     pub fn with_closures(descriptions: &[BodyDescription], closures: &[ClosureDescription]) -> Self {
         let mut model = Self {
             bodies: Vec::new(),
@@ -331,7 +332,8 @@ impl Model {
         self.add_stations(body_index, &description.stations_m, description.load_frame);
     }
 
-    /// Node whose rigid motion is the reference of a new body's mass damping: its own first one on a free joint, else its parent's carrier.
+    /// Node whose rigid-body motion is the reference of a new body's mass-proportional damping: its first node if it is on a free joint,
+    /// otherwise its parent's carrier.
     fn carrier_of(&self, description: &BodyDescription) -> Option<usize> {
         match (description.joint, description.parent) {
             (joint, _) if joint.floats() => Some(self.nodes.len()),
@@ -340,7 +342,7 @@ impl Model {
         }
     }
 
-    /// Adds stations behind those that exist.
+    /// Appends stations to the existing ones.
     pub fn add_stations(&mut self, body: usize, positions_m: &[f64], frame: LoadFrame) {
         for &position_m in positions_m {
             let (element, offset_m) = self.locate(body, position_m);
@@ -351,7 +353,7 @@ impl Model {
         }
     }
 
-    /// Node nearest to a position on a body; exact at mesh boundaries.
+    /// Node nearest to a position on a body; at mesh boundaries exactly the node there.
     pub fn node_at(&self, body: usize, position_m: f64) -> usize {
         let body = &self.bodies[body];
         if let Some(modal) = &body.modal {
@@ -368,7 +370,8 @@ impl Model {
 
     /// Element (or inner half of the pair) that contains a position, and the arc length from its inner end in m.
     ///
-    /// A position on a mesh boundary is assigned to the element outboard of it; within 1e-9 of an element it snaps to its ends.
+    /// A position on a mesh boundary is assigned to the element outboard of it; a position within 1e-9 of an element's end is moved to that
+    /// end.
     pub fn locate(&self, body: usize, position_m: f64) -> (usize, f64) {
         let body_index = body;
         let body = &self.bodies[body];
@@ -394,7 +397,7 @@ impl Model {
         (element, snapped.unwrap_or(offset_m))
     }
 
-    /// Length in m of the element, or pair, that starts with `element`, and its number of pieces.
+    /// Length in m of the element, or pair, that starts with `element`, and the number of its parts.
     pub fn span(&self, element: usize, body: usize) -> (f64, usize) {
         if let Some(modal) = &self.bodies[body].modal {
             return (modal.element.length_m, 1);
@@ -405,7 +408,7 @@ impl Model {
         }
     }
 
-    /// Coordinates at rest: natural strains, joint angles zero, other joints in their mounted attitude.
+    /// Unstrained coordinates: natural strains, zero joint angles, other joints in their mounted attitude.
     pub fn natural_coordinates(&self) -> Vec<f64> {
         let mut q = vec![0.0; self.coordinates];
         for body in &self.bodies {
@@ -420,7 +423,7 @@ impl Model {
     }
 }
 
-/// Reach of a rigid body beyond its node: the radius of gyration of its masses about it, in m. Zero for beams.
+/// Extent of a rigid body beyond its node: the radius of gyration of its masses about the node, in m. Zero for beams.
 fn reach_m(description: &BodyDescription) -> f64 {
     let sum: Matrix4<f64> = description.masses.iter().map(|(_, mass)| mass).sum();
     if description.elements > 0 || sum[(0, 0)] == 0.0 {
@@ -433,10 +436,10 @@ fn end_of(elements: &[Element]) -> f64 {
     elements.last().map_or(0.0, |element| element.start_m + element.length_m)
 }
 
-/// Mesh boundaries from 0 to the body's length: one at every mass and child, the rest evenly between.
+/// Mesh boundaries from 0 to the body's length: one at every mass and child, the others evenly spaced between these.
 fn mesh_boundaries(description: &BodyDescription, children_m: Vec<f64>) -> Vec<f64> {
     if description.elements == 0 || description.section.modal().is_some() {
-        return vec![0.0]; // a rigid body is its node, a modal one has another at its end
+        return vec![0.0]; // a rigid body has only its node, a modal body one more at its end
     }
     let length_m = description.length_m;
     let near = 1e-9 * length_m;

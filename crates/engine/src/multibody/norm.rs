@@ -1,10 +1,10 @@
-//! Kinematic norm: displacement of the nodes by a change of the coordinates; last part of NOTATION eq. (D13).
+//! Kinematic norm: displacement of the nodes due to a change of the coordinates; last part of NOTATION eq. (D13).
 
 use crate::math::strain::{SHEARED, STRAINS};
 use crate::multibody::model::{Base, Model};
 use crate::multibody::workspace::{Pair, Workspace};
 
-/// Twist of an element's outer end from that of its inner end `node` and the change of its strains.
+/// Twist of an element's outer end due to that of its inner end `node` and the change of its strains.
 #[inline]
 pub(crate) fn displaced<const N: usize>(
     model: &Model,
@@ -21,7 +21,7 @@ pub(crate) fn displaced<const N: usize>(
     }
 }
 
-/// [`displaced`] by a change of all coordinates.
+/// [`displaced`] for a change of all coordinates.
 #[inline]
 fn changed(model: &Model, work: &Workspace, place: (usize, usize), inner: &Pair, change: &[f64]) -> Pair {
     let element = &model.elements[place.0];
@@ -31,8 +31,8 @@ fn changed(model: &Model, work: &Workspace, place: (usize, usize), inner: &Pair,
     }
 }
 
-/// Kinematic norm of a change of coordinates at the poses in `work`: largest node displacement over the
-/// reference length, or rotation in rad.
+/// Kinematic norm of a change of coordinates at the poses in `work`: largest rotation in rad, or node displacement divided by the reference
+/// length.
 pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f64 {
     let mut norm = NormSquared::default();
     for (index, body) in model.bodies.iter().enumerate() {
@@ -58,8 +58,8 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
     norm.value(model.reference_length_m)
 }
 
-/// First coordinate of the joint or element whose own part of a change of coordinates is largest in the kinematic norm, at the poses in
-/// `work`; parts that are not finite are ignored.
+/// First coordinate of the joint or element whose contribution to a change of coordinates is largest in the kinematic norm, at the poses in
+/// `work`; contributions that are not finite are ignored.
 pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
     let mut largest = (0.0, 0);
     let mut offer = |coordinate: usize, size: f64| {
@@ -97,7 +97,7 @@ fn alone(moved: &Pair, reference_length_m: f64) -> f64 {
 pub(crate) struct NormSquared {
     linear: f64,
     pub(crate) angular: f64,
-    /// Sum of all entries times zero: NaN or infinity stays visible, which `max` would swallow.
+    /// Sum of all entries times zero: preserves NaN and infinity, which `max` would drop.
     taint: f64,
 }
 

@@ -1,8 +1,8 @@
 //! Inertia of elements with shear: the slope of their axis at an end is `d = R (e_x + ε)` instead of `r_x`.
 //!
-//! The mass (D1) is constant over the nodal vectors `(r, d, r_y, r_z)` of both ends, each with the strain of the element itself. So lumps
-//! belong to elements instead of nodes, inertia works on the linear strains, and these are coupled with the twists of both ends, NOTATION
-//! eqs. (D18)–(D20).
+//! The mass (D1) is constant over the nodal vectors `(r, d, r_y, r_z)` of both ends, each with the strain of the element itself. Lumped
+//! masses therefore belong to elements instead of nodes, inertia forces act on the linear strains, and these are coupled with the twists of
+//! both ends, NOTATION eqs. (D18)–(D20).
 
 use crate::load::RootMotion;
 use crate::math::strain::{LINEAR, STRETCH};
@@ -29,7 +29,7 @@ pub struct Slope {
 }
 
 impl Slope {
-    /// Nothing.
+    /// Zero slope and rates.
     pub(crate) const ZERO: Self = {
         let zero = Vector3::new(0.0, 0.0, 0.0);
         Self { local: zero, vector: zero, strained: zero, pulled: zero, load_rate: zero }
@@ -49,13 +49,13 @@ impl Slope {
         [node.position, self.vector, axis(node, 1), axis(node, 2)]
     }
 
-    /// Their rates relative to the root frame.
+    /// Rates of the nodal vectors relative to the root frame.
     #[inline]
     pub(crate) fn velocities(&self, node: &Node) -> [Vector3<f64>; 4] {
         self.moved(node, &node.velocity, &node.spin)
     }
 
-    /// Their rates relative to the rigid motion of a carrier, or to the root frame.
+    /// Rates of the nodal vectors relative to the rigid-body motion of a carrier, or to the root frame.
     #[inline]
     pub(crate) fn relative_velocities(&self, node: &Node, carrier: Option<&Node>) -> [Vector3<f64>; 4] {
         let (velocity, spin) = carrier.map_or((node.velocity, node.spin), |carrier| node.relative_to(carrier));
@@ -68,7 +68,7 @@ impl Slope {
         [*velocity, slope, spin.cross(&axis(node, 1)), spin.cross(&axis(node, 2))]
     }
 
-    /// Rates that the mass multiplies.
+    /// Rates that are multiplied by the mass.
     #[inline]
     pub(crate) fn load_rates(&self, node: &Node) -> [Vector3<f64>; 4] {
         let [origin, _, y, z] = node.load_rate;
@@ -80,7 +80,7 @@ fn axis(node: &Node, k: usize) -> Vector3<f64> {
     node.rotation.fixed_view::<3, 1>(0, k).into_owned()
 }
 
-/// Slopes of all elements with shear, and with `RATES` their rates; poses of the nodes are known.
+/// Computes the slopes of all elements with shear, and with `RATES` their rates; poses of the nodes must be current.
 pub(super) fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion) {
     for body in model.bodies.iter().filter(|body| body.sheared) {
         for i in 0..body.elements {
@@ -101,7 +101,7 @@ pub(super) fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, moti
     }
 }
 
-/// Rates of the slopes of a body that the mass multiplies, eq. (D18), from those of its nodes.
+/// Computes the rates of a body's slopes that are multiplied by the mass, eq. (D18), from those of its nodes.
 pub(super) fn load_rates(body: &Body, work: &mut Workspace, root: &RootMotion, alpha: f64) {
     for i in 0..body.elements {
         let nodes = &work.nodes[body.first_node + i..body.first_node + i + 2];
@@ -114,7 +114,7 @@ pub(super) fn load_rates(body: &Body, work: &mut Workspace, root: &RootMotion, a
     }
 }
 
-/// Forces `m̂ ė` on the nodal vectors of an element's inner and outer end for some rates of these.
+/// Forces `m̂ ė` on the nodal vectors of an element's inner and outer ends for given rates of these vectors.
 #[inline(always)]
 pub(crate) fn forces<const SLIM: bool>(element: &Element, rates: &[[Vector3<f64>; 4]; 2]) -> [[Vector3<f64>; 4]; 2] {
     let [inner, outer] = rates;
@@ -146,7 +146,7 @@ impl Ends<'_> {
         from_fn(|end| of(&self.slopes[end], &self.nodes[end]))
     }
 
-    /// Forces `m̂ ė` for some rates.
+    /// Forces `m̂ ė` for given rates.
     pub fn forces(&self, rates: &[[Vector3<f64>; 4]; 2]) -> [[Vector3<f64>; 4]; 2] {
         forces::<false>(self.element, rates)
     }
@@ -157,7 +157,7 @@ impl Ends<'_> {
     }
 }
 
-/// Elements of a body with shear; none of another body.
+/// Elements of a body with shear; empty for other bodies.
 pub(crate) fn ends<'a>(model: &'a Model, work: &'a Workspace, body: &'a Body) -> impl Iterator<Item = Ends<'a>> {
     let count = if body.sheared { body.elements } else { 0 };
     (0..count).map(move |i| Ends {
@@ -211,7 +211,7 @@ pub(super) fn damping_resultant(
     (force, moment)
 }
 
-/// Inertia forces at the outer end of element `i` of a body, which its inner part exerts on the node: force and moment.
+/// Inertia forces at the outer end of element `i` of a body, exerted by the element on the node: force and moment.
 pub(super) fn wrench_of_outer_end(
     model: &Model,
     body: &Body,
@@ -225,17 +225,17 @@ pub(super) fn wrench_of_outer_end(
     wrench_of(&slopes[1].axes(&nodes[1]), &outer)
 }
 
-/// Coupling of the twist of one end with the linear strains: momentum and moment of momentum per rate of the strain.
+/// Coupling of the twist of one end with the linear strains: momentum and angular momentum per rate of each strain.
 pub(super) struct Coupling {
     pub velocity: [Vector3<f64>; 3],
     pub spin: [Vector3<f64>; 3],
 }
 
-/// Inertia of an element over its linear strains and the twists of its ends, besides the cross inertia (D11); eqs. (D19), (D20).
+/// Inertia of an element in its linear strains and the twists of its ends, without the cross inertia (D11); eqs. (D19), (D20).
 pub(super) struct SlopeInertia {
-    /// `[d r_y r_z]` of the inner and outer end.
+    /// `[d r_y r_z]` of the inner and outer ends.
     pub axes: [Matrix3<f64>; 2],
-    /// Lumps of the ends, eq. (D10) with these.
+    /// Lumped inertias of the ends, eq. (D10) with these axes.
     pub lumps: [ArticulatedInertia; 2],
     /// `H_{aε}`, `H_{bε}`.
     pub couplings: [Coupling; 2],
@@ -244,14 +244,14 @@ pub(super) struct SlopeInertia {
 }
 
 impl SlopeInertia {
-    /// Of element `e` with the inner node `n`, times `scale`.
+    /// Inertia of element `e` with the inner node `n`, times `scale`.
     pub fn new(model: &Model, work: &Workspace, (e, n): (usize, usize), scale: f64) -> Self {
         let element = &model.elements[e];
         let rotations = [&work.nodes[n].rotation, &work.nodes[n + 1].rotation];
         let axes: [Matrix3<f64>; 2] = from_fn(|end| work.slopes[e][end].axes(&work.nodes[n + end]));
         let own = [inner_mass(element) * scale, element.outer_mass * scale];
         let cross = element.cross_mass * scale;
-        // Σ m_k1 r_k of the same end, and of the other end's vectors in the block that couples them
+        // Σ m_k1 r_k of the same end, and of the vectors of the other end in the block that couples them
         let along = |end: usize, mass: [f64; 3]| axes[end] * Vector3::from(mass);
         let within: [Vector3<f64>; 2] = from_fn(|end| along(end, from_fn(|k| own[end][(k + 1, 1)])));
         let across = [along(0, from_fn(|l| cross[(1, l + 1)])), along(1, from_fn(|k| cross[(k + 1, 1)]))];

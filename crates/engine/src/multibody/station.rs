@@ -14,28 +14,29 @@ use crate::multibody::workspace::Workspace;
 use nalgebra::{Matrix3, Vector3};
 use std::slice::from_ref;
 
-/// One link of the path from the element's inner node to the station: its strain is `own · (this element) + sibling · (other half)`.
+/// One link of the path from the element's inner node to the station: its strain is `own · (strain of this element) + sibling · (strain of
+/// the other half)`.
 #[derive(Clone, Copy)]
 pub(crate) struct Step {
     /// Length in m.
     pub length_m: f64,
-    /// Weights of the element's own strain and of its sibling's.
+    /// Weights of the strains of the element and of the other half.
     pub weights: [f64; 2],
 }
 
-/// Arm and outer frame of a step.
+/// Arm and outer frame of a link.
 pub(crate) struct Reached {
     pub arm_m: Vector3<f64>,
     pub rotation: Matrix3<f64>,
 }
 
 impl Step {
-    /// Its link on an inner frame, of an element with `N` strains whose first is `first`.
+    /// The link on an inner frame, for an element with `N` strains whose first coordinate is `first`.
     pub fn link<const N: usize>(&self, inner: &Matrix3<f64>, q: &[f64], first: usize) -> Link<N> {
         LinkGeometry::new(inner, self.length_m, &mix(q, first, self.weights)).1
     }
 
-    /// Pose and rates.
+    /// Pose and rates at the end of the link.
     #[inline]
     fn moved<const N: usize>(&self, inner: &Matrix3<f64>, motion: Motion, first: usize) -> (Reached, LinkRates) {
         let (geometry, link) = LinkGeometry::new::<N>(inner, self.length_m, &mix(motion.q, first, self.weights));
@@ -43,7 +44,7 @@ impl Step {
         (Reached { arm_m: link.arm_m, rotation: link.rotation }, rates)
     }
 
-    /// Pose, rates, and the same map of the second rates: velocities are linear in the rates.
+    /// Pose, rates, and the same linear map applied to the second rates, since velocities are linear in the rates.
     #[inline]
     fn accelerated<const N: usize>(
         &self,
@@ -58,7 +59,7 @@ impl Step {
     }
 }
 
-/// The links that lead to a station, and how many of them there are.
+/// The links that lead to a station, and their number.
 pub(crate) fn steps(model: &Model, station: &Station) -> ([Step; 2], usize) {
     let none = Step { length_m: 0.0, weights: [1.0, 0.0] };
     if model.bodies[station.body].elements == 0 {
@@ -76,19 +77,18 @@ pub(crate) fn steps(model: &Model, station: &Station) -> ([Step; 2], usize) {
     }
 }
 
-/// First strain of the element, or inner half of the pair, that holds a station; of no meaning on a rigid body, which has no
-/// links.
+/// First strain of the element, or inner half of the pair, that contains a station; unused on a rigid body, which has no links.
 pub(crate) fn first_coordinate(model: &Model, station: &Station) -> usize {
     model.elements.get(station.element).map_or(0, |element| element.coordinate)
 }
 
-/// First strain of the outer half of a pair, by that of the inner one; halves with `N` strains.
+/// First strain of the outer half of a pair, from that of the inner half; halves with `N` strains.
 #[inline(always)]
 pub(crate) fn sibling<const N: usize>(first: usize) -> usize {
     first + N
 }
 
-/// Mixed strains (or rates) of one link; `coordinates` hold the inner half and then the outer half.
+/// Mixed strains (or rates) of one link; `coordinates` hold those of the inner half, then those of the outer half.
 pub(crate) fn mix<const N: usize>(coordinates: &[f64], first: usize, weights: [f64; 2]) -> [f64; N] {
     let own: [f64; N] = strains_at(coordinates, first);
     if weights[1] == 0.0 {
@@ -98,8 +98,7 @@ pub(crate) fn mix<const N: usize>(coordinates: &[f64], first: usize, weights: [f
     std::array::from_fn(|i| weights[0] * own[i] + weights[1] * other[i])
 }
 
-/// Pose, velocity and angular velocity of a station; poses of the nodes must be current in `work`, for rates the
-/// whole motion.
+/// Pose, velocity and angular velocity of a station; in `work` the poses of the nodes must be current, and for rates the whole motion.
 pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station) -> SectionMotion {
     let first = first_coordinate(model, station);
     let node = &work.nodes[inner_node(model, station)];
@@ -126,7 +125,7 @@ pub fn motion(model: &Model, work: &Workspace, motion: Motion, station: &Station
     point
 }
 
-/// Motion of a section, with accelerations relative to the root frame, resolved in it.
+/// Motion of a section, with accelerations relative to the root frame, resolved in the root frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accelerated {
     /// Pose, velocity and angular velocity.
@@ -152,14 +151,14 @@ pub fn accelerated(model: &Model, work: &Workspace, motion: Motion, station: &St
     };
     let start = Accelerated { motion: point, acceleration_m_s2: node.acceleration, spin_rate_rad_s2: node.spin_rate };
     let (steps, count) = steps(model, station);
-    // one branch for all links: one for each copies the result of each
+    // a single branch for all links: one branch per link would copy each result
     match model.bodies[station.body].sheared {
         false => along::<STRAINS>(&steps[..count], motion, first, start),
         true => along::<SHEARED>(&steps[..count], motion, first, start),
     }
 }
 
-/// Motion at the end of links from that at their start.
+/// Motion at the end of links, from that at their start.
 #[inline]
 fn along<const N: usize>(steps: &[Step], motion: Motion, first: usize, start: Accelerated) -> Accelerated {
     let Accelerated { motion: mut point, mut acceleration_m_s2, mut spin_rate_rad_s2 } = start;
@@ -198,7 +197,7 @@ pub fn rotation(model: &Model, work: &Workspace, q: &[f64], station: &Station) -
     rotation
 }
 
-/// Subtracts a station's load from the residual: on the strains of its element, and on its inner node's wrench.
+/// Subtracts a station's load from the residual, on the strains of its element and on the wrench of its inner node.
 pub(crate) fn apply(
     model: &Model,
     work: &mut Workspace,
@@ -264,8 +263,8 @@ fn apply_inside<const N: usize>(
     work.nodes[node].moment -= moment;
 }
 
-/// Node at a station at the end of an element or pair: the load is then assigned to that node, and the strain on either side of it is
-/// recovered with and without it.
+/// Node at a station at the end of an element or pair: the load is then applied to that node, and the strain on either side of it is
+/// recovered with and without the load.
 pub(crate) fn node_under(model: &Model, station: &Station) -> Option<usize> {
     let inner = inner_node(model, station);
     if station.offset_m == 0.0 {
@@ -275,7 +274,7 @@ pub(crate) fn node_under(model: &Model, station: &Station) -> Option<usize> {
     (station.offset_m == length_m).then_some(inner + pieces)
 }
 
-/// Inner node of the element or pair that holds a station.
+/// Inner node of the element or pair that contains a station.
 pub(crate) fn inner_node(model: &Model, station: &Station) -> usize {
     let body = &model.bodies[station.body];
     body.first_node + station.element - body.first_element

@@ -1,7 +1,7 @@
 //! Loads at stations inside elements, several stations at a time: their forces on strains and inner nodes.
 //!
-//! Equivalent to [`station::apply`](crate::multibody::station::apply) for one after the other, but in the frames of the links, NOTATION
-//! eqs. (K3), (K4), (K10): these are independent of the pose of the node, so that several stations can be computed at a time.
+//! Equivalent to successive calls of [`station::apply`](crate::multibody::station::apply), but in the frames of the links, NOTATION eqs.
+//! (K3), (K4), (K10): these are independent of the pose of the node, so that several stations can be computed at once.
 
 use crate::load::{LoadFrame, Wrench};
 use crate::math::local_link::{LANES, Lanes, LocalLinks, Strains, Three, cross, poses, turned, turned_back, vector};
@@ -14,8 +14,7 @@ use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::Vector3;
 use std::array::from_fn;
 
-/// Subtracts the loads of all stations from the residual: on the strains of their elements, and on the wrenches of nodes.
-/// Allocates nothing.
+/// Subtracts the loads of all stations from the residual, on the strains of their elements and on the wrenches of nodes. Allocates nothing.
 pub(crate) fn apply_all(model: &Model, work: &mut Workspace, q: &[f64], loads: &[Wrench], residual: &mut [f64]) {
     for_each(model, loads, |visited| match visited {
         Visited::One(station, load) => apply(model, work, q, station, load, residual),
@@ -59,7 +58,7 @@ pub(crate) fn power_w(model: &Model, work: &Workspace, motion: Motion, loads: &[
     power_w
 }
 
-/// One station on a node, those of a modal body, at least one, or some inside elements.
+/// One station on a node, at least one station of a modal body, or several inside elements.
 enum Visited<'a, 'b> {
     One(&'a Station, &'a Wrench),
     Along(&'a Modal, &'a [Station], &'a [Wrench]),
@@ -110,10 +109,10 @@ fn sheared(model: &Model, stations: &Waiting) -> bool {
     stations[0].is_some_and(|(first, _)| model.bodies[first.body].sheared)
 }
 
-/// Forces on the strains of one link of each station's path, with the weights of the element's own strains and of its sibling's.
+/// Forces on the strains of one link of each station's path, with the weights of the strains of the element and of the other half.
 type Exerted<const N: usize> = [([f64; 2], [f64; N]); LANES];
 
-/// The links of some stations at the same position of their paths.
+/// Links of several stations that come at the same position in the stations' paths.
 struct Way<const N: usize> {
     length_m: Lanes,
     weights: [[f64; 2]; LANES],
@@ -130,14 +129,14 @@ impl<const N: usize> Way<N> {
         Self { length_m, weights, links: poses(length_m, &strains) }
     }
 
-    /// Forces on the strains of a load at the outer ends, in the inner frames.
+    /// Forces on the strains due to a load at the outer ends, in the inner frames.
     #[inline(always)]
     fn project(&self, force_n: &Three, moment_n_m: &Three) -> Exerted<N> {
         let projected: [Lanes; N] = self.links.project(self.length_m, force_n, moment_n_m);
         from_fn(|lane| (self.weights[lane], projected.map(|lanes| lanes.0[lane])))
     }
 
-    /// Moments about the inner ends of loads at the outer ones.
+    /// Moments about the inner ends due to loads at the outer ends.
     #[inline(always)]
     fn moment_inside(&self, force_n: &Three, moment_n_m: &Three) -> Three {
         let arm = cross(self.links.arm_m, *force_n);
@@ -148,8 +147,8 @@ impl<const N: usize> Way<N> {
 /// Stations inside elements, with loads in the same frame, collected for a common computation.
 type Waiting<'a> = [Option<(&'a Station, &'a Wrench)>; LANES];
 
-/// Forces of the loads of some stations: on the strains, from the first coordinate of their elements on, and on the inner nodes, in the
-/// root frame.
+/// Forces due to the loads of several stations: on the strains, starting with the first coordinate of their elements, and on the inner
+/// nodes, in the root frame.
 struct Passed<const N: usize> {
     count: usize,
     first: [usize; LANES],
@@ -168,7 +167,7 @@ impl<const N: usize> Passed<N> {
         let node: [usize; LANES] = from_fn(|lane| inner_node(model, each[lane].0));
         let ways: [([Step; 2], usize); LANES] = from_fn(|lane| steps(model, each[lane].0));
         let inner = Way::<N>::new(q, &first, ways.map(|(steps, _)| steps[0]));
-        // if only one of the stations has a second link, that of the others has zero length
+        // if only one of the stations has a second link, those of the others have zero length
         let pairs = ways.iter().any(|(_, links)| *links == 2);
         let outer = pairs.then(|| Way::<N>::new(q, &first, ways.map(|(steps, _)| steps[1])));
 
@@ -254,9 +253,9 @@ mod tests {
     use crate::multibody::kinematics::sweep_motion;
     use crate::multibody::model::{Attachment, BodyDescription};
 
-    /// Loads computed together equal those computed one by one, and their power is that of the stations' velocities: a body of constant
-    /// elements and one of pairs behind it, stations on nodes and between them in odd number, in either frame. Tolerance: round-off of some
-    /// hundred operations on numbers up to 10.
+    /// Loads computed together equal those computed one by one, and their power equals that computed with the stations' velocities: a body
+    /// of constant elements and one of pairs attached to it, an odd number of stations on nodes and between them, in either frame.
+    /// Tolerance: round-off of about a hundred operations on numbers up to 10.
     #[test]
     fn loads_side_by_side_are_those_one_by_one() {
         for frame in [LoadFrame::Root, LoadFrame::Section] {

@@ -1,4 +1,4 @@
-//! Scratch of the recursions, sized once per model and rebuilt by every sweep.
+//! Workspace of the recursions, allocated once per model and overwritten by every sweep.
 
 use crate::math::local_jacobian::LocalJacobian;
 use crate::math::local_link::{LANES, LocalLinks, LocalMotions};
@@ -26,13 +26,13 @@ pub struct Node {
     pub acceleration: Vector3<f64>,
     /// Angular acceleration relative to the root frame in rad/s².
     pub spin_rate: Vector3<f64>,
-    /// `ë + α ė` of the nodal vectors `(r, r_x, r_y, r_z)`, inertial, less gravity: multiplied by the mass.
+    /// `ë + α ė` of the nodal vectors `(r, r_x, r_y, r_z)`, inertial, minus gravity: multiplied by the mass.
     pub load_rate: [Vector3<f64>; 4],
-    /// Force at the node: inertia less loads of the outboard part, N.
+    /// Force at the node: inertia forces minus loads of the outboard part, N.
     pub force: Vector3<f64>,
     /// Moment at the node in N·m.
     pub moment: Vector3<f64>,
-    /// Share of `force` and `moment` that sits on the node itself: attached masses, loads on it, child bodies.
+    /// Contribution to `force` and `moment` of parts at the node itself: attached masses, loads on it, child bodies.
     pub fixed: Pair,
 }
 
@@ -50,7 +50,7 @@ impl Node {
         fixed: Pair::ZERO,
     };
 
-    /// Velocity and spin less those of a rigid body that moves with `carrier`, root frame.
+    /// Velocity and angular velocity relative to a rigid body that moves with `carrier`, root frame.
     #[inline]
     pub(crate) fn relative_to(&self, carrier: &Self) -> (Vector3<f64>, Vector3<f64>) {
         let carried = carrier.velocity + carrier.spin.cross(&(self.position - carrier.position));
@@ -70,16 +70,16 @@ impl Node {
 /// Symmetric 6×6 articulated inertia in blocks over (velocity, spin).
 #[derive(Debug, Clone, Copy)]
 pub struct ArticulatedInertia {
-    /// velocity–velocity.
+    /// Velocity–velocity block.
     pub vv: Matrix3<f64>,
-    /// velocity–spin.
+    /// Velocity–spin block.
     pub vw: Matrix3<f64>,
-    /// spin–spin.
+    /// Spin–spin block.
     pub ww: Matrix3<f64>,
 }
 
 impl ArticulatedInertia {
-    /// Adds another one.
+    /// Adds another articulated inertia.
     #[inline]
     pub(crate) fn add(&mut self, other: &Self) {
         self.vv += other.vv;
@@ -87,13 +87,13 @@ impl ArticulatedInertia {
         self.ww += other.ww;
     }
 
-    /// Sum with another one.
+    /// Sum with another articulated inertia.
     #[inline]
     pub(crate) fn plus(&self, other: &Self) -> Self {
         Self { vv: self.vv + other.vv, vw: self.vw + other.vw, ww: self.ww + other.ww }
     }
 
-    /// Nothing.
+    /// Zero inertia.
     pub const ZERO: Self = Self {
         vv: Matrix3::from_array_storage(ZERO_3),
         vw: Matrix3::from_array_storage(ZERO_3),
@@ -103,7 +103,7 @@ impl ArticulatedInertia {
 
 const ZERO_3: nalgebra::ArrayStorage<f64, 3, 3> = nalgebra::ArrayStorage([[0.0; 3]; 3]);
 
-/// Factor of one element's elimination.
+/// Factors of one element's elimination.
 #[derive(Debug, Clone, Copy)]
 pub struct ElementFactor<const N: usize> {
     /// Lower Cholesky factor of `X`, with inverted diagonal.
@@ -112,11 +112,11 @@ pub struct ElementFactor<const N: usize> {
     pub velocity: [Vector3<f64>; N],
     /// `U`, spin rows.
     pub spin: [Vector3<f64>; N],
-    /// Outer halves: coupling to the inner half's strains.
+    /// Coupling to the strains of the inner half, for outer halves.
     pub coupling: StrainMatrix<N>,
 }
 
-/// Factors of all elements, and their right sides in a solution; of use for the elements with `N` strains.
+/// Factors of all elements, and their right-hand sides in a solution; used for the elements with `N` strains.
 #[derive(Debug, Clone)]
 pub(crate) struct Eliminated<const N: usize> {
     pub factors: Vec<ElementFactor<N>>,
@@ -136,11 +136,11 @@ impl<const N: usize> Eliminated<N> {
     }
 }
 
-/// The factors of the elements with `N` strains.
+/// Access to the factors of the elements with `N` strains.
 pub(crate) trait Keeps<const N: usize> {
-    /// Them.
+    /// The factors.
     fn eliminated(&self) -> &Eliminated<N>;
-    /// Them, to be overwritten.
+    /// The factors, for overwriting.
     fn eliminated_mut(&mut self) -> &mut Eliminated<N>;
 }
 
@@ -168,7 +168,7 @@ impl Keeps<SHEARED> for Workspace {
     }
 }
 
-/// Small displacement or wrench in blocks.
+/// Small displacement or wrench as a pair of vectors.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair {
     /// Velocity or force.
@@ -182,28 +182,28 @@ impl Pair {
     pub const ZERO: Self = Self { linear: Vector3::new(0.0, 0.0, 0.0), angular: Vector3::new(0.0, 0.0, 0.0) };
 }
 
-/// Scratch of the recursions.
+/// Workspace of the recursions.
 #[derive(Debug, Clone)]
 pub struct Workspace {
-    /// Per node.
+    /// Motion and wrench of each node.
     pub nodes: Vec<Node>,
-    /// All elements, some at a time: poses and Jacobians in their own frames, of the last sweep.
+    /// Poses and Jacobians of all elements in their own frames, in groups, from the last sweep.
     pub(crate) local_links: Vec<LocalLinks>,
-    /// Per element: inner to outer end in the world, of the last sweep, m.
+    /// Per element: vector from the inner to the outer end in the root frame, from the last sweep, m.
     pub(crate) arms: Vec<Vector3<f64>>,
-    /// As `local_links` for rates and accelerations.
+    /// Rates and accelerations that correspond to `local_links`.
     pub(crate) local_motions: Vec<LocalMotions>,
     /// Per body: its joint.
     pub joints: Vec<JointWork>,
-    /// Per body: scratch of modal bodies.
+    /// Per body: workspace of modal bodies.
     pub(crate) modal: Vec<Option<Box<ModalWork>>>,
-    /// Reaction at the root's origin: inertia less loads of the whole wing, N and N·m.
+    /// Reaction force at the root's origin: inertia forces minus loads of the whole wing, N.
     pub root_force: Vector3<f64>,
-    /// Moment of the same about the origin.
+    /// Moment of that reaction about the origin, N·m.
     pub root_moment: Vector3<f64>,
     pub(crate) inertia: Vec<ArticulatedInertia>,
     pub(crate) bias: Vec<Pair>,
-    /// Per element: slopes of the axis at the inner and outer end of one with shear; empty if there are none.
+    /// Per element: slopes of the axis at its inner and outer ends, for elements with shear; empty if there are none.
     pub(crate) slopes: Vec<[Slope; 2]>,
     /// Elements without shear.
     pub(crate) plain: Eliminated<STRAINS>,
@@ -213,19 +213,19 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Jacobian of an element in its own frame, of the last sweep.
+    /// Jacobian of an element in its own frame, from the last sweep.
     #[inline]
     pub(crate) fn jacobian(&self, element: usize) -> LocalJacobian {
         LocalJacobian::of(&self.local_links[element / LANES], element % LANES)
     }
 
-    /// An element's link in the world at the poses of the last sweep; `node` is its inner node.
+    /// An element's link in the root frame at the poses of the last sweep; `node` is its inner node.
     #[inline]
     pub(crate) fn link<const N: usize>(&self, model: &Model, element: usize, node: usize) -> Link<N> {
         self.jacobian(element).turned(&self.nodes[node].rotation, model.elements[element].length_m)
     }
 
-    /// Scratch for a model.
+    /// Workspace for a model.
     pub fn new(model: &Model) -> Self {
         let (nodes, elements) = (model.nodes.len(), model.elements.len());
         let zero = Vector3::zeros();

@@ -1,10 +1,10 @@
-//! Coupling of air and structure: loads consistent with the motion at the end of every aerodynamic step.
+//! Coupling of aerodynamics and structure: loads consistent with the motion at the end of every aerodynamic step.
 //!
-//! Aerodynamic steps have a fixed length from the start on, independent of the caller's steps. Within one the loads are constant and turn
-//! with the sections, NOTATION eq. (Q1): the mean of the circulatory loads at its ends, and the mean rate of the fluid's impulse. Those at
-//! the end follow from trial marches of the structure to it, eq. (Q2), after which the structure is rolled back and marches finally.
-//! Vibrations faster than the steps can resolve must not gain energy from the loads: the aerodynamic model uses velocities that belong to
-//! the displacements over the steps, eq. (Q4), not instantaneous ones.
+//! Aerodynamic steps have a fixed length from the start, independent of the caller's steps. Within a step the loads are constant and rotate
+//! with the sections, NOTATION eq. (Q1): the mean of the circulatory loads at its ends, and the mean rate of the fluid's impulse. The loads
+//! at the end follow from trial marches of the structure to it, eq. (Q2), after which the structure is rolled back and marched once more.
+//! Vibrations that the steps cannot resolve must not gain energy from the loads: the aerodynamic model therefore uses velocities consistent
+//! with the displacements over the steps, eq. (Q4), not instantaneous ones.
 
 use crate::aero::flow::{AirPath, Flow};
 use crate::force::Outcome;
@@ -21,30 +21,30 @@ use crate::system::state::State;
 use crate::system::{PlantError, Statistics, System};
 use nalgebra::Vector3;
 
-/// Share of an aerodynamic step below which the rest of it is round-off.
+/// Fraction of an aerodynamic step below which the rest of it is round-off.
 const SLIVER: f64 = 1e-9;
-/// Round-off of the caller's clock, relative to its time: that of 10⁵ steps summed up.
+/// Round-off of the caller's clock, relative to its time: that of a sum of 10⁵ steps.
 const CLOCK_ROUND_OFF: f64 = 1e-11;
-/// Share of the coupling's tolerance by which the loads may move due to the residual error of Newton's iteration in a trial march.
+/// Fraction of the coupling's tolerance by which the residual error of Newton's iteration in a trial march may change the loads.
 const MOTION_SHARE: f64 = 0.1;
-/// Smallest displacement error in the kinematic norm required of Newton's iteration: a thousand times the round-off of angles, since its
-/// last corrections are a hundred times the remaining error.
+/// Smallest displacement error in the kinematic norm that is required of Newton's iteration: a thousand times the round-off of angles,
+/// since its last corrections are a hundred times the remaining error.
 const MINIMUM_MOTION_TOLERANCE: f64 = 1e-12;
 
-/// Number of consecutive aerodynamic steps in which the prediction of the staggered coupling may miss the loads by more than the largest
-/// load of the run: if this continues, loads without prediction would be more accurate, and the error grows with each step. A start with
-/// small loads has two or three such steps.
+/// Number of consecutive aerodynamic steps in which the load prediction of the staggered coupling may be off by more than the largest load
+/// of the run: if this continues, loads without prediction would be more accurate, and the error grows with each step. A start with small
+/// loads has two or three such steps.
 const MAXIMUM_STRAYED: u32 = 4;
-/// Upper and lower bounds of the contraction of the load changes from one trial to the next. Up to the upper bound the contraction is
-/// assumed to continue; below the lower bound it is not, because other directions follow.
+/// Upper bound on the contraction of the load changes from one trial to the next up to which it is assumed to continue, and lower bound on
+/// the assumed contraction, because other directions follow.
 const MAXIMUM_RATE: f64 = 0.1;
 const MINIMUM_RATE: f64 = 0.02;
-/// Share of the tolerance below which the next change is predicted instead of computed.
+/// Fraction of the tolerance below which the next change is predicted instead of computed.
 const LEFT_SHARE: f64 = 0.2;
-/// Smallest tolerance for which changes are predicted: below it the user is comparing solutions and needs true convergence.
+/// Smallest tolerance for which changes are predicted: smaller tolerances are set to compare solutions, which requires true convergence.
 const MINIMUM_FORESIGHT: f64 = 1e-5;
-/// Growth of the structural steps over the time since a jump of the accelerations: steps by the error estimate, which resolve the fast
-/// modes excited by an impact until they are damped, may grow by a factor of 3 per step and soon need no bound.
+/// Growth of the structural steps relative to the time since a jump of the accelerations: steps by the error estimate, which resolve the
+/// fast modes excited by an impact until they are damped, may grow by a factor of 3 per step and soon need no bound.
 const GROWTH_AFTER_JUMP: f64 = 0.2;
 /// Error text for a diverging staggered coupling.
 const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerodynamic steps in a row the loads missed their \
@@ -55,14 +55,14 @@ const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerody
 const JUMPS: &str =
     "; an annulus of the rotor may jump between windmill and propeller brake, write coupling = \"staggered\"";
 
-/// Time in s by which the caller's clock may be off an aerodynamic step's end that it means.
+/// Time in s by which the caller's clock may deviate from the end of an aerodynamic step.
 fn round_off_s(time_s: f64, step_s: f64) -> f64 {
     SLIVER * step_s + CLOCK_ROUND_OFF * time_s.abs()
 }
 
 impl Plant {
     /// Whether `start` is at the end of an aerodynamic step and `time_s` is that end except for round-off of the caller's clock; `start` is
-    /// then set to `time_s`. Outputs there belong to the step that ends, independent of the last bits of the clock.
+    /// then set to `time_s`. Outputs there belong to the step that ends, independently of the last bits of the clock.
     pub(crate) fn adopt_end_of_air_step(&mut self, time_s: f64) -> bool {
         let (Some(history), Some(air)) = (&self.system.state.air, &self.system.air) else { return false };
         let (end_s, round_off_s) = (history.loads.end_s, round_off_s(time_s, air.settings.step_s));
@@ -99,7 +99,7 @@ impl Plant {
         self.agree_on_loads()
     }
 
-    /// Computes the loads for the rest of the present step again, after the inputs have changed inside it.
+    /// Computes the loads for the rest of the present step again, after the inputs have changed within it.
     pub(crate) fn renew_air(&mut self) -> Result<(), PlantError> {
         match (&self.system.state.air, &self.system.air) {
             (Some(history), Some(air)) => {
@@ -111,8 +111,8 @@ impl Plant {
         }
     }
 
-    /// Loads at the end of the present aerodynamic step that agree with the motion there, NOTATION eq. (Q2).
-    /// Leaves the structure at `start`, with accelerations under these loads.
+    /// Finds the loads at the end of the present aerodynamic step that are consistent with the motion there, NOTATION eq. (Q2). Leaves the
+    /// structure at `start`, with accelerations under these loads.
     fn agree_on_loads(&mut self) -> Result<(), PlantError> {
         let Some(rest) = self.begin_agreement() else { return Ok(()) };
         let (mut change_n, mut before_n) = (Some(0.0), None);
@@ -153,7 +153,7 @@ impl Plant {
         self.system.discontinuity(|_, _| Outcome::default()).map(|_| ())
     }
 
-    /// Convects the wake to the end of the present aerodynamic step and stores the start of its trial marches; `None` without air.
+    /// Convects the wake to the end of the present aerodynamic step and stores the start of its trial marches; `None` without aerodynamics.
     fn begin_agreement(&mut self) -> Option<RestOfStep> {
         let System { air: Some(air), state, equations, machine, .. } = &mut self.system else { return None };
         let air = &mut **air;
@@ -161,7 +161,7 @@ impl Plant {
         self.trial.save(state, equations.air.as_ref());
         let step_s = air.settings.step_s;
         let (begin_s, end_s) = (history.loads.begin_s, history.loads.end_s);
-        // displacement of the wind over the whole step, and rotation of the root frame in the middle of the rest of the step: exact for
+        // displacement of the wind over the whole step, and rotation of the root frame at the middle of the rest of the step: exact for
         // inputs that vary linearly from the step's start
         let middle_s = 0.5 * (begin_s + end_s);
         let way_m = history.carried_m + state.wind_at_m_s(middle_s) * (end_s - begin_s);
@@ -183,9 +183,9 @@ impl Plant {
         Some(RestOfStep { begin_s, end_s, gain, path, tolerance, most_trials })
     }
 
-    /// Marches the structure to the end of the step with the present guess of the loads, rolls it back, and solves for the loads of that
-    /// motion. Returns `None` if they agree with the guess, or if those of one more march would, else their change in N, and sets the next
-    /// guess. `first`: the trial march determines the structural steps; `before_n`: change in the march before.
+    /// Marches the structure to the end of the step with the present guess of the loads, rolls it back, and solves for the loads due to
+    /// that motion. Returns `None` if they agree with the guess, or if those of one more march would; otherwise returns their change in N
+    /// and sets the next guess. `first`: the trial march determines the structural steps; `before_n`: change in the previous march.
     fn try_loads(&mut self, rest: &RestOfStep, first: bool, before_n: Option<f64>) -> Result<Option<f64>, PlantError> {
         let &RestOfStep { begin_s, end_s, ref gain, tolerance, .. } = rest;
         self.limit_newton();
@@ -193,7 +193,7 @@ impl Plant {
         let marched = self.march_on_trial(end_s, first);
         self.system.equations.booked = booked;
         let next_s = self.system.state.step_s;
-        // without a requested step, the next one is the best estimate
+        // if the error estimate required no step, the next one is the best guess
         let wanted_s = if self.smallest_step_s.is_finite() { self.smallest_step_s } else { next_s };
         let halved = self.system.state.statistics.failures > self.trial.statistics.failures;
         if marched.is_ok() {
@@ -216,8 +216,8 @@ impl Plant {
         if first && machine.solver.fixed_step_s.is_none() {
             history.structure_step_s = even_step(end_s - begin_s, wanted_s);
         } else if halved {
-            // Newton's iteration has failed with these steps: all later marches use shorter ones, else the loads at the end jump from one
-            // trial to the next
+            // Newton's iteration has failed with these steps: all later marches use shorter ones, otherwise the loads at the end jump from
+            // one trial to the next
             history.structure_step_s *= 0.5;
             air.acceleration.restart();
         }
@@ -247,7 +247,7 @@ impl Plant {
             }
         }
         let bound_n = (tolerance * history.scale_n).max(air.round_off_n(density_kg_m3));
-        // predicts the next change by the present contraction
+        // predicts the next change from the present contraction
         let rate = before_n.map_or(1.0, |before_n| (change_n / before_n).max(MINIMUM_RATE));
         let foreseen =
             tolerance >= MINIMUM_FORESIGHT && rate <= MAXIMUM_RATE && rate * change_n <= LEFT_SHARE * bound_n;
@@ -262,7 +262,7 @@ impl Plant {
         Ok(if agreed { None } else { Some(change_n) })
     }
 
-    /// Sets the error bound of Newton's iteration in the trial marches, so that its effect on the loads is negligible, eq. (Q2).
+    /// Sets the tolerance of Newton's iteration in the trial marches such that its effect on the loads is negligible, eq. (Q2).
     fn limit_newton(&mut self) {
         let System { air: Some(air), state, equations, .. } = &mut self.system else { return };
         let density_kg_m3 = state.applied_parameters.air_density_kg_m3();
@@ -276,8 +276,8 @@ impl Plant {
         };
     }
 
-    /// Marches the structure to the end of the aerodynamic step under the present guess of the loads; `first`: with steps
-    /// by the error estimate.
+    /// Marches the structure to the end of the aerodynamic step under the present guess of the loads; `first`: with steps chosen by the
+    /// error estimate.
     fn march_on_trial(&mut self, end_s: f64, first: bool) -> Result<(), PlantError> {
         self.system.discontinuity(|_, _| Outcome::default())?;
         self.smallest_step_s = f64::INFINITY;
@@ -294,20 +294,20 @@ impl Plant {
         Ok(())
     }
 
-    /// Step of the structure that the present aerodynamic step is marched with, in s; `None` without air.
+    /// Structural step within the present aerodynamic step in s; `None` without aerodynamics.
     pub(crate) fn structure_step_s(&self) -> Option<f64> {
         let history = self.system.state.air.as_ref()?;
         Some(self.after_jump_s().map_or(history.structure_step_s, |bound_s| bound_s.min(history.structure_step_s)))
     }
 
-    /// Bound on the structure's steps that the last jump of the accelerations has left, in s; none on steps that the caller has fixed.
+    /// Bound in s on the structural steps after the last jump of the accelerations; `None` without a bound and for fixed steps.
     pub(crate) fn after_jump_s(&self) -> Option<f64> {
         let history = self.system.state.air.as_ref()?;
         (history.after_jump_s > 0.0 && self.system.machine.solver.fixed_step_s.is_none())
             .then_some(history.after_jump_s)
     }
 
-    /// Increases the bound with the time since the jump, until it has no effect.
+    /// Increases the bound with the time since the jump, until it no longer has an effect.
     pub(crate) fn loosen_bound_after_jump(&mut self) {
         let max_step_s = self.system.state.applied_parameters.solver().max_step_s;
         let State { start, ahead, air: Some(history), .. } = &mut self.system.state else { return };
@@ -319,7 +319,7 @@ impl Plant {
         }
     }
 
-    /// Rolls back a trial march, but keeps its results for the air.
+    /// Rolls back a trial march, but keeps its aerodynamic results.
     fn go_back(&mut self) {
         let (trial, system) = (&self.trial, &mut self.system);
         let Statistics { air_solutions, iterations, trial_iterations, .. } = system.state.statistics;
@@ -347,16 +347,16 @@ impl Plant {
 struct RestOfStep {
     begin_s: f64,
     end_s: f64,
-    /// Gain of the wind since the start of the step.
+    /// Change of the wind since the start of the step.
     gain: Gain,
     /// Displacement of the air over the whole step.
     path: AirPath,
-    /// Change of the loads over the largest at which they agree.
+    /// Change of the loads, relative to the largest load, at which the iteration has converged.
     tolerance: f64,
     most_trials: usize,
 }
 
-/// Start of the trial marches of an aerodynamic step, to roll back to.
+/// State at the start of the trial marches of an aerodynamic step, for rollback.
 pub(super) struct Trial {
     start: Point,
     step_s: f64,
@@ -368,7 +368,7 @@ pub(super) struct Trial {
 }
 
 impl Trial {
-    /// Room for the trial marches of a system.
+    /// Allocates memory for the trial marches of a system.
     pub fn new(system: &System) -> Self {
         let sections = system.equations.stations.len() - system.equations.load_stations;
         Self {
@@ -382,7 +382,7 @@ impl Trial {
         }
     }
 
-    /// Stores the start of a trial march. `loads`: those of its accelerations.
+    /// Stores the start of a trial march. `loads`: the loads that correspond to its accelerations.
     fn save(&mut self, state: &State, loads: Option<&StepLoads>) {
         self.start.copy_from(&state.start);
         self.joints.clone_from(&state.joints);

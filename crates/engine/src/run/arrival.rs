@@ -17,7 +17,7 @@ impl Plant {
         let State { start, stages, ahead, now, .. } = &mut self.system.state;
         let taken = Taken { start, stages, end: ahead, continuation: &self.system.continuation };
         if taken.fill(now, time_s) {
-            // combinations satisfy prescribed motions and constraints of joint parameters only to their error
+            // interpolated states satisfy prescribed motions and constraints of joint parameters only to the interpolation error
             self.system.equations.branch_s = 0.5 * (start.time_s + ahead.time_s);
             self.system.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
             self.system.equations.project(&mut now.q, &mut now.v, &mut now.a);
@@ -25,7 +25,7 @@ impl Plant {
     }
 
     /// Takes a separate step from the start of the integrator's step to a time within it, for methods without stages, whose interpolation
-    /// between the ends exaggerates fast modes. Returns false at the ends, and if there is no solution.
+    /// between the ends exaggerates fast modes. Returns false at the ends, and if the step fails.
     fn land(&mut self, time_s: f64) -> bool {
         let step_s = time_s - self.system.state.start.time_s;
         if step_s <= 0.0 || time_s >= self.system.state.ahead.time_s {
@@ -38,7 +38,7 @@ impl Plant {
         landed.is_ok()
     }
 
-    /// A step of given length from `start` into other points than those of the run, without its events.
+    /// Takes a step of given length from `start` into points other than those of the run, without events.
     pub(crate) fn step_apart(
         &mut self,
         start: &Point,

@@ -1,14 +1,14 @@
-//! Durations of communication steps, for real-time loops. The physics never reads a clock: the caller of the plant records them, and they
-//! are not part of its state.
+//! Durations of communication steps, for real-time loops. The engine never reads a clock: the caller of the plant records the durations,
+//! which are not part of its state.
 
-/// Classes of the histogram per doubling of the duration: quantiles are within 1/16 of a doubling, 4.5 %.
+/// Number of histogram classes per doubling of the duration: quantiles are accurate to 1/16 of a doubling, 4.5 %.
 const PER_DOUBLING: f64 = 16.0;
 /// Upper end of the first class in s.
 const SHORTEST_S: f64 = 1e-7;
-/// Classes: up to `1e-7 · 2^(400/16)` s, 3.4 s.
+/// Number of classes: up to `1e-7 · 2^(400/16)` s, 3.4 s.
 const CLASSES: usize = 401;
 
-/// Number, last, slowest and quantiles of the recorded durations. Recording allocates nothing.
+/// Number of the recorded durations, the last, the longest, and quantiles. Recording allocates nothing.
 #[derive(Debug, Clone)]
 pub struct Latency {
     counts: Vec<u64>,
@@ -40,7 +40,7 @@ impl Latency {
         self.counts[class.min(CLASSES - 1)] += 1;
     }
 
-    /// Steps recorded.
+    /// Number of recorded steps.
     pub fn steps(&self) -> u64 {
         self.steps
     }
@@ -55,8 +55,8 @@ impl Latency {
         self.slowest_s
     }
 
-    /// Duration in s that the share `share` of the steps does not exceed, to within 4.5 % above, and never above the
-    /// slowest; 0 before the first.
+    /// Duration in s not exceeded by the fraction `share` of the steps, overestimated by at most 4.5 %, and never above the longest; 0
+    /// before the first.
     pub fn quantile_s(&self, share: f64) -> f64 {
         let wanted = (share * self.steps as f64).ceil().max(1.0) as u64;
         let mut seen = 0;
@@ -79,7 +79,7 @@ mod tests {
     fn quantiles_are_within_a_class() {
         let mut latency = Latency::default();
         assert_eq!(latency.quantile_s(0.5), 0.0);
-        // in an order that is none
+        // in an irregular order
         (0..1000u64).for_each(|i| latency.record(1e-6 * (i * 389 % 1000 + 1) as f64));
         for share in [0.001, 0.1, 0.5, 0.99, 0.999] {
             let (exact_s, found_s) = (share * 1e-3, latency.quantile_s(share));

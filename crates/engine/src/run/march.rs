@@ -1,4 +1,4 @@
-//! Marching in time: variable steps that run ahead of the caller, crossings of forces' indicators located inside them.
+//! Time integration: variable steps that run ahead of the caller, with crossings of force indicators located within them.
 
 use crate::force::joint::JointForces;
 use crate::force::latch::CROSSING_S;
@@ -11,45 +11,45 @@ use crate::system::PlantError;
 use crate::system::place::Failure;
 use crate::system::state::State;
 
-/// Displacement error allowed after Newton's iteration, as a share of the step's tolerance.
+/// Displacement error allowed after Newton's iteration, as a fraction of the step's tolerance.
 const NEWTON_SHARE: f64 = 1e-2;
 /// Largest displacement error allowed after Newton's iteration at any tolerance.
 const NEWTON_CEILING: f64 = 1e-6;
-/// The same for steps of given length, without an error estimate: those that end at a crossing (located to 1e-9 s, at some 10 rad/s) and
-/// fixed ones.
+/// Largest displacement error allowed after Newton's iteration in steps of given length, without an error estimate: those that end at a
+/// crossing (located to 1e-9 s, at about 10 rad/s) and fixed ones.
 const NEWTON_CEILING_EXACT: f64 = 1e-8;
-/// Cut of the step after Newton's iteration has failed.
+/// Factor by which the step is cut after Newton's iteration has failed.
 const FAILURE_CUT: f64 = 0.25;
-/// Internal steps after which the longest communication step ends, were each as long as it may be.
+/// Maximum number of internal steps in a communication step if each has the maximum length.
 const MAXIMUM_STEPS: u32 = 1_000_000;
 /// Newton iterations allowed in a communication step of any length: five times the number in the trial marches of one aerodynamic step of
-/// the shipped tunnel model at a tolerance of 1e-8, and some seconds of processor time.
+/// the supplied tunnel model at a tolerance of 1e-8, and some seconds of processor time.
 const MAXIMUM_ITERATIONS: u64 = 200_000;
-/// The same for each second of its length.
+/// Additional Newton iterations allowed per second of the communication step.
 const MAXIMUM_ITERATIONS_1_S: f64 = 5e7;
 /// Maximum number of aerodynamic steps in one communication step: each contains many internal ones.
 const MAXIMUM_AIR_STEPS: u32 = 100_000;
-/// Maximum number of steps spent on locating one crossing.
+/// Maximum number of steps for locating one crossing.
 const MAX_LOCATING_STEPS: usize = 40;
 /// Maximum number of steps for locating one crossing in real time: after the tangent at the end of the first trial, the distance of the
-/// latch from the crossing, as a share of the step, decreases with the square of the step.
+/// latch from the crossing, as a fraction of the step, decreases with the square of the step.
 const MAX_LOCATING_STEPS_REAL_TIME: usize = 2;
-/// Last correction, as a rotation in rad or a displacement over the machine's length, at which a stage of real-time mode is not solved: the
-/// next correction could turn any part anywhere.
+/// Last correction, as a rotation in rad or a displacement divided by the machine's length, above which a stage in real-time mode counts as
+/// unsolved: the next correction could move any part arbitrarily far.
 const LOST_REST: f64 = 1.0;
-/// Largest turn of a joint in a step of real-time mode, in rad: beyond half a turn the direction is ambiguous.
+/// Largest rotation of a joint in a step of real-time mode, in rad: beyond half a revolution the direction is ambiguous.
 const LOST_TURN_RAD: f64 = std::f64::consts::PI;
 
-/// Choice of the step length.
+/// Choice of the step size.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Length {
-    /// By the error estimate, which also bounds the remaining error of Newton's iteration.
+    /// Chosen by the error estimate, which also bounds the remaining error of Newton's iteration.
     Chosen,
-    /// The place of a crossing or the caller.
+    /// Given by the position of a crossing or by the caller.
     Given,
 }
 
-/// A step of given length that was not solved. `ahead` is undefined, `start` is unchanged.
+/// A step of given length that failed. `ahead` is undefined, `start` is unchanged.
 pub(super) struct Untaken {
     step_s: f64,
     failure: Failure,
@@ -64,12 +64,12 @@ impl Plant {
         self.step_with_pauses(end_s, Pauses::default()).map(|_| ())
     }
 
-    /// The same, but ends earlier as specified by `pauses`: the present time and the outputs are then those of the pause.
+    /// Like [`Self::step`], but ends earlier as specified by `pauses`: the present time and the outputs are then those of the pause.
     pub fn step_with_pauses(&mut self, end_s: f64, pauses: Pauses) -> Result<Reached, PlantError> {
         let changed = self.system.inputs_changed();
         self.system.inputs_may_differ = false;
         let marches = changed || self.system.state.ahead.time_s <= end_s;
-        // values reached by running ahead were checked when the step was taken, unless they were huge
+        // values reached by running ahead were checked when the step was taken, unless they were too large
         let guarded = marches || !self.system.stays_moderate();
         if guarded {
             self.system.begin.copy_from(&self.system.state);
@@ -83,7 +83,7 @@ impl Plant {
             Ok(Reached::Event | Reached::Step) => now.copy_from(ahead),
             Err(_) if start.time_s <= now.time_s => self.system.go_back_to_begin(),
             Err(_) => {
-                // the attempt has overwritten the stages of the step that has led here
+                // the attempt has overwritten the stages of the step that ends here
                 [before, ahead, now].into_iter().for_each(|point| point.copy_from(start));
             }
         }
@@ -119,7 +119,7 @@ impl Plant {
         self.work_left = self.most_work;
     }
 
-    /// Longest communication step in s within the bounds on internal and aerodynamic steps.
+    /// Longest communication step in s within the limits on the numbers of internal and aerodynamic steps.
     pub fn longest_step_s(&self) -> f64 {
         let structure_s =
             self.system.machine.solver.fixed_step_s.unwrap_or(self.system.state.parameters.solver().max_step_s)
@@ -132,8 +132,8 @@ impl Plant {
     }
 
     /// Takes steps until one reaches `end_s`. Runs ahead of `end_s` only while the inputs are unchanged. Fixed steps divide the caller's
-    /// span, and never run ahead; in air they divide the aerodynamic step, for any step of the caller: the loads are iterated for these
-    /// steps.
+    /// step and never run ahead; with aerodynamics they divide the aerodynamic step, for any step of the caller: the loads are iterated for
+    /// these steps.
     fn march(&mut self, end_s: f64, changed: bool, pauses: Pauses) -> Result<Reached, PlantError> {
         let fixed = self
             .system
@@ -167,7 +167,7 @@ impl Plant {
         Ok(Reached::End)
     }
 
-    /// One accepted step of variable length from `start` to `ahead`, at most to `limit_s`.
+    /// Takes one accepted step of variable length from `start` to `ahead`, at most to `limit_s`.
     pub(crate) fn advance(&mut self, limit_s: f64) -> Result<(), PlantError> {
         let tolerance = self.system.state.applied_parameters.solver().tolerance;
         let (min_step_s, max_step_s) = (
@@ -185,19 +185,19 @@ impl Plant {
                 Ok(error) if error <= tolerance => {
                     self.system.state.ahead.time_s = end_s;
                     if let Err(Untaken { step_s, failure }) = self.locate_crossing() {
-                        // first a normal step over a part of the distance to the crossing, then further
+                        // first a normal step over part of the distance to the crossing, then the remainder
                         self.give_up(step_s * FAILURE_CUT, failure)?;
                         continue;
                     }
                     let factor = control::factor(error / tolerance, order);
                     let grown_s = step_s * factor;
-                    // a step with the largest growth was shorter than the error requires; steps bounded after a jump are short in all
+                    // a step limited by the largest growth was shorter than the error requires; steps bounded after a jump are short in all
                     // marches
                     let is_asked_for = factor < control::MAX_GROWTH || grown_s >= max_step_s;
                     if is_asked_for && self.after_jump_s().is_none_or(|bound_s| wanted_s < bound_s) {
                         self.smallest_step_s = self.smallest_step_s.min(wanted_s);
                     }
-                    // a step cut short by `stop_s` is no reason against the longer one
+                    // a step cut short by `stop_s` does not reduce the next step size
                     self.system.state.step_s =
                         if step_s < wanted_s { grown_s.max(wanted_s) } else { grown_s }.min(max_step_s);
                     break;
@@ -214,7 +214,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Continues with a shorter step after a failure of Newton's iteration, unless it is below the shortest allowed.
+    /// Continues with a shorter step after a failure of Newton's iteration; returns an error if that is below the shortest allowed step.
     fn give_up(&mut self, shorter_s: f64, failure: Failure) -> Result<(), PlantError> {
         self.system.state.statistics.failures += 1;
         self.system.state.step_s = shorter_s;
@@ -229,8 +229,8 @@ impl Plant {
         }
     }
 
-    /// Counts an internal step to `end_s`; an error if it does not advance the time, or if the iteration budget of the communication step
-    /// is used up.
+    /// Counts an internal step to `end_s`; returns an error if it does not advance the time, or if the iteration budget of the
+    /// communication step is used up.
     fn count_step(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
         let time_s = self.system.state.start.time_s;
         if end_s.partial_cmp(&time_s) != Some(std::cmp::Ordering::Greater) {
@@ -243,7 +243,7 @@ impl Plant {
         Ok(())
     }
 
-    /// One step of given length; halved if Newton's iteration fails.
+    /// Takes one step of given length; it is halved if Newton's iteration fails.
     pub(crate) fn advance_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
         let time_s = self.system.state.start.time_s;
         let stop_s = end_s.min(self.system.equations.next_kink_s(time_s));
@@ -251,7 +251,7 @@ impl Plant {
         self.count_step(step_s, target_s)?;
         while let Err(Untaken { step_s: failed_s, failure }) = self.take_fixed(step_s, target_s) {
             if self.system.machine.solver.most_iterations.is_some() {
-                // no repetition in real time: a failure here is a state that is not finite, singular or lost
+                // no repetition in real time: a failure here is a state that is not finite, singular or diverged
                 self.system.state.statistics.failures += 1;
                 return Err(self.system.no_convergence(failed_s, failure, self.stepper.remainder()));
             }
@@ -262,20 +262,20 @@ impl Plant {
         }
         self.system.state.statistics.steps += 1;
         if self.system.machine.solver.most_iterations.is_some() {
-            // the bound after the last jump ends with the step after it
+            // the bound after the last jump ends after this step
             self.system.state.step_s = self.system.state.applied_parameters.solver().max_step_s;
         }
         Ok(())
     }
 
-    /// One step of given length, or to the first crossing within it.
+    /// Takes one step of given length, or to the first crossing within it.
     pub(super) fn take_fixed(&mut self, step_s: f64, end_s: f64) -> Result<(), Untaken> {
         self.attempt_given(step_s)?;
         self.system.state.ahead.time_s = end_s;
         self.locate_crossing()
     }
 
-    /// Takes one step of given length; in real time an error if the motion is lost.
+    /// Takes one step of given length; in real time returns an error if the iteration diverges.
     fn attempt_given(&mut self, step_s: f64) -> Result<(), Untaken> {
         self.attempt(step_s, Length::Given).map_err(|error| Untaken { step_s, failure: Failure::Newton(error) })?;
         if self.system.machine.solver.most_iterations.is_none() {
@@ -299,7 +299,7 @@ impl Plant {
         }
     }
 
-    /// One step from `start` into `ahead`; returns the error estimate.
+    /// Takes one step from `start` to `ahead`; returns the error estimate.
     fn attempt(&mut self, step_s: f64, length: Length) -> Result<f64, NewtonError> {
         let accuracy = self.accuracy(step_s, length);
         let mut effort = Effort::default();
@@ -333,13 +333,13 @@ impl Plant {
 
     /// If indicators of forces are crossed inside the step, repeats the step so that it ends at the first crossing.
     ///
-    /// Several may be crossed at the same instant (mirrored wings): all that are within the accuracy of location are.
+    /// Several may be crossed at the same instant (mirrored wings): all those within the accuracy of the location are.
     fn locate_crossing(&mut self) -> Result<(), Untaken> {
         let Some((mut crossed, mut fraction)) = self.first_crossing() else { return Ok(()) };
         let most = self.system.state.joints.len().max(self.system.equations.forces.indicators().count());
         for _ in 0..most {
             self.end_step_at_crossing(crossed, fraction)?;
-            // the estimates may give the wrong one of two close crossings
+            // the estimates may select the wrong one of two close crossings
             match self.first_crossing() {
                 Some((other, at)) if other != crossed && !self.has_arrived(other, true) => {
                     (crossed, fraction) = (other, at)
@@ -364,29 +364,29 @@ impl Plant {
         Ok(())
     }
 
-    /// The armed indicator that is crossed first inside the step, and an estimate of the fraction of the step at which.
+    /// The armed indicator that is crossed first within the step, and an estimate of the fraction of the step at which it is crossed.
     fn first_crossing(&self) -> Option<(Indicator, f64)> {
         let State { start, stages, ahead, joints, .. } = &self.system.state;
         let taken = Taken { start, stages, end: ahead, continuation: &self.system.continuation };
         self.system.equations.forces.first_crossing(&taken, joints)
     }
 
-    /// Signed distance of an indicator at `ahead` and how fast it falls there, in rad and rad/s.
+    /// Signed distance of an indicator at `ahead` in rad and the rate at which it falls there in rad/s.
     fn distance(&self, indicator: Indicator) -> (f64, f64) {
         let State { start, ahead, joints, .. } = &self.system.state;
         self.system.equations.forces.distance(indicator, start, ahead, joints)
     }
 
-    /// Whether an indicator is zero at `ahead` to the accuracy of location; `only_just`: and not beyond.
+    /// Whether an indicator is zero at `ahead` to the accuracy of the location; `only_just`: and not beyond.
     fn has_arrived(&self, indicator: Indicator, only_just: bool) -> bool {
         let (distance_rad, closing_rad_s) = self.distance(indicator);
         distance_rad <= CROSSING_S * closing_rad_s && (!only_just || distance_rad >= -CROSSING_S * closing_rad_s)
     }
 
-    /// Repeats the step so that it ends at the zero of a falling indicator.
+    /// Repeats the step such that it ends at the zero of a falling indicator.
     ///
-    /// Regula falsi (Illinois) on the step's length: each trial is a full step, so the state at the crossing is as accurate as at any
-    /// step's end.
+    /// False-position method (Illinois) for the step's length: each trial is a full step, so the state at the crossing is as accurate as at
+    /// the end of any step.
     fn end_step_at_crossing(&mut self, indicator: Indicator, fraction: f64) -> Result<(), Untaken> {
         let State { start, ahead, joints, .. } = &self.system.state;
         let step_s = ahead.time_s - start.time_s;
@@ -394,12 +394,12 @@ impl Plant {
         let (mut high, mut high_gap) = (step_s, self.distance(indicator).0);
         let mut trial_s = fraction * step_s;
         if high_gap > 0.0 {
-            // crossing and return within the step: the sample inside brackets it
+            // crossing and return within the step: the trial point inside brackets the crossing
             high = trial_s;
             high_gap = -f64::MIN_POSITIVE;
         }
         let real_time = self.system.machine.solver.most_iterations.is_some();
-        // a force that holds the joint at the capture must capture it inside its range
+        // a force that holds the joint at its capture must capture it within its range
         let share = if self.system.equations.forces.lands_beyond(indicator) { 0.5 } else { 1.0 };
         for _ in 0..if real_time { MAX_LOCATING_STEPS_REAL_TIME } else { MAX_LOCATING_STEPS } {
             self.attempt_given(trial_s)?;
@@ -413,7 +413,7 @@ impl Plant {
             } else {
                 (high, high_gap, low_gap) = (trial_s, here, 0.5 * low_gap);
             }
-            // the tangent is best near the crossing; the secant keeps the bracket
+            // the tangent is most accurate near the crossing; the secant keeps the bracket
             let newton_s = trial_s + here / closing;
             let inside = newton_s > low && newton_s < high;
             trial_s = if inside { newton_s } else { low + (high - low) * low_gap / (low_gap - high_gap) };
@@ -421,9 +421,9 @@ impl Plant {
         Ok(())
     }
 
-    /// Sets the present time to `time_s`: for callers whose clock has round-off.
+    /// Sets the present time to `time_s`, for callers whose clock has round-off.
     ///
-    /// The shift is bounded by the caller's check; the state itself is unchanged.
+    /// The shift is limited by the caller's check; the state itself is unchanged.
     pub fn adopt_time(&mut self, time_s: f64) {
         let shift_s = time_s - self.system.state.now.time_s;
         if shift_s != 0.0 {
@@ -447,7 +447,7 @@ pub(crate) fn even_step(span_s: f64, step_s: f64) -> f64 {
     span_s / (span_s / step_s * (1.0 - 1e-9)).ceil().max(1.0)
 }
 
-/// Length of the next step and its end: `wanted_s`, but never beyond `stop_s`, and changed so that no very short step precedes it.
+/// Length of the next step and its end: `wanted_s`, but never beyond `stop_s`, and adjusted so that no very short step remains.
 fn fit_step(time_s: f64, wanted_s: f64, stop_s: f64) -> (f64, f64) {
     let room_s = stop_s - time_s;
     if wanted_s >= room_s * (1.0 - 1e-9) {

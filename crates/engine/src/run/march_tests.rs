@@ -1,4 +1,4 @@
-//! Steps grow when the motion allows it, and time is that of the caller's clock.
+//! Steps grow when the motion allows it, and the time is that of the caller's clock.
 
 use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};
@@ -14,7 +14,7 @@ fn started(machine: Machine) -> Plant {
 }
 
 /// An oscillation of 20 rad/s that decays with e^(-4t): its steps are short at first, and 5 s later, with an amplitude of e^(-20), as long
-/// as allowed. The next 5 s are 20 steps; two more are allowed for the ends.
+/// as allowed. The next 5 s take 20 steps; two more are allowed for the ends.
 #[test]
 fn steps_grow_where_a_motion_dies_down() {
     const LONGEST_S: f64 = 0.25;
@@ -37,9 +37,9 @@ fn steps_grow_where_a_motion_dies_down() {
     assert!(last - middle <= 22, "{} steps for 5 s at rest, {middle} before", last - middle);
 }
 
-/// A wing in still air is independent of absolute time: a clock that is shifted by a quarter of a second inside an aerodynamic step shifts
-/// everything, and the motion continues as without. Within round-off of times, 1e-16 s at 1 rad/s, amplified by the tolerances of coupling
-/// and steps.
+/// A wing in still air is independent of absolute time: a clock that is shifted by a quarter of a second within an aerodynamic step shifts
+/// everything, and the motion is otherwise unchanged, within round-off of times, 1e-16 s at 1 rad/s, amplified by the tolerances of
+/// coupling and steps.
 #[test]
 fn a_clock_that_is_set_inside_an_aerodynamic_step_changes_nothing() {
     let wing = || {

@@ -1,8 +1,8 @@
-//! A run of a machine: its system over time.
+//! A run of a machine: its system advanced in time.
 //!
 //! The integrator takes internal steps and runs ahead of the caller while the inputs are unchanged; values in between are interpolated from
-//! the stages of its steps. A changed input cuts the step at the present time. So the result does not depend on the communication step, and
-//! small communication steps cost little (`docs/decisions/0002-running-ahead.md`).
+//! the stages of its steps. A changed input cuts the step at the present time. The result therefore does not depend on the communication
+//! step, and small communication steps cost little (`docs/decisions/0002-running-ahead.md`).
 
 mod agreement;
 mod arrival;
@@ -25,16 +25,16 @@ use agreement::Trial;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// A machine in time: its [`System`], to which it dereferences, and the integrator.
+/// A machine advanced in time: its [`System`], to which it dereferences, and the integrator.
 pub struct Plant {
     pub(crate) system: System,
     stepper: Stepper,
-    /// Newton iterations that the present communication step may cost, and those of them that are left.
+    /// Maximum number of Newton iterations of the present communication step, and the remaining number.
     most_work: u64,
     work_left: u64,
-    /// Smallest step that the error estimate has required since the start of the present trial march, in s.
+    /// Smallest step required by the error estimate since the start of the present trial march, in s.
     smallest_step_s: f64,
-    /// Remaining error of the iterations of the last step in real time, in the kinematic norm.
+    /// Remaining error of the iterations in the last real-time step, in the kinematic norm.
     rest: f64,
     trial: Trial,
     latency: Latency,
@@ -49,7 +49,7 @@ impl Deref for Plant {
 }
 
 impl Plant {
-    /// A plant of a validated model, with the inputs and parameters that the model states; not yet initialised.
+    /// Creates a plant of a validated model, with the inputs and parameters of the model; not yet initialised.
     pub fn new(machine: Arc<Machine>) -> Self {
         let method = match machine.solver.method {
             Method::GeneralizedAlpha => stepper::Method::GeneralizedAlpha { rho_infinity: machine.solver.rho_infinity },
@@ -77,20 +77,20 @@ impl Plant {
         self.stepper.tableau()
     }
 
-    /// One step of given length, or to the first crossing within it, for comparisons of runs with the same steps.
+    /// Takes one step of given length, or to the first crossing within it, for comparisons of runs with identical steps.
     #[cfg(test)]
     pub(crate) fn take_fixed_step(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
         self.take_fixed(step_s, end_s).map_err(|_| PlantError::Clock { time_s: end_s, step_s })
     }
 
-    /// Questions about the present state: equilibria, modes, linear models, derivatives.
+    /// Analyses of the present state: equilibria, modes, linear models, derivatives.
     pub fn study(&mut self) -> Study<'_> {
         Study::new(&mut self.system)
     }
 
-    /// Builds the equations, sets the start state, finds the accelerations and the outputs at `time_s`.
+    /// Builds the equations, sets the start state, and computes the accelerations and the outputs at `time_s`.
     ///
-    /// May be called again (an FMU re-evaluates in Initialization Mode). On an error the state stays as it was.
+    /// May be called again (an FMU re-evaluates in Initialization Mode). After an error the state is unchanged.
     pub fn initialize(&mut self, time_s: f64) -> Result<(), PlantError> {
         self.latency.clear();
         let before = self.system.state.clone();
@@ -162,13 +162,12 @@ impl Plant {
         self.system.surface_gaps()
     }
 
-    /// Durations of the communication steps since initialisation, as far as the caller records them. Saved states do
-    /// not contain them.
+    /// Durations of the communication steps since initialisation, if the caller records them. Saved states do not contain them.
     pub fn latency(&self) -> &Latency {
         &self.latency
     }
 
-    /// Durations, to be recorded.
+    /// Mutable access to the durations, for recording.
     pub fn latency_mut(&mut self) -> &mut Latency {
         &mut self.latency
     }

@@ -7,25 +7,26 @@ use crate::system::state::State;
 /// Conditions for a pause before the end of a communication step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Pauses {
-    /// At crossings of indicators of forces, before the transitions: [`Plant::make_event`] performs them, or else the next step.
+    /// At crossings of force indicators, before the transitions, which [`Plant::make_event`] or otherwise the next step performs.
     pub at_events: bool,
-    /// At the end of each step of the integrator.
+    /// At the end of each integrator step.
     pub at_steps: bool,
 }
 
-/// Point at which a communication step has ended.
+/// Point at which a communication step has stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reached {
-    /// Its end, or an event there that was performed.
+    /// The end of the communication step, or an event there that was performed.
     End,
-    /// A pending event; it may be at the end of the communication step.
+    /// A pending event, which may be at the end of the communication step.
     Event,
-    /// The end of a step of the integrator within.
+    /// The end of an integrator step within the communication step.
     Step,
 }
 
 impl Plant {
-    /// Returns the pause at the end of the integrator's step, if that is after the present time and within a communication step to `end_s`.
+    /// Returns the pause at the end of the integrator's step, if that is after the present time and within the communication step to
+    /// `end_s`.
     pub(crate) fn pause(&self, pauses: Pauses, end_s: f64) -> Option<Reached> {
         let State { now, ahead, .. } = &self.system.state;
         if ahead.time_s <= now.time_s || ahead.time_s > end_s {
@@ -46,8 +47,8 @@ impl Plant {
     }
 
     /// Performs an event at the present time: first the transitions of the forces whose indicators were crossed here in the last step, then
-    /// changes of inputs and parameters. No effect if neither is due. Outputs are those after the event. On an error the state is
-    /// unchanged. Allocates nothing.
+    /// changes of inputs and parameters. Has no effect if neither is due. The outputs are those after the event. After an error the state
+    /// is unchanged. Allocates nothing.
     pub fn make_event(&mut self) -> Result<(), PlantError> {
         let State { now, ahead, .. } = &self.system.state;
         let crossed = ahead.time_s <= now.time_s && self.event_waits();
@@ -92,7 +93,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Applies inputs and parameters that have changed.
+    /// Applies inputs and parameters if they have changed.
     fn follow(&mut self, changed: bool) -> Result<(), PlantError> {
         if changed { self.system.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) }
     }

@@ -1,15 +1,15 @@
-//! Anderson's acceleration of a fixed-point iteration: the next guess is a combination of the previous ones with the smallest combination
-//! of their residuals.
+//! Anderson acceleration of a fixed-point iteration: the next guess is the combination of the previous guesses that minimises the
+//! combination of their residuals.
 
 use nalgebra::{SMatrix, SVector};
 
-/// Differences that are kept.
+/// Number of differences that are kept.
 const DEPTH: usize = 6;
-/// Regularisation of the small least-squares problem over its largest entry: directions that differ by less than its square root are
-/// treated as equal.
+/// Regularisation of the small least-squares problem, relative to its largest entry: directions that differ by less than its square root
+/// are treated as equal.
 const REGULARIZATION: f64 = 1e-12;
 
-/// Memory of an iteration `x ← x + residual(x)`.
+/// History of an iteration `x ← x + residual(x)`.
 #[derive(Debug, Clone)]
 pub struct Anderson {
     guesses: Vec<Vec<f64>>,
@@ -20,7 +20,7 @@ pub struct Anderson {
 }
 
 impl Anderson {
-    /// For vectors of `size` entries.
+    /// Accelerator for vectors of `size` entries.
     pub fn new(size: usize) -> Self {
         let zeros = vec![0.0; size];
         Self {
@@ -32,7 +32,7 @@ impl Anderson {
         }
     }
 
-    /// Clears the history: a new iteration starts.
+    /// Clears the history for a new iteration.
     pub fn restart(&mut self) {
         self.count = 0;
     }
@@ -59,7 +59,7 @@ impl Anderson {
         }
     }
 
-    /// Weights of the kept differences that cancel most of the residual.
+    /// Weights of the kept differences that cancel as much of the residual as possible.
     fn weights(&self, residual: &[f64], kept: usize) -> Option<SVector<f64, DEPTH>> {
         if kept == 0 {
             return None;
@@ -67,7 +67,7 @@ impl Anderson {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let mut matrix = SMatrix::<f64, DEPTH, DEPTH>::identity();
         let mut right = SVector::<f64, DEPTH>::zeros();
-        // scaled to a unit diagonal: late differences are smaller by orders of magnitude
+        // scaled to a unit diagonal: recent differences are smaller by orders of magnitude
         let sizes: [f64; DEPTH] =
             std::array::from_fn(|j| if j < kept { dot(&self.residuals[j], &self.residuals[j]).sqrt() } else { 1.0 });
         if sizes.iter().any(|size| !size.is_normal()) {
@@ -92,7 +92,7 @@ impl Anderson {
 mod tests {
     use super::*;
 
-    /// A linear iteration that diverges by itself (factors −3 … 0.9) converges after the number of its directions.
+    /// A linear iteration that diverges without acceleration (factors −3 … 0.9) converges in as many iterations as it has dimensions.
     #[test]
     fn linear_iterations_end_in_their_dimension_where_plain_ones_diverge() {
         let factors = [-3.0, -1.5, 0.3, 0.9];
@@ -106,7 +106,7 @@ mod tests {
             anderson.next(&mut x, &r);
         }
         let left = residual(&x).iter().map(|r| r.abs()).fold(0.0, f64::max);
-        // limited by the regularisation, 1e-12 of the normal equations
+        // limited by the regularisation: 1e-12 in the normal equations
         assert!(left < 1e-8, "{left:e}");
     }
 }

@@ -1,7 +1,7 @@
-//! Path of equilibria under a growing load, followed by its arc length through limit points.
+//! Path of equilibria under an increasing load, followed by arc length through limit points.
 //!
-//! Unknowns are the coordinates and the load factor together; a step along the path's tangent is corrected across it
-//! (Riks, Int. J. Solids Struct. 15, 1979). NOTATION eq. (L17).
+//! The unknowns are the coordinates and the load factor; a step along the tangent of the path is corrected perpendicularly to it (Riks,
+//! Int. J. Solids Struct. 15, 1979). NOTATION eq. (L17).
 
 use crate::solve::equilibrium::{Cause, Effort, NoEquilibrium, Settings, StaticEquations, iterate};
 
@@ -10,7 +10,7 @@ use crate::solve::equilibrium::{Cause, Effort, NoEquilibrium, Settings, StaticEq
 pub struct PathPoint {
     /// Load factor.
     pub factor: f64,
-    /// Directions in which the tangent is negative there.
+    /// Number of directions in which the tangent stiffness is negative there.
     pub negative_directions: usize,
     /// Coordinates.
     pub q: Vec<f64>,
@@ -19,17 +19,17 @@ pub struct PathPoint {
 /// Maximum number of points of the path.
 const MAXIMUM_POINTS: usize = 4000;
 
-/// First and longest step: turns in rad and load factor together.
+/// First and largest step: rotations in rad and load factor combined.
 const LONGEST_STEP: f64 = 0.05;
 
-/// Shortest step.
+/// Smallest step.
 const SHORTEST_STEP: f64 = 1e-7;
 
-/// Corrections per point; with fewer than the second number the next step is longer.
+/// Maximum number of corrections per point, and the number below which the next step is longer.
 const MAXIMUM_CORRECTIONS: usize = 10;
 const FEW_CORRECTIONS: usize = 4;
 
-/// Change of the load factor for its derivative: loads are linear in it.
+/// Change of the load factor for the difference quotient of the loads, which are linear in it.
 const FACTOR_CHANGE: f64 = 1e-2;
 
 /// A tangent to the path, of unit length.
@@ -38,8 +38,8 @@ struct Direction {
     factor: f64,
 }
 
-/// Follows the path from `q` at no load until the load factor reaches 1 for the first time. After success `q` holds that equilibrium and
-/// the equations are evaluated there; after failure the last one found.
+/// Follows the path from `q` at zero load until the load factor reaches 1 for the first time. After success `q` holds that equilibrium and
+/// the equations are evaluated there; after failure `q` holds the last equilibrium found.
 pub fn trace(
     equations: &mut impl StaticEquations,
     q: &mut [f64],
@@ -87,7 +87,7 @@ pub fn trace(
     Err(failed(factor, Cause::PathTooLong(MAXIMUM_POINTS)))
 }
 
-/// Unit tangent at an equilibrium, onward, and the negative directions there.
+/// Unit tangent at an equilibrium, in the direction of progress, and the number of negative directions there.
 fn tangent(
     equations: &mut impl StaticEquations,
     q: &[f64],
@@ -105,7 +105,7 @@ fn tangent(
     Ok((Direction { q: along, factor: scale }, negative))
 }
 
-/// Change of the residual with the load factor at `q`. The equations are evaluated at `factor` and `q` afterwards.
+/// Derivative of the residual with respect to the load factor at `q`. The equations are evaluated at `factor` and `q` afterwards.
 fn load_rate(equations: &mut impl StaticEquations, q: &[f64], factor: f64) -> Vec<f64> {
     let (mut more, mut here) = (vec![0.0; q.len()], vec![0.0; q.len()]);
     equations.load(factor + FACTOR_CHANGE);
@@ -116,7 +116,8 @@ fn load_rate(equations: &mut impl StaticEquations, q: &[f64], factor: f64) -> Ve
     more
 }
 
-/// One step: prediction and corrections in the plane across it. Returns the load factor and the number of corrections.
+/// Performs one step: a prediction, and corrections in the plane perpendicular to it. Returns the load factor and the number of
+/// corrections.
 fn advance(
     equations: &mut impl StaticEquations,
     q: &mut [f64],
@@ -127,7 +128,7 @@ fn advance(
 ) -> Result<(f64, usize), Cause> {
     let mut factor = from + step * direction.factor;
     let last = factor >= 1.0;
-    // the last point is on the load itself: a plain iteration from the tangent
+    // the last point is at the full load: Newton's iteration from the predicted point
     let step = if last { (1.0 - from) / direction.factor } else { step };
     q.iter_mut().zip(&direction.q).for_each(|(q, along)| *q += step * along);
     equations.project(q);
@@ -153,7 +154,7 @@ fn advance(
             return Err(Cause::NotFinite(correction));
         }
         moved += equations.product(&change, &change).sqrt() + more.abs();
-        // another branch is farther than the step itself
+        // a correction longer than the step leads to another branch
         if moved > step {
             return Err(Cause::NotConverged { iterations: correction, correction: size });
         }

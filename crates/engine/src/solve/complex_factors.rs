@@ -1,4 +1,4 @@
-//! Factors of a complex matrix, real and imaginary parts apart: the compiler makes vectors of the inner loop, which it does not
+//! LU factors of a complex matrix with separate real and imaginary parts, so that the compiler vectorises the inner loop, which it does not
 //! in a generic factorisation.
 
 use nalgebra::{Complex, DVector};
@@ -6,15 +6,15 @@ use nalgebra::{Complex, DVector};
 /// `PA = LU` of a square matrix, with the largest pivot of each column.
 pub(crate) struct ComplexFactors {
     size: usize,
-    /// `L` below the diagonal (its own is 1) and `U`, row by row.
+    /// `L` below the diagonal (its diagonal is 1) and `U`, row by row.
     re: Vec<f64>,
     im: Vec<f64>,
-    /// Row of `A` in each row of the factors.
+    /// Row of `A` that corresponds to each row of the factors.
     order: Vec<usize>,
 }
 
 impl ComplexFactors {
-    /// Factors of the matrix of `size` rows with these entries. Those of a singular one are not finite.
+    /// Factorises the matrix of `size` rows with these entries. The factors of a singular matrix are not finite.
     pub fn new(size: usize, entry: impl Fn(usize, usize) -> Complex<f64>) -> Self {
         let mut factors =
             Self { size, re: vec![0.0; size * size], im: vec![0.0; size * size], order: (0..size).collect() };
@@ -34,7 +34,7 @@ impl ComplexFactors {
         Complex::new(self.re[row * self.size + column], self.im[row * self.size + column])
     }
 
-    /// Eliminates the column of a step from all rows below.
+    /// Eliminates the pivot column of a step from all rows below.
     fn eliminate(&mut self, step: usize) {
         let n = self.size;
         let mut pivot = step;
@@ -65,7 +65,7 @@ impl ComplexFactors {
         }
     }
 
-    /// The solution of `A x = b`.
+    /// Solution of `A x = b`.
     pub fn solve(&self, b: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         let n = self.size;
         let mut x = DVector::from_fn(n, |row, _| b[self.order[row]]);
@@ -80,7 +80,7 @@ impl ComplexFactors {
         x
     }
 
-    /// The solution of `Aᴴ y = b`: `Aᴴ = UᴴLᴴP`, the same factors.
+    /// Solution of `Aᴴ y = b` with the same factors: `Aᴴ = UᴴLᴴP`.
     pub fn solve_adjoint(&self, b: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         let n = self.size;
         let mut y = b.clone();
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use nalgebra::DMatrix;
 
-    /// Both solutions satisfy their equations; the first pivot is zero, so that rows are exchanged.
+    /// Both solutions satisfy their equations; the first pivot is zero, which requires an exchange of rows.
     #[test]
     fn factors_solve_with_the_matrix_and_its_adjoint() {
         let n = 9;

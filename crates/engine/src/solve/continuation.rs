@@ -1,22 +1,22 @@
-//! Between the ends of a step: combinations of the states of its stages, NOTATION eq. (T6).
+//! States between the ends of a step: combinations of the states of its stages, NOTATION eq. (T6).
 
 use crate::solve::Powers;
 use crate::solve::point::{Point, Quintic};
 use crate::solve::tableau::{MAX_STAGES, Tableau};
 use nalgebra::DMatrix;
 
-/// Powers of the place within a step that weights are polynomials of.
+/// Number of powers of the position within a step in the polynomial weights.
 const POWERS: usize = 5;
 
 /// Weights of a method's stages as polynomials of the position `s` within the step, 0 to 1.
 ///
-/// Every stage satisfies the equations of motion, and so do their combinations if the equations are linear over the step, for any
-/// frequency: no mode is larger than at the step's start. Methods without stages have none.
+/// Every stage satisfies the equations of motion, and so do combinations of stages if the equations are linear over the step, for any
+/// frequency: no mode is larger than at the step's start. Methods without stages have no weights.
 #[derive(Debug, Clone, Default)]
 pub struct Continuation(Vec<[f64; POWERS]>);
 
 impl Continuation {
-    /// Weights `w(s)` of the order of the method, at most three: `Σ wᵢ = 1`, `Σ wᵢ cᵢ = s`, … with one condition per stage.
+    /// Weights `w(s)` of the method's order, at most three: `Σ wᵢ = 1`, `Σ wᵢ cᵢ = s`, … with one condition per stage.
     pub fn of(tableau: &Tableau) -> Self {
         let stages = tableau.stages();
         let abscissae: Vec<f64> = (0..stages).map(|stage| tableau.abscissa(stage)).collect();
@@ -28,7 +28,7 @@ impl Continuation {
             };
             (0..stages).map(|stage| if stage == 0 { 0.0 } else { sum(tableau.rows[stage - 1], stage) }).collect()
         };
-        // (values at the stages, factor and power of `s` that they must add up to)
+        // (values at the stages, then factor and power of `s` of the required sum)
         let mut conditions = vec![(power(0), 1.0, 0), (power(1), 1.0, 1), (integral(1), 0.5, 2)];
         if stages > 3 {
             conditions.push((integral(2), 1.0 / 3.0, 3));
@@ -48,7 +48,7 @@ impl Continuation {
         Self(weights.collect())
     }
 
-    /// Number of stages strictly between the ends that a step must keep.
+    /// Number of stages strictly between the ends that must be stored with a step.
     pub fn inner_stages(&self) -> usize {
         self.0.len().saturating_sub(2)
     }
@@ -62,7 +62,7 @@ impl Continuation {
     }
 }
 
-/// A completed step: its ends, and its stages in between.
+/// A completed step: its ends and the stages in between.
 #[derive(Debug, Clone, Copy)]
 pub struct Taken<'a> {
     /// Start.
@@ -76,7 +76,8 @@ pub struct Taken<'a> {
 }
 
 impl Taken<'_> {
-    /// Fills `now` with the state at `time_s`, NOTATION eq. (T6). Bit-identical at the ends. Returns whether `time_s` is between them.
+    /// Fills `now` with the state at `time_s`, NOTATION eq. (T6); bit-identical to the ends there. Returns whether `time_s` lies between
+    /// the ends.
     pub fn fill(&self, now: &mut Point, time_s: f64) -> bool {
         let Self { start, end, continuation, .. } = *self;
         let h_s = end.time_s - start.time_s;
@@ -117,7 +118,7 @@ impl Taken<'_> {
         std::iter::once(self.start).chain(self.stages).chain(std::iter::once(self.end))
     }
 
-    /// One coordinate at `start + fraction·h`, by the same combination.
+    /// One coordinate at `start + fraction·h`, by the combination of [`Self::fill`].
     pub fn coordinate(&self, fraction: f64, index: usize) -> f64 {
         if self.continuation.0.is_empty() {
             return Quintic::coordinate_between(self.start, self.end, fraction, index);
@@ -127,7 +128,7 @@ impl Taken<'_> {
         begin + self.points().zip(weights).map(|(point, weight)| weight * (point.q[index] - begin)).sum::<f64>()
     }
 
-    /// The rate of one coordinate there, by the same combination.
+    /// The rate of one coordinate at `start + fraction·h`, by the combination of [`Self::fill`].
     pub fn rate(&self, fraction: f64, index: usize) -> f64 {
         if self.continuation.0.is_empty() {
             return Quintic::rate_between(self.start, self.end, fraction, index);
@@ -150,8 +151,8 @@ mod tests {
     use crate::solve::stepper::{Method, Stepper};
     use crate::solve::test_oscillator::Oscillator;
 
-    /// Largest error of the motion, largest magnitude and largest residual over `ω²` between the ends of one step of unit length from
-    /// `q = 1`, `q̇ = 0`.
+    /// Largest error of the motion, largest magnitude and largest residual divided by `ω²` within one step of unit length from `q = 1`, `q̇
+    /// = 0`.
     fn one_step(method: Method, omega_1_s: f64) -> [f64; 3] {
         let mut stepper = Stepper::new(method, 1);
         let mut start = Point::zeros(1);
@@ -178,8 +179,8 @@ mod tests {
         largest
     }
 
-    /// Between the ends of a step a mode is never drawn larger than it was, however fast it is, and the equations hold to
-    /// round-off. The quintic Hermite polynomial of the ends draws 173 at ωh = 100 and 17 000 at ωh = 1000.
+    /// Within a step a mode never exceeds its amplitude, however high its frequency, and the equations hold to round-off. The quintic
+    /// Hermite polynomial through the ends reaches 173 at ωh = 100 and 17 000 at ωh = 1000.
     #[test]
     fn no_mode_swings_between_the_ends_of_a_step() {
         for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2] {
@@ -191,7 +192,7 @@ mod tests {
         }
     }
 
-    /// Halving a step divides the error between its ends by `2^(order + 1)`, the order at most three.
+    /// Halving a step divides the error within it by `2^(order + 1)`, with an order of at most three.
     #[test]
     fn order_between_the_ends() {
         for (method, order) in [(Method::Esdirk4, 3), (Method::Esdirk3, 3), (Method::TrBdf2, 2), (Method::Sdirk2, 2)] {

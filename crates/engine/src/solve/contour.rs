@@ -1,7 +1,7 @@
-//! All eigenvalues of a matrix function inside a circle, by moments of its inverse over the circle.
+//! All eigenvalues of a matrix function inside a circle, by moments of its inverse along the circle.
 //!
-//! After Beyn, An integral method for solving nonlinear eigenvalue problems, Linear Algebra and its Applications 436 (2012), with the
-//! moments of higher order that make more eigenvalues than rows possible.
+//! After Beyn, An integral method for solving nonlinear eigenvalue problems, Linear Algebra and its Applications 436 (2012), with moments
+//! of higher order, which allow more eigenvalues than rows.
 
 use crate::solve::complex_factors::ComplexFactors;
 use crate::solve::eigen::eigen;
@@ -9,40 +9,40 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 type ComplexVector = DVector<Complex<f64>>;
 
-/// Maximum order of the moments: more of them lose digits, so that more eigenvalues need more columns of the probes.
+/// Maximum order of the moments: higher orders lose digits, so more eigenvalues need more probe columns instead.
 const ORDERS: usize = 5;
-/// Minimum number of points on the whole circle. An eigenvalue `λ` enters with the weight `1/(1 + (λ/R)^N)`: those outside contribute
-/// little, but exactly, so that the moments stay those of a sum over eigenvalues.
+/// Minimum number of points on the whole circle. An eigenvalue `λ` is weighted by `1/(1 + (λ/R)^N)`: eigenvalues outside contribute little,
+/// but exactly, so that the moments remain sums over eigenvalues.
 const PLACES: usize = 64;
-/// Singular value of the moments, relative to the largest, below which there is round-off.
+/// Singular value of the moments, relative to the largest, below which it is round-off.
 const ROUND_OFF: f64 = 1e-11;
 /// Largest singular value of the moments, relative to the sum of their cancelling terms, below which there is no eigenvalue inside: the
-/// rest is round-off and the effect of eigenvalues far outside.
+/// remainder is round-off and the effect of distant eigenvalues outside.
 const EMPTY: f64 = 1e-9;
-/// Magnitude over the radius up to which eigenvalues are handed out.
+/// Distance from the centre, divided by the radius, up to which eigenvalues are returned.
 const BEYOND: f64 = 1.05;
 
-/// Guesses of eigenvalues and vectors, and whether there may be more than the moments can hold.
+/// Estimates of the eigenvalues and vectors, and whether there may be more than the moments can resolve.
 pub struct Inside {
-    /// Eigenvalues, of a pair the one with positive imaginary part, and their vectors.
+    /// Eigenvalues, with positive imaginary part for a complex pair, and their vectors.
     pub found: Vec<(Complex<f64>, ComplexVector)>,
-    /// The moments are full.
+    /// Whether the moments have reached their capacity.
     pub full: bool,
 }
 
-/// Entry of a probe: a sequence without a pattern in rows and columns, between -1 and 1.
+/// Entry of a probe: an irregular sequence in rows and columns, between -1 and 1.
 fn probe(row: usize, column: usize, side: usize) -> f64 {
     let seed = (row as f64 + 1.0) * 12.989_8 + (column as f64 + 1.0) * 78.233 + (side as f64 + 1.0) * 37.719;
     2.0 * (seed.sin() * 43_758.545_3).rem_euclid(1.0) - 1.0
 }
 
-/// Eigenvalues within `radius` of `center` of the real-analytic function with the factors `factors_at`; `scale` are the sizes of the
-/// unknowns, `capacity` is the smallest number of eigenvalues that the moments can resolve, including those outside up to half the radius.
-/// `None` if the iteration for the eigenvalues of the moments fails.
+/// Eigenvalues within `radius` of `center` of the real-analytic function with the factors `factors_at`; `scale` holds the magnitudes of the
+/// unknowns, `capacity` is the minimum number of eigenvalues that the moments must be able to resolve, including those outside within an
+/// additional half radius. `None` if the eigenvalue iteration for the moments fails.
 ///
-/// Around a complex centre the moments are also summed over its conjugate, so that they are real. Of the eigenvalue `μ` of the moments and
-/// its conjugate, either one is `center + radius·μ` with the returned shape, or the other is its mirror image at the height of the centre
-/// with the conjugate shape: the function itself decides.
+/// For a complex centre the moments are also summed over its conjugate, so that they are real. For an eigenvalue `μ` of the moments and its
+/// conjugate, either one of them is `center + radius·μ` with the returned shape, or the other is its mirror image at the height of the
+/// centre with the conjugate shape: the function must be evaluated to distinguish the two.
 pub fn inside(
     center: Complex<f64>,
     radius: f64,
@@ -56,7 +56,7 @@ pub fn inside(
     if size == 0 || capacity == 0 {
         return Some(Inside { found: Vec::new(), full: false });
     }
-    // a function smooth inside contributes to the moment of order k by its term of order N - k - 1
+    // a function that is smooth inside contributes its term of order N - k - 1 to the moment of order k
     let places = PLACES.max(4 * blocks + 16).next_multiple_of(2);
     let right = DMatrix::from_fn(size, probes, |i, j| scale[i] * probe(i, j, 0));
     let left = DMatrix::from_fn(probes, size, |i, j| probe(j, i, 1) / scale[j]);
@@ -64,11 +64,11 @@ pub fn inside(
     let mut seen = vec![DMatrix::<f64>::zeros(probes, probes); 2 * blocks];
     let mut cancels = vec![0.0_f64; probes];
     let left_sizes = left.abs();
-    // values at the conjugate place are conjugate
+    // values at conjugate points are conjugate
     for place in 0..if center.im == 0.0 { places / 2 } else { places } {
         let angle = std::f64::consts::TAU * (place as f64 + 0.5) / places as f64;
         let unit = Complex::from_polar(1.0, angle);
-        // a point at which the function has a pole has no contribution, because its inverse is zero
+        // a pole of the function contributes nothing, because the inverse is zero there
         let Some(factors) = factors_at(unit * radius + center) else { continue };
         for (column, cancels) in cancels.iter_mut().enumerate() {
             let answer = factors.solve(&right.column(column).map(Complex::from));
@@ -129,7 +129,7 @@ pub fn inside(
 mod tests {
     use super::*;
 
-    /// A quadratic function with a delay.
+    /// A quadratic matrix function with a delay.
     fn matrix(at: Complex<f64>) -> DMatrix<Complex<f64>> {
         let late = (-at).exp();
         let own = at * at + at * 0.3;
@@ -143,7 +143,7 @@ mod tests {
         Some(ComplexFactors::new(2, |i, j| matrix[(i, j)]))
     }
 
-    /// Circles around no root have none: the round-off of their moments was handed out as up to 120 guesses.
+    /// Circles without roots give none: round-off of their moments used to be returned as up to 120 estimates.
     #[test]
     fn circles_without_roots_are_empty() {
         for radius in [1e-4, 1e-2, 0.3] {
@@ -153,8 +153,8 @@ mod tests {
         }
     }
 
-    /// Moments with room for fewer roots than a circle contains are reported as full: others may be missing. With room for more they are
-    /// not.
+    /// Moments with a capacity below the number of roots in a circle are reported as full, because roots may be missing; those with a
+    /// larger capacity are not.
     #[test]
     fn full_moments_say_so() {
         let of = |capacity: usize| {
@@ -169,7 +169,7 @@ mod tests {
         assert!(!of(120).full);
     }
 
-    /// Around a centre off the real axis: a root in each disc, or its mirror image at the height of the centre, is one of those about 0.
+    /// For a centre off the real axis, a root in each disc, or its mirror image at the height of the centre, is one of those found about 0.
     #[test]
     fn roots_around_a_centre_that_is_not_real() {
         let all = inside(Complex::from(0.0), 11.0, 120, &DVector::from_element(2, 1.0), &mut factors_at);
@@ -202,8 +202,8 @@ mod tests {
         }
     }
 
-    /// Roots of a quadratic function with a delay, `λ² + c λ + k + b e^(−λ)` in two unknowns that are coupled: the function vanishes in
-    /// all that are found, and the number inside is that of the argument principle, by the turns of the determinant.
+    /// Roots of a quadratic function with a delay, `λ² + c λ + k + b e^(−λ)` in two coupled unknowns: the function vanishes at all roots
+    /// found, and their number follows from the argument principle, by the winding number of the determinant.
     #[test]
     fn all_roots_of_equations_with_delays_are_found() {
         for radius in [1.0, 2.5, 6.0, 11.0] {
@@ -212,7 +212,7 @@ mod tests {
             assert!(!inside.full);
             let list: Vec<_> = inside.found.iter().filter(|(value, _)| value.norm() < radius).collect();
             let count: usize = list.iter().map(|(value, _)| if value.im > 0.0 { 2 } else { 1 }).sum();
-            // the determinant has no poles: its turns around the circle are the roots inside
+            // the determinant has no poles: its winding number on the circle is the number of roots inside
             let places = 4000;
             let on = |i: usize| {
                 matrix(Complex::from_polar(radius, std::f64::consts::TAU * i as f64 / f64::from(places))).determinant()
@@ -222,7 +222,7 @@ mod tests {
             assert_eq!(count as f64, turns.round(), "{radius}: {list:?}");
             for (value, shape) in list {
                 let left = (matrix(*value) * shape).norm() / (matrix(*value).norm() * shape.norm());
-                // guesses: the moments lose the digits of the weights at the rim
+                // these are estimates: the moments lose as many digits as the weights at the rim
                 assert!(left < 1e-6, "{radius}: {value} {left:e}");
             }
         }

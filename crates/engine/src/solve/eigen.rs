@@ -1,21 +1,21 @@
 //! Eigenvalues and eigenvectors of a real matrix: reduction to Hessenberg form, then double-shifted QR with exceptional shifts.
 //!
-//! After `orthes` and `hqr2` of EISPACK (Smith et al., Matrix Eigensystem Routines, 1976), as JAMA has them. Linear models of
-//! stiff machines span ten decades, which nalgebra's Schur form does not always deflate.
+//! After `orthes` and `hqr2` of EISPACK (Smith et al., Matrix Eigensystem Routines, 1976), in the form of JAMA. The eigenvalues of linear
+//! models of stiff machines span ten decades, for which nalgebra's Schur decomposition does not always deflate.
 
 use nalgebra::{Complex, DMatrix};
 
-/// `A V = V Λ` with a real `V`: the columns of a complex pair are real and imaginary part of the vector whose eigenvalue has the
+/// `A V = V Λ` with a real `V`: the columns of a complex pair are the real and imaginary parts of the eigenvector for the eigenvalue with
 /// positive imaginary part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Eigen {
     /// Eigenvalues; the two of a pair are adjacent, the one with positive imaginary part first.
     pub values: Vec<Complex<f64>>,
-    /// Columns as above; each, or each pair, is scaled to length 1.
+    /// Eigenvectors as columns; each, or each pair, is scaled to length 1.
     pub vectors: DMatrix<f64>,
 }
 
-/// Maximum number of QR sweeps for an eigenvalue.
+/// Maximum number of QR sweeps per eigenvalue.
 const MAXIMUM_SWEEPS: usize = 200;
 
 /// Eigenvalues and eigenvectors; `None` if the iteration does not converge or the matrix is not finite.
@@ -42,7 +42,7 @@ pub fn eigen(matrix: &DMatrix<f64>) -> Option<Eigen> {
     vectors.iter().all(|x| x.is_finite()).then_some(Eigen { values, vectors })
 }
 
-/// The iteration: `h` becomes quasi-triangular, `v` collects the transformations.
+/// State of the iteration: `h` becomes quasi-triangular, `v` accumulates the transformations.
 struct Work {
     h: DMatrix<f64>,
     v: DMatrix<f64>,
@@ -57,7 +57,7 @@ fn quotient(a: f64, b: f64, c: f64, d: f64) -> (f64, f64) {
 }
 
 impl Work {
-    /// Householder reflections to Hessenberg form.
+    /// Reduces the matrix to Hessenberg form by Householder reflections.
     fn hessenberg(&mut self) {
         let n = self.h.nrows();
         let mut ort = vec![0.0; n];
@@ -93,7 +93,7 @@ impl Work {
             (m + 1..n).for_each(|i| ort[i] = self.h[(i, m - 1)]);
             for j in m..n {
                 let g: f64 = (m..n).map(|i| ort[i] * self.v[(i, j)]).sum();
-                let g = (g / ort[m]) / self.h[(m, m - 1)]; // twice, so that nothing underflows
+                let g = (g / ort[m]) / self.h[(m, m - 1)]; // divided twice, so that nothing underflows
                 (m..n).for_each(|i| self.v[(i, j)] += g * ort[i]);
             }
         }
@@ -158,7 +158,7 @@ impl Work {
         low
     }
 
-    /// Two eigenvalues at the end of the block that ends at `n`.
+    /// Computes the two eigenvalues at the end of the block that ends at `n`.
     fn split_pair(&mut self, n: usize, shift: f64) {
         let size = self.h.nrows();
         let w = self.h[(n, n - 1)] * self.h[(n - 1, n)];
@@ -199,7 +199,7 @@ impl Work {
         }
     }
 
-    /// One double-shifted sweep over the block from `low` to `n`.
+    /// Performs one double-shifted sweep over the block from `low` to `n`.
     fn sweep(&mut self, low: usize, n: usize, (mut x, mut y, w): (f64, f64, f64)) {
         let size = self.h.nrows();
         let (mut p, mut q, mut r, mut z);
@@ -280,7 +280,7 @@ impl Work {
         }
     }
 
-    /// Vectors of the quasi-triangular form, then of the matrix.
+    /// Computes the eigenvectors of the quasi-triangular form, then those of the matrix.
     fn back_substitute(&mut self) {
         let size = self.h.nrows();
         let norm: f64 = (0..size).map(|i| (i.saturating_sub(1)..size).map(|j| self.h[(i, j)].abs()).sum::<f64>()).sum();
@@ -413,7 +413,7 @@ mod tests {
                 eigen(&matrix).unwrap_or_else(|| panic!("{} × {}: no convergence", matrix.nrows(), matrix.ncols()));
             let mut image = DMatrix::zeros(values.len(), values.len());
             for (i, value) in values.iter().enumerate() {
-                // re + i·im of the first of a pair: A re = σ re − ω im, A im = ω re + σ im
+                // for the first of a pair, with the vector re + i·im: A re = σ re − ω im, A im = ω re + σ im
                 let column = match value.im {
                     0.0 => vectors.column(i) * value.re,
                     im if im > 0.0 => vectors.column(i) * value.re - vectors.column(i + 1) * im,

@@ -1,11 +1,11 @@
-//! Static equilibrium: Newton's iteration with the exact tangent, under loads that are increased step by step.
+//! Static equilibrium: Newton's method with the exact tangent, under loads that are increased in steps.
 //!
-//! The whole load is tried first. The step is halved after a failure and doubled after a success; the next start follows the secant of the
+//! The whole load is tried first. The step is halved after a failure and doubled after a success; the next start is extrapolated from the
 //! last two equilibria. NOTATION eqs. (L8)–(L9).
 
 use crate::solve::Singular;
 
-/// Equations `residual(q, λ) = 0` of a state of rest, with their exact tangent.
+/// Static equations `residual(q, λ) = 0`, with their exact tangent.
 ///
 /// All vectors have [`StaticEquations::coordinates`] entries.
 pub trait StaticEquations {
@@ -15,36 +15,37 @@ pub trait StaticEquations {
     /// Scales the loads: 0 is unloaded, 1 the requested case.
     fn load(&mut self, factor: f64);
 
-    /// Residual at rest; entries of held coordinates are zero.
+    /// Computes the static residual; entries of held coordinates are zero.
     fn residual(&mut self, q: &[f64], residual: &mut [f64]);
 
-    /// Linearises and factorises about the configuration of the last residual, with `shift_1_s2` times the mass added to
-    /// the stiffness. Returns the number of directions in which this matrix is negative.
+    /// Linearises and factorises about the configuration of the last residual, with `shift_1_s2` times the mass matrix added to the
+    /// stiffness. Returns the number of directions in which this matrix is negative.
     fn factorize(&mut self, q: &[f64], shift_1_s2: f64) -> Result<usize, Singular>;
 
-    /// Solves with the last factorisation in place: from a residual to the change of the coordinates that it is worth.
+    /// Solves in place with the last factorisation, for the change of the coordinates that corresponds to a residual.
     fn solve(&mut self, x: &mut [f64]);
 
-    /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement
-    /// over the machine's length, or rotation in rad.
+    /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement divided by the machine's
+    /// length, or rotation in rad.
     fn norm(&mut self, change: &[f64]) -> f64;
 
-    /// Inner product of two changes of the coordinates in which lengths of paths are measured: turns in rad, and
-    /// displacements over the machine's length.
+    /// Inner product of two changes of the coordinates, which defines the arc length of paths: rotations in rad, and displacements divided
+    /// by the machine's length.
     fn product(&self, a: &[f64], b: &[f64]) -> f64;
 
-    /// Projects coordinates with constraints onto these.
+    /// Projects coordinates onto their constraints.
     fn project(&mut self, q: &mut [f64]);
 }
 
 /// Settings of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Kinematic norm of the last correction. Newton's iteration is quadratic: the remaining error is about its square.
+    /// Tolerance for the last correction in the kinematic norm. Newton's method converges quadratically: the remaining error is about the
+    /// square of the correction.
     pub tolerance: f64,
-    /// Longest correction in the kinematic norm; longer ones are shortened.
+    /// Largest correction in the kinematic norm; larger ones are shortened.
     pub longest_correction: f64,
-    /// Iterations per load step.
+    /// Maximum number of iterations per load step.
     pub iterations: usize,
     /// Smallest step of the load factor.
     pub smallest_step: f64,
@@ -56,18 +57,18 @@ impl Default for Settings {
     }
 }
 
-/// Effort of finding an equilibrium.
+/// Effort spent on finding an equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Effort {
-    /// Load steps that converged.
+    /// Number of converged load steps.
     pub load_steps: usize,
-    /// Load steps that were halved.
+    /// Number of halved load steps.
     pub halvings: usize,
-    /// Iterations in all.
+    /// Total number of iterations.
     pub iterations: usize,
 }
 
-/// Reason why Newton's iteration failed.
+/// Reason why Newton's method failed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Cause {
     /// The tangent is singular: a coordinate can move without resistance.
@@ -76,18 +77,18 @@ pub enum Cause {
     /// Too many iterations.
     #[error("no convergence in {iterations} iterations, last correction {correction:.1e}")]
     NotConverged {
-        /// Iterations done.
+        /// Number of iterations.
         iterations: usize,
         /// Kinematic norm of the last correction.
         correction: f64,
     },
-    /// NaN or infinity.
+    /// The residual is NaN or infinite.
     #[error("the residual is not finite in iteration {0}")]
     NotFinite(usize),
-    /// The descent to a stable state did not end.
+    /// The descent did not reach a stable state.
     #[error("no stable state within {0} steps downhill")]
     NoStableState(usize),
-    /// The path was followed without reaching the load.
+    /// The path of equilibria was followed without reaching the load.
     #[error("the path of equilibria does not reach the load within {0} points")]
     PathTooLong(usize),
 }
@@ -98,13 +99,13 @@ pub enum Cause {
 pub struct NoEquilibrium {
     /// Largest load factor with an equilibrium.
     pub reached: f64,
-    /// Load factor that failed.
+    /// Load factor at which the search failed.
     pub tried: f64,
-    /// Reason.
+    /// Cause of the failure.
     pub cause: Cause,
 }
 
-/// Finds the equilibrium under the whole load on the path from `q`, the unloaded state. After success `q` holds it and the equations are
+/// Finds the equilibrium under the whole load on the path from the unloaded state `q`. After success `q` holds it and the equations are
 /// evaluated there; after failure `q` holds the last equilibrium.
 pub fn find(equations: &mut impl StaticEquations, q: &mut [f64], settings: Settings) -> Result<Effort, NoEquilibrium> {
     let mut effort = Effort::default();
@@ -141,7 +142,7 @@ pub fn find(equations: &mut impl StaticEquations, q: &mut [f64], settings: Setti
     }
 }
 
-/// Newton's iteration at one load factor. After success the equations are evaluated at `q`.
+/// Newton's method at one load factor. After success the equations are evaluated at `q`.
 pub(super) fn iterate(
     equations: &mut impl StaticEquations,
     q: &mut [f64],
@@ -177,7 +178,8 @@ pub(super) fn iterate(
 mod tests {
     use super::*;
 
-    /// A hinged bar of length 1 with a spring: `k q = λ P cos q` has one equilibrium, `P = 0` without spring none.
+    /// A hinged bar of length 1 with a spring: `k q = λ P cos q`. With a spring the path from `q = 0` reaches one equilibrium; without one
+    /// the tangent is singular there.
     struct Bar {
         stiffness: f64,
         load: f64,

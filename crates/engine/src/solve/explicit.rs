@@ -7,7 +7,7 @@ use crate::solve::{EquationsOfMotion, Powers};
 /// Velocities and accelerations of one stage.
 type Rates = (Vec<f64>, Vec<f64>);
 
-/// Scratch of an explicit step, sized once.
+/// Workspace of an explicit step, allocated once.
 #[derive(Debug, Clone)]
 pub struct Rk4 {
     q: Vec<f64>,
@@ -21,7 +21,7 @@ const NODES: [f64; 4] = [0.0, 0.5, 0.5, 1.0];
 const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
 
 impl Rk4 {
-    /// Scratch for `coordinates` unknowns.
+    /// Workspace for `coordinates` unknowns.
     pub fn new(coordinates: usize) -> Self {
         let zeros = vec![0.0; coordinates];
         Self {
@@ -32,14 +32,14 @@ impl Rk4 {
         }
     }
 
-    /// Error estimate or last correction of the last step.
+    /// Last correction of the last step, since there is no error estimate.
     pub fn remainder(&self) -> &[f64] {
         &self.residual
     }
 
-    /// One step of `h_s` from `start` into `end`. Accelerations at the end are those of the next step's first stage.
+    /// Performs one step of `h_s` from `start` to `end`. The accelerations at the end are those of the next step's first stage.
     ///
-    /// There is no error estimate: beyond the stability limit the result is not finite, which is reported.
+    /// There is no error estimate: beyond the stability limit the result is not finite, which is reported as an error.
     pub fn step(
         &mut self,
         equations: &mut impl EquationsOfMotion,
@@ -89,7 +89,7 @@ impl Rk4 {
     }
 }
 
-/// Accelerations at a state: one residual without them, one factorisation of the mass matrix, one solve.
+/// Computes the accelerations at a state: one residual with zero accelerations, one factorisation of the mass matrix, one solve.
 fn accelerate(
     equations: &mut impl EquationsOfMotion,
     time_s: f64,

@@ -1,53 +1,55 @@
-//! Exponents of a motion about a periodic one, NOTATION eq. (L35).
+//! Floquet exponents of perturbations of a periodic motion, NOTATION eq. (L35).
 //!
-//! Multipliers determine frequencies up to multiples of the rotor's. The multiple follows from the motion over the turn, as in Bottasso and
-//! Cacciola, *Model-independent periodic stability analysis of wind turbines*, Wind Energy 18 (2015).
+//! Multipliers determine frequencies only up to multiples of the rotor speed. The multiple follows from the motion over the revolution, as
+//! in Bottasso and Cacciola, *Model-independent periodic stability analysis of wind turbines*, Wind Energy 18 (2015).
 
 use nalgebra::{Complex, DMatrix, DVector, Dyn, SymmetricEigen};
 use std::f64::consts::TAU;
 
-/// Share of the second harmonic over the first from which their order may be a matter of the coordinates.
+/// Participation of the second harmonic, relative to the first, above which their order may depend on the choice of coordinates.
 const AMBIGUOUS: f64 = 0.5;
 
-/// A frequency that a Floquet mode shows.
+/// A frequency in the response of a Floquet mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonic {
-    /// Multiple of the rotor's speed that is added to the principal exponent.
+    /// Multiple of the rotor speed that is added to the principal exponent.
     pub number: i32,
-    /// Its share of the motion; all add up to 1.
+    /// Participation in the motion; the sum over all harmonics is 1.
     pub share: f64,
-    /// Imaginary part of the exponent with it, in rad/s, positive or 0.
+    /// Magnitude of the imaginary part of the exponent with this multiple, in rad/s.
     pub frequency_rad_s: f64,
 }
 
-/// A multiplier with its frequency, from its motion.
+/// A multiplier with its frequency, determined from its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resolved {
-    /// Floquet exponent in 1/s, with `i n Ω` added for the harmonic `n` of largest participation; its imaginary part is positive or 0.
+    /// Floquet exponent in 1/s, with i·n·Ω added for the harmonic n of largest participation; the sign is chosen so that the imaginary part
+    /// is >= 0.
     pub exponent_1_s: Complex<f64>,
     /// Harmonics, largest participation first.
     pub harmonics: Vec<Harmonic>,
-    /// Motion of the first harmonic: amplitudes of the coordinates.
+    /// Motion of the first harmonic: complex amplitudes of the coordinates.
     pub shape: DVector<Complex<f64>>,
 }
 
 impl Resolved {
-    /// Whether two harmonics are so close in share that neither can be called the frequency.
+    /// Whether the participations of two harmonics are so close that neither can be called the frequency of the mode.
     pub fn is_ambiguous(&self) -> bool {
         self.harmonics.len() > 1 && self.harmonics[1].share > AMBIGUOUS * self.harmonics[0].share
     }
 }
 
-/// `ln μ / T` in 1/s with an imaginary part from `-π/T` to `π/T`; of a negative `μ` it is `π/T`.
+/// Principal exponent `ln μ / T` in 1/s, with an imaginary part from `-π/T` to `π/T`; `π/T` for a negative `μ`.
 pub fn principal_1_s(multiplier: Complex<f64>, period_s: f64) -> Complex<f64> {
     let angle = if multiplier.im == 0.0 { multiplier.arg().abs() } else { multiplier.arg() };
     Complex::new(multiplier.norm().ln(), angle) / period_s
 }
 
 /// Determines the exponent of a multiplier from its motion: `motion[k]` are the coordinates, in the ground frame, at the fraction `k/K` of
-/// the turn. `weights` are the masses of the coordinates.
+/// the revolution. `weights` are the masses of the coordinates.
 ///
-/// With `p(t) = u(t) e^{−λt}`, which has the period of the turn, the share of a harmonic is that of `Σ m |p_h|²`.
+/// With `p(t) = u(t) e^{−λt}`, which is periodic over the revolution, the participation of the harmonic `h` is proportional to `Σ m
+/// |p_h|²`.
 pub fn resolve(
     multiplier: Complex<f64>,
     period_s: f64,
@@ -69,7 +71,7 @@ pub fn resolve(
         }
         let share: f64 = shape.iter().zip(weights.iter()).map(|(x, weight)| weight * x.norm_sqr()).sum();
         let frequency_rad_s = principal.im + f64::from(number) * speed_rad_s;
-        // a real motion shows a frequency with both signs
+        // the spectrum of a real motion is symmetric: each frequency occurs with both signs
         let same = |known: &&mut (Harmonic, DVector<Complex<f64>>)| {
             multiplier.im == 0.0 && (known.0.frequency_rad_s - frequency_rad_s.abs()).abs() < 1e-9 * speed_rad_s
         };
@@ -95,12 +97,12 @@ pub fn resolve(
     Resolved { exponent_1_s: Complex::new(principal.re, frequency_rad_s), harmonics, shape }
 }
 
-/// Combinations of motions with a common multiplier, each with the largest possible share of its motion in one harmonic, eq. (L35):
-/// uncoupled blades have any mixture of collective and whirling motions as modes. `motions[i][k]` are the coordinates of the motion `i` at
-/// the fraction `k/K` of the turn.
+/// Combinations of motions with a common multiplier, each with the largest possible participation of one harmonic, eq. (L35): the computed
+/// modes of uncoupled blades are arbitrary mixtures of collective and whirling motions. `motions[i][k]` are the coordinates of the motion
+/// `i` at the fraction `k/K` of the revolution.
 ///
-/// The first combination maximises the share of a harmonic over all combinations and harmonics, the next over those orthogonal to it in the
-/// mean square, and so on. Linearly dependent motions are unchanged.
+/// The first combination maximises the participation of a harmonic over all combinations and harmonics, the next over those orthogonal to
+/// it in the mean square, and so on. Linearly dependent motions are returned unchanged.
 pub fn separate(
     multiplier: Complex<f64>,
     period_s: f64,
@@ -148,7 +150,7 @@ pub fn separate(
 mod tests {
     use super::*;
 
-    /// `u = (e^{λt}, ¼ e^{(λ + 2iΩ)t})` with `λ` at 3.3 Ω: the multiplier has lost the 3, the motion has it.
+    /// `u = (e^{λt}, ¼ e^{(λ + 2iΩ)t})` with `λ` at 3.3 Ω: the multiplier does not contain the multiple 3, which follows from the motion.
     #[test]
     fn the_motion_knows_the_frequency() {
         let (period_s, speed) = (2.0, std::f64::consts::PI);
@@ -165,7 +167,7 @@ mod tests {
         assert!((read.exponent_1_s - lambda).norm() < 1e-10, "{}", read.exponent_1_s);
         assert!(!read.is_ambiguous() && read.harmonics[0].number == 3);
         assert!((read.harmonics[1].share * 17.0 - 1.0).abs() < 1e-10 && read.harmonics[1].number == 5);
-        // a mode of 0.7 Ω that the multiplier shows as 0.3 Ω: the conjugate is meant
+        // a mode of 0.7 Ω appears as 0.3 Ω in the multiplier: its conjugate is the one to resolve
         let lambda = Complex::new(0.02, 0.7 * speed);
         let conjugate: Vec<DVector<Complex<f64>>> = (0..36)
             .map(|k| DVector::from_vec(vec![(lambda.conj() * (period_s * f64::from(k) / 36.0)).exp()]))
@@ -174,7 +176,7 @@ mod tests {
         assert!((read.exponent_1_s - lambda).norm() < 1e-10, "{}", read.exponent_1_s);
     }
 
-    /// A real motion of a real multiplier shows a harmonic with both signs, whose shares add up; that of number 0 is alone.
+    /// The motion of a real multiplier has each harmonic with both signs, whose participations add up; the harmonic 0 occurs once.
     /// `e^{−0.1t}(1 + cos Ωt)`: mean squares 1 and ½. With a negative multiplier, `e^{−0.1t}(cos ½Ωt + ½ cos (3/2)Ωt)`: ½ and ⅛.
     #[test]
     fn shares_of_both_signs_add_up_for_real_multipliers() {
@@ -202,7 +204,7 @@ mod tests {
         }
     }
 
-    /// Three motions of one multiplier at 2.3, 3.3 and 4.3 Ω, mixed: each is recovered, with its frequency.
+    /// Three mixed motions with one multiplier, at 2.3, 3.3 and 4.3 Ω: each is recovered with its frequency.
     #[test]
     fn mixed_motions_are_separated() {
         let (period_s, speed) = (2.0, std::f64::consts::PI);
@@ -236,7 +238,7 @@ mod tests {
         assert!(frequencies.iter().zip([2.3, 3.3, 4.3]).all(|(a, b)| (a - b).abs() < 1e-9), "{frequencies:?}");
     }
 
-    /// A negative multiplier: half the speed and one and a half of it with both signs each.
+    /// A negative multiplier: harmonics at ½ and 3/2 of the rotor speed, each with both signs.
     #[test]
     fn a_motion_of_two_turns() {
         let period_s = 1.5;

@@ -4,7 +4,7 @@ use crate::solve::newton::{Accuracy, Effort, NewtonError, Stage, iterate};
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Powers};
 
-/// Parameters of the method, from its spectral radius at infinity.
+/// Parameters of the method, as functions of its spectral radius at infinity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
     alpha_m: f64,
@@ -14,7 +14,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Parameters for `rho_infinity` in `[0, 1]`: 0 damps the highest modes in one step, 1 has no damping.
+    /// Parameters for `rho_infinity` in `[0, 1]`: 0 annihilates the highest modes in one step, 1 has no numerical damping.
     pub fn new(rho_infinity: f64) -> Self {
         let alpha_m = (2.0 * rho_infinity - 1.0) / (rho_infinity + 1.0);
         let alpha_f = rho_infinity / (rho_infinity + 1.0);
@@ -23,14 +23,14 @@ impl Parameters {
     }
 }
 
-/// Scratch of a generalised-α step, sized once.
+/// Workspace of a generalised-α step, allocated once.
 #[derive(Debug, Clone)]
 pub struct GeneralizedAlpha {
     residual: Vec<f64>,
 }
 
 impl GeneralizedAlpha {
-    /// Scratch for `coordinates` unknowns.
+    /// Workspace for `coordinates` unknowns.
     pub fn new(coordinates: usize) -> Self {
         Self { residual: vec![0.0; coordinates] }
     }
@@ -40,7 +40,7 @@ impl GeneralizedAlpha {
         &self.residual
     }
 
-    /// One step of `h_s` from `start`; fills `end` and returns the error estimate in the kinematic norm.
+    /// Performs one step of `h_s` from `start`; fills `end` and returns the error estimate in the kinematic norm.
     #[allow(clippy::too_many_arguments)]
     pub fn step(
         &mut self,
@@ -97,16 +97,16 @@ mod tests {
     use super::*;
     use crate::solve::test_oscillator::Oscillator;
 
-    /// The estimate is no smaller than the displacement error of the step, except for terms of the next order in the step: the error itself
-    /// without damping, and up to 4.5 times as much with it, because the error has `−(α_f − α_m)/2` in place of `+`. Steps from the exact
-    /// motion `q = cos(t + φ)`, whose auxiliary acceleration is that of `α_m − α_f` steps later.
+    /// The estimate is no smaller than the displacement error of the step, except for terms of the next order: equal to the error without
+    /// numerical damping, and up to 4.5 times as large with it, because the error has `−(α_f − α_m)/2` in place of `+`. The steps start
+    /// from the exact motion `q = cos(t + φ)`, with the auxiliary acceleration of the time `α_m − α_f` steps later.
     #[test]
     fn estimate_covers_the_error_of_the_step() {
         for rho_infinity in [0.0, 0.3, 0.5, 0.8, 1.0] {
             let parameters = Parameters::new(rho_infinity);
             let lead = parameters.alpha_m - parameters.alpha_f;
             let ratio = |h_s: f64| {
-                // sines of the phase: the leading term does not vanish
+                // sine and cosine of the phase are nonzero: the leading term does not vanish
                 let phase = 0.9_f64;
                 let mut start = Point::zeros(1);
                 (start.q[0], start.v[0], start.a[0]) = (phase.cos(), -phase.sin(), -phase.cos());
@@ -123,7 +123,7 @@ mod tests {
             let of = |half_lead: f64| beta + half_lead - 1.0 / 6.0;
             let expected = of(0.5 * (alpha_f - alpha_m)) / of(-0.5 * (alpha_f - alpha_m));
             let times = ratio(0.01);
-            // terms of the next order: a hundredth of the phase, times coefficients of the order of 1
+            // terms of the next order: one per cent, times coefficients of order 1
             assert!((times / expected - 1.0).abs() < 0.05, "ρ = {rho_infinity}: {times:.3} for {expected:.3}");
             assert!((0.95..4.6).contains(&times), "ρ = {rho_infinity}: {times:.3} times the error");
         }

@@ -1,22 +1,22 @@
-//! A structure over a step under constant loads: exact for the motions that the step can follow.
+//! Response of a structure over a step under constant loads: exact for modes that the step resolves.
 
 use crate::solve::linearize::SecondOrder;
 use nalgebra::DMatrix;
 
-/// Phase in rad by which an undamped mode advances in a step, above which it follows the force immediately: 20 periods.
+/// Phase advance in rad of an undamped mode in a step above which the mode responds quasi-statically: 20 periods.
 const FAST_RAD: f64 = 125.0;
 
-/// Coordinates and rates at the end of a step, by those at its start and by the constant force.
+/// Coordinates and rates at the end of a step, as functions of those at its start and of the constant force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldStructure {
-    /// By coordinates and rates, stacked.
+    /// Derivatives with respect to the stacked coordinates and rates.
     pub free: DMatrix<f64>,
-    /// By forces.
+    /// Derivatives with respect to the forces.
     pub by_force: DMatrix<f64>,
 }
 
-/// `M q̈ + C q̇ + K q = f` with constant `f` over `step_s`. Undamped modes with many periods in a step follow the force immediately, as in
-/// a simulation, whose integrators do not resolve them. `None` if the mass matrix is not positive definite.
+/// Solves `M q̈ + C q̇ + K q = f` with constant `f` over `step_s`. Undamped modes with many periods in a step respond quasi-statically, as
+/// in a simulation whose integrator does not resolve them. `None` if the mass matrix is not positive definite.
 pub fn held_structure(system: &SecondOrder, step_s: f64) -> Option<HeldStructure> {
     let SecondOrder { mass, damping, stiffness } = system;
     let n = mass.nrows();
@@ -29,7 +29,7 @@ pub fn held_structure(system: &SecondOrder, step_s: f64) -> Option<HeldStructure
     let shapes = |list: &[usize]| root.tr_solve_lower_triangular(&eigen.eigenvectors.select_columns(list));
     let (fast, slow) = (shapes(&fast)?, shapes(&slow)?);
     let (slow_count, fast_count) = (slow.ncols(), fast.ncols());
-    // fast motions: K_ff f + K_fs s = force
+    // fast modes, quasi-static: K_ff f + K_fs s = force
     let within = |left: &DMatrix<f64>, matrix: &DMatrix<f64>, right: &DMatrix<f64>| left.transpose() * matrix * right;
     let stiff = within(&fast, stiffness, &fast).lu();
     let follow =
@@ -38,7 +38,7 @@ pub fn held_structure(system: &SecondOrder, step_s: f64) -> Option<HeldStructure
     let across = within(&slow, stiffness, &fast);
     let kept_stiffness = within(&slow, stiffness, &slow) + &across * &follow;
     let kept_force = slow.transpose() - &across * &yielding;
-    // x = (s, ṡ, force): the exponential of all of it over the step
+    // x = (s, ṡ, force): exponential of the augmented matrix over the step
     let size = 2 * slow_count + n;
     let mut rates = DMatrix::zeros(size, size);
     rates.view_mut((0, slow_count), (slow_count, slow_count)).fill_with_identity();
@@ -47,7 +47,7 @@ pub fn held_structure(system: &SecondOrder, step_s: f64) -> Option<HeldStructure
     rates.view_mut((slow_count, 2 * slow_count), (slow_count, n)).copy_from(&kept_force);
     let over_step = (rates * step_s).exp();
     let ends = over_step.rows(0, 2 * slow_count);
-    // s = Sᵀ M q: the modes are orthonormal with the mass
+    // s = Sᵀ M q: the modes are mass-normalised
     let modal = slow.transpose() * mass;
     let mut begin = DMatrix::zeros(2 * slow_count, 2 * n);
     begin.view_mut((0, 0), (slow_count, n)).copy_from(&modal);
@@ -66,8 +66,8 @@ pub fn held_structure(system: &SecondOrder, step_s: f64) -> Option<HeldStructure
 mod tests {
     use super::*;
 
-    /// Two uncoupled masses: one oscillates as its closed form; the other, with a thousand times the frequency, follows the force
-    /// immediately.
+    /// Two uncoupled masses: one oscillates according to the closed form; the other, with a thousand times the frequency, responds
+    /// quasi-statically.
     #[test]
     fn slow_masses_swing_and_fast_ones_yield() {
         let (step_s, slow_rad_s, fast_rad_s) = (0.1_f64, 5.0_f64, 5000.0_f64);

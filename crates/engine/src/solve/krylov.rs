@@ -1,5 +1,5 @@
-//! Linear algebra with a matrix that is available only through its products: that of one turn of a rotor, whose product with a direction
-//! costs a march, NOTATION eqs. (L33) and (L34).
+//! Linear algebra with a matrix available only through its products: the monodromy matrix over one revolution of a rotor, whose product
+//! with a direction costs a time march, NOTATION eqs. (L33) and (L34).
 //!
 //! Eisenstat, Elman and Schultz, *Variational iterative methods for nonsymmetric systems of linear equations*, SIAM J. Numer. Anal. 20
 //! (1983): generalised conjugate residuals; Saad, *Numerical Methods for Large Eigenvalue Problems* (2011), section 6.2: Arnoldi.
@@ -7,17 +7,17 @@
 use crate::solve::eigen::eigen;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Length of a direction after orthogonalisation below which it is linearly dependent: products by differences of marches are accurate to
-/// some 1e-8.
+/// Length of a direction after orthogonalisation below which it is linearly dependent: products computed by differences of marches are
+/// accurate to about 1e-8.
 const NOTHING_NEW: f64 = 1e-7;
 
-/// Directions with their products, for solving `(I − M) d = r`; kept from one right side to the next.
+/// Search directions with their products, for solving `(I − M) d = r`; kept from one right-hand side to the next.
 #[derive(Debug, Clone, Default)]
 pub struct Directions {
     vectors: Vec<DVector<f64>>,
-    /// Orthonormal, of `v − M v`.
+    /// Orthonormal basis of the vectors `v − M v`.
     images: Vec<DVector<f64>>,
-    /// Upper triangle: `v_j − M v_j = Σ images_i triangle[j][i]`.
+    /// Upper triangle of the factorisation: `v_j − M v_j = Σ images_i triangle[j][i]`.
     triangle: Vec<Vec<f64>>,
 }
 
@@ -34,11 +34,11 @@ impl Directions {
         self.triangle.clear();
     }
 
-    /// Returns `d` with the smallest `‖r − (I − M) d‖` over the directions, to which directions are added until it is below `share ‖r‖`, at
-    /// most `most` in total. `product` multiplies by `M`. Also returns the remaining share of `r`.
+    /// Returns the `d` with the smallest `‖r − (I − M) d‖` over the directions, which are extended until this is below `share ‖r‖`, up to
+    /// `most` in total. `product` multiplies by `M`. Also returns the remaining fraction of `r`.
     ///
     /// # Errors
-    /// Those of `product`.
+    /// If `product` fails.
     pub fn solve<E>(
         &mut self,
         right: &DVector<f64>,
@@ -69,7 +69,7 @@ impl Directions {
             }
             let own = image.norm();
             if own.partial_cmp(&(NOTHING_NEW * size)) != Some(std::cmp::Ordering::Greater) {
-                break; // I − M is singular: a motion that neither grows nor decays
+                break; // I − M is singular: a perturbation that neither grows nor decays
             }
             image /= own;
             column.push(own);
@@ -92,7 +92,7 @@ impl Directions {
     }
 }
 
-/// Orthonormalises a vector against known directions; `None` if it is linearly dependent.
+/// Orthonormalises a vector against given directions; `None` if it is linearly dependent.
 fn orthogonalise(vector: &mut DVector<f64>, known: &[DVector<f64>]) -> Option<Vec<f64>> {
     let size = vector.norm();
     let mut shares = vec![0.0; known.len()];
@@ -112,23 +112,23 @@ fn orthogonalise(vector: &mut DVector<f64>, known: &[DVector<f64>]) -> Option<Ve
     Some(shares)
 }
 
-/// An eigenvalue that products have shown.
+/// An approximate eigenvalue from the products.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RitzPair {
-    /// Eigenvalue; of a complex pair the one with positive imaginary part.
+    /// Eigenvalue; with positive imaginary part for a complex pair.
     pub value: Complex<f64>,
-    /// Its vector over the directions in the order of the products.
+    /// Components of the eigenvector in the directions, in the order of the products.
     pub amounts: DVector<Complex<f64>>,
-    /// `‖M x − μ x‖ / (|μ| ‖x‖)`.
+    /// Relative residual `‖M x − μ x‖ / (|μ| ‖x‖)`.
     pub error: f64,
 }
 
 /// Eigenvalues of `M` by Arnoldi's iteration with at most `most` products, largest first. `product` is called with the number of the
-/// direction and the direction, of `n` entries. If the directions span an invariant space before `most`, as with eigenvalues common to
-/// several blades, a new random direction follows.
+/// direction and the direction, of `n` entries. If the directions span an invariant subspace before `most`, for example because several
+/// blades have equal eigenvalues, a new random direction is added.
 ///
 /// # Errors
-/// Those of `product`. An empty list without entries or products, and if the small matrix has no accurate eigenvalues.
+/// If `product` fails. The list is empty if `n` or `most` is zero, and if the small matrix has no accurate eigenvalues.
 pub fn leading<E>(
     n: usize,
     most: usize,
@@ -195,7 +195,7 @@ pub fn leading<E>(
     Ok(list)
 }
 
-/// A direction without any pattern that a machine has.
+/// An irregular direction, which has a component in every mode of a machine.
 fn fresh(n: usize, number: usize) -> DVector<f64> {
     DVector::from_fn(n, |i, _| ((i as f64 + 1.0) * (2.399_963 + 0.754_877 * number as f64)).sin())
 }
@@ -206,7 +206,7 @@ mod tests {
 
     type Never = std::convert::Infallible;
 
-    /// A matrix with given eigenvalues, in coordinates that mix them.
+    /// A matrix with given eigenvalues and coupled coordinates.
     fn matrix(values: &[f64]) -> DMatrix<f64> {
         let n = values.len();
         let mix = DMatrix::from_fn(n, n, |i, j| if i == j { 2.0 } else { fresh(n, i)[j] / n as f64 });
@@ -214,8 +214,8 @@ mod tests {
         mix * DMatrix::from_diagonal(&DVector::from_column_slice(values)) * inverse
     }
 
-    /// Few products solve with a matrix of few eigenvalues that are not small, and no additional ones for a similar second right side; one
-    /// eigenvalue beyond 1 has no effect.
+    /// A few products solve a system whose matrix has few eigenvalues that are not small; a similar second right-hand side needs no further
+    /// ones. An eigenvalue above 1 has no effect.
     #[test]
     fn few_products_solve() {
         let mut values = vec![0.0; 40];
@@ -234,7 +234,8 @@ mod tests {
         assert!((&d - &a * &d - &second).norm() < 1e-5 * second.norm());
     }
 
-    /// Eigenvalues that several blades share are found as often as they occur, those of a large matrix to the error stated.
+    /// Multiple eigenvalues, as of several equal blades, are found with their multiplicity, and those of a large matrix to the stated
+    /// error.
     #[test]
     fn leading_eigenvalues() {
         let values = [0.9, 0.9, 0.9, -0.4, 0.1, 0.1];

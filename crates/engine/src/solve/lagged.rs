@@ -1,4 +1,4 @@
-//! Modes of second-order equations with first-order lag states, such as those of structures in air, NOTATION eq. (L22).
+//! Modes of second-order equations with first-order lag states, for example of aeroelastic systems, NOTATION eq. (L22).
 //!
 //! `M q̈ + C q̇ + K q + G x = 0`, `ẋ = P q + R q̇ + L x`.
 
@@ -10,61 +10,60 @@ use crate::solve::reduction::balanced_rows;
 use crate::solve::resolvent::Resolvent;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// The equations about a state.
+/// Equations linearised about a state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lagged {
     /// `M`, `C` and `K`.
     pub second: SecondOrder,
-    /// `G`: change of the residual with the lag states.
+    /// `G`: derivative of the residual with respect to the lag states.
     pub force: DMatrix<f64>,
-    /// `P`: rates of the lag states by the coordinates.
+    /// `P`: derivative of the lag states' rates with respect to the coordinates.
     pub position: DMatrix<f64>,
-    /// `R`: by the rates.
+    /// `R`: derivative of the lag states' rates with respect to the rates of the coordinates.
     pub rate: DMatrix<f64>,
-    /// `L`: by the lag states themselves.
+    /// `L`: derivative of the lag states' rates with respect to the lag states.
     pub lag: DMatrix<f64>,
 }
 
-/// A mode `q(t) = shape · exp(λt)`; of a complex pair the one with positive imaginary part.
+/// A mode `q(t) = shape · exp(λt)`; for a complex pair, the one with positive imaginary part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LaggedMode {
     /// Eigenvalue `λ` in 1/s.
     pub eigenvalue_1_s: Complex<f64>,
     /// Shape over the coordinates; its largest entry is real.
     pub shape: DVector<Complex<f64>>,
-    /// Participation of the lag states: 0 if they do not participate, 1 if only they do.
+    /// Participation of the lag states: 0 if they do not participate, 1 if nothing else does.
     pub lag_share: f64,
 }
 
 /// Relative correction of an eigenvalue below which the error is round-off.
 const CLOSE: f64 = 1e-10;
-/// Relative distance from an eigenvalue of the lag states alone below which an eigenvalue is counted as theirs.
+/// Relative distance from an eigenvalue of the lag states alone below which an eigenvalue is counted as one of theirs.
 const OWN: f64 = 1e-7;
-/// Participation of the lag states beyond which a mode that does not grow is counted as theirs, not as a motion of the
-/// machine.
+/// Participation of the lag states above which a mode that does not grow is counted as a lag mode, not as a motion of the machine.
 const LAG: f64 = 0.5;
 
 /// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue is attributed to them.
 const CROWD: f64 = 1e-2;
-/// Maximum number of rounds; the basis of shapes is extended between them.
+/// Maximum number of rounds, between which the basis of shapes is extended.
 const MAXIMUM_ROUNDS: usize = 4;
 /// Dimension of the Krylov space of slow motions.
 const KRYLOV: usize = 16;
-/// Eigenvalue, relative to the square root of the shift that the stiffness needs, below which it is round-off: the finite differences in
+/// Eigenvalue, relative to the square root of the shift required by the stiffness, below which it is round-off: the finite differences in
 /// the matrices are accurate to 1e-9, which changes a double zero by the square root of that.
 const SLOWEST: f64 = 1e-4;
-/// Part of a unit direction that must be orthogonal to the basis of shapes, so that the basis is not extended by round-off.
+/// Fraction of a unit direction that must be orthogonal to the basis of shapes, so that round-off does not extend the basis.
 const NEW: f64 = 1e-6;
 
-/// Eigenvalue in 1/s below which a motion is free, by the shift of the stiffness.
+/// Eigenvalue in 1/s below which a motion is a rigid-body mode, from the shift of the stiffness.
 fn free_1_s(shift_1_s2: f64) -> f64 {
     SLOWEST * shift_1_s2.sqrt()
 }
 
-/// Eigenvalues, and the vector of each.
+/// Eigenvalues and their vectors.
 type Eigenpairs = (Vec<Complex<f64>>, Vec<DVector<Complex<f64>>>);
 
-/// An eigenvalue in 1/s with its shape over a basis, and the eigenvalue to which it was refined without convergence.
+/// An eigenvalue in 1/s with its shape over a basis, and the eigenvalue that the refinement reached without convergence.
 type Guess = (Complex<f64>, DVector<Complex<f64>>, Complex<f64>);
 
 impl Lagged {
@@ -75,7 +74,7 @@ impl Lagged {
         Self { second, force: wide, position: high.clone(), rate: high, lag: DMatrix::zeros(0, 0) }
     }
 
-    /// Static stiffness with the lag states in equilibrium, `K − G L⁻¹ P`; `None` if they have no equilibrium.
+    /// Static stiffness with the lag states in equilibrium, `K − G L⁻¹ P`; `None` if the lag states have no equilibrium.
     pub fn rest_stiffness(&self) -> Option<DMatrix<f64>> {
         if self.lag.nrows() == 0 {
             return Some(self.second.stiffness.clone());
@@ -84,9 +83,9 @@ impl Lagged {
         Some(&self.second.stiffness - &self.force * follow)
     }
 
-    /// The `count` modes of lowest frequency without those of the lag states themselves, and every mode that grows, ascending. Fewer where
-    /// modes have not converged after four rounds: these are left out unless they grow. Growing modes are found over `4 count + 24`
-    /// undamped ones.
+    /// The `count` modes of lowest frequency, without lag modes, and every mode that grows, in ascending order. There are fewer if modes
+    /// have not converged after four rounds: these are omitted unless they grow. Growing modes are sought in the space of `4 count + 24`
+    /// undamped modes.
     ///
     /// # Errors
     /// If the mass matrix is not positive definite or the iteration fails.
@@ -113,7 +112,7 @@ impl Lagged {
                 || round == MAXIMUM_ROUNDS
                 || !extend(&mut basis, &self.slow_shapes(fastest_1_s, &lacking), &self.second.mass)
             {
-                // growing motions are reported even if their eigenvalue is not exact
+                // growing modes are reported even if their eigenvalue is not exact
                 let exact = |mode: &LaggedMode| {
                     grows(mode.eigenvalue_1_s)
                         || lacking.iter().all(|(_, _, polished)| *polished != mode.eigenvalue_1_s)
@@ -125,8 +124,8 @@ impl Lagged {
         }
     }
 
-    /// Shapes of the Krylov space of the inverse about a real `at_1_s`, which starts from the sum of some shapes. It contains the slower
-    /// motions, in which the air can deform the machine unlike any undamped mode.
+    /// Shapes of the Krylov space of the inverse about a real `at_1_s`, starting from the sum of some shapes. It contains slower motions,
+    /// whose aerodynamic deformation may differ from that of any undamped mode.
     fn slow_shapes(&self, at_1_s: f64, start: &[Guess]) -> Vec<DVector<f64>> {
         let (n, lags) = (self.position.ncols(), self.lag.nrows());
         let SecondOrder { mass, damping, stiffness } = &self.second;
@@ -134,7 +133,7 @@ impl Lagged {
         let drive = &self.position + &self.rate * at_1_s;
         let Some(follow) = own.solve(&drive) else { return Vec::new() };
         let factors = (mass * at_1_s.powi(2) + damping * at_1_s + stiffness + &self.force * follow).lu();
-        // (A - at) z = b, of z = (q, dq/dt, x)
+        // (A - at) z = b with z = (q, dq/dt, x)
         let solved = |b: &DVector<f64>| -> Option<DVector<f64>> {
             let (b_q, b_v, b_x) = (b.rows(0, n), b.rows(n, n), b.rows(2 * n, lags));
             let by_lag = own.solve(&(&self.rate * b_q - b_x))?;
@@ -172,8 +171,8 @@ impl Lagged {
         shapes
     }
 
-    /// The modes over a basis of shapes, each refined over all coordinates; and, for those that did not converge, eigenvalues and
-    /// shapes over the basis.
+    /// Modes over a basis of shapes, each refined over all coordinates, and the eigenvalues and shapes over the basis of those that did not
+    /// converge.
     fn modes_over(
         &self,
         basis: &DMatrix<f64>,
@@ -198,16 +197,16 @@ impl Lagged {
                 continue;
             }
             if value.norm() <= free {
-                // free motions are already in the list
+                // rigid-body modes are already in the list
                 continue;
             }
             let shape = &Basis(basis) * &shapes[i];
             let (mode, converged) = self.polish(resolvent, value, shape.clone());
-            // the fastest values over a basis that is too small may grow where no mode of the machine does
+            // the highest eigenvalues over a truncated basis may grow although no mode of the machine does
             if beyond && !(converged && grows(mode.eigenvalue_1_s)) {
                 continue;
             }
-            // the lag states of equal strips cluster about their poles and are not motions
+            // lag modes of equal strips cluster about their poles and are not motions of the machine
             if !converged && mode.lag_share <= LAG && nearest > CROWD * value.norm() {
                 lacking.push((value, shape, mode.eigenvalue_1_s));
             }
@@ -219,14 +218,14 @@ impl Lagged {
         Ok((list, lacking))
     }
 
-    /// Free motions: the null space of the static stiffness.
+    /// Rigid-body modes: the null space of the static stiffness.
     fn still(&self, basis: &DMatrix<f64>, limit_1_s2: f64) -> Vec<LaggedMode> {
         let stiffness = self.rest_stiffness().unwrap_or_else(|| self.second.stiffness.clone());
         still_over(basis, &stiffness, limit_1_s2)
     }
 
-    /// Free motions if the air changes the static stiffness to `rest`; and the eigenvalue in 1/s below which others are free. Over the
-    /// slowest undamped modes, more than `count`.
+    /// Rigid-body modes if the aerodynamics changes the static stiffness to `rest`, and the magnitude in 1/s below which other eigenvalues
+    /// count as such. Computed over more than `count` of the slowest undamped modes.
     ///
     /// # Errors
     /// If the mass matrix is not positive definite.
@@ -235,8 +234,8 @@ impl Lagged {
         Ok((still_over(&basis, rest, FREE_MOTION.powi(2) * shift), free_1_s(shift)))
     }
 
-    /// Undamped modes of lowest frequency of the structure with the air's mass and stiffness, of unit mass, as columns;
-    /// and the shift that made its stiffness positive.
+    /// Undamped modes of lowest frequency of the structure with aerodynamic mass and stiffness, mass-normalised, as columns, and the shift
+    /// that made the stiffness positive.
     fn basis(&self, most: usize) -> Result<(f64, DMatrix<f64>), NoModes> {
         let SecondOrder { mass, stiffness, .. } = &self.second;
         let (shift, root) = shifted_root(mass, stiffness, 0.0)?;
@@ -254,7 +253,7 @@ impl Lagged {
         Ok((shift, basis))
     }
 
-    /// Eigenvalues over a basis of shapes with their vectors in it.
+    /// Eigenvalues over a basis of shapes, with their vectors in that basis.
     fn eigenvalues(&self, basis: &DMatrix<f64>) -> Result<Eigenpairs, NoModes> {
         let (n, m) = (basis.ncols(), self.lag.nrows());
         let within = |matrix: &DMatrix<f64>| basis.transpose() * matrix * basis;
@@ -280,8 +279,8 @@ impl Lagged {
         Ok((found.values, shapes))
     }
 
-    /// Shape by inverse iteration over all coordinates, eigenvalue by the two-sided Rayleigh functional of
-    /// `T(λ) = λ²M + λC + K + G(λ − L)⁻¹(P + λR)`; participation of the lag states from `T′`.
+    /// Refines a mode over all coordinates: its shape by inverse iteration, its eigenvalue by the two-sided Rayleigh functional of `T(λ) =
+    /// λ²M + λC + K + G(λ − L)⁻¹(P + λR)`, and the participation of the lag states from `T′`.
     ///
     /// Also returns whether the iteration converged.
     fn polish(&self, resolvent: &Resolvent, value: Complex<f64>, shape: DVector<Complex<f64>>) -> (LaggedMode, bool) {
@@ -324,7 +323,7 @@ impl Lagged {
         (LaggedMode { eigenvalue_1_s: eigenvalue, shape: scaled(right), lag_share }, converged)
     }
 
-    /// `(λ − L)⁻¹(P + λR)`.
+    /// Response of the lag states, `(λ − L)⁻¹(P + λR)`.
     fn follow(&self, resolvent: &Resolvent, at: Complex<f64>) -> DMatrix<Complex<f64>> {
         let drive = DMatrix::from_fn(self.position.nrows(), self.position.ncols(), |i, j| {
             at * self.rate[(i, j)] + self.position[(i, j)]
@@ -332,7 +331,7 @@ impl Lagged {
         resolvent.behind(at, drive)
     }
 
-    /// `yᴴTx`, `yᴴT′x` and the contribution of the lag states to the latter.
+    /// The forms `yᴴTx` and `yᴴT′x`, and the contribution of the lag states to the latter.
     fn forms(
         &self,
         resolvent: &Resolvent,
@@ -369,7 +368,7 @@ fn still_over(basis: &DMatrix<f64>, stiffness: &DMatrix<f64>, limit_1_s2: f64) -
     null.map(mode).collect()
 }
 
-/// Adds directions to a basis that is orthonormal in the mass; returns whether any was new.
+/// Adds directions to a mass-orthonormal basis; returns whether any was linearly independent.
 fn extend(basis: &mut DMatrix<f64>, directions: &[DVector<f64>], mass: &DMatrix<f64>) -> bool {
     let before = basis.ncols();
     for direction in directions {
@@ -392,7 +391,7 @@ fn extend(basis: &mut DMatrix<f64>, directions: &[DVector<f64>], mass: &DMatrix<
     basis.ncols() > before
 }
 
-/// The shape with its largest entry 1.
+/// The shape scaled so that its largest entry is 1.
 fn scaled(shape: DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let largest = shape.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_default();
     if largest.norm() > 0.0 { shape / largest } else { shape }

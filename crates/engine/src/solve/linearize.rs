@@ -3,7 +3,7 @@
 use crate::solve::lagged::Lagged;
 use nalgebra::DMatrix;
 
-/// `M δq̈ + C δq̇ + K δq = −∂r/∂u δu` about a state, over the free coordinates.
+/// `M δq̈ + C δq̇ + K δq = −∂r/∂u δu` about a state, over the degrees of freedom.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SecondOrder {
     /// `M`.
@@ -17,11 +17,11 @@ pub struct SecondOrder {
 /// Derivatives of the outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutputSlopes {
-    /// With the coordinates.
+    /// With respect to the coordinates.
     pub position: DMatrix<f64>,
-    /// With their rates.
+    /// With respect to their rates.
     pub rate: DMatrix<f64>,
-    /// With the inputs, at given accelerations.
+    /// With respect to the inputs, at given accelerations.
     pub input: DMatrix<f64>,
 }
 
@@ -38,32 +38,32 @@ pub struct StateSpace {
     pub d: DMatrix<f64>,
 }
 
-/// Inputs of equations with lag states, column by column.
+/// Derivatives of equations with lag states with respect to the inputs, one column per input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LaggedInputs {
-    /// `F`: change of the residual.
+    /// `F`: derivative of the residual.
     pub force: DMatrix<f64>,
-    /// `I`: change of the residual with the rate of the input.
+    /// `I`: derivative of the residual with respect to the rate of the input.
     pub impulse: DMatrix<f64>,
-    /// `E`: change of the lag states' rates.
+    /// `E`: derivative of the lag states' rates.
     pub follow: DMatrix<f64>,
 }
 
-/// Accelerations of a machine whose mass matrix has small eigenvalues, and their effect on outputs: products with the matrix and its
-/// inverse lose digits by cancellation, which sweeps along the tree avoid.
+/// Inertia of a machine whose mass matrix has small eigenvalues, and the effect of accelerations on outputs: products with the matrix and
+/// its inverse lose digits by cancellation, which sweeps along the tree avoid.
 pub trait Accelerations {
     /// `M x`, column by column.
     fn inertia(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64>;
-    /// Changes of the outputs.
+    /// Changes of the outputs due to accelerations.
     fn shown(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64>;
 }
 
-/// Rounds of refinement of accelerations: each adds the number of digits that the condition of the mass matrix allows, 6 or more of 16.
+/// Number of refinements of accelerations: each adds as many digits as the condition of the mass matrix allows, 6 or more of 16.
 const REFINEMENTS: usize = 2;
 
-/// The linear model of equations with lag states, NOTATION eq. (L23); `by_lag` are the outputs' slopes by the lag
-/// states. States are the coordinates, their rates without the immediate effect of an input jump (`−M⁻¹I u`), and the
-/// lag states. `None` if the mass matrix has no inverse.
+/// Linear model of equations with lag states, NOTATION eq. (L23); `by_lag` holds the derivatives of the outputs with respect to the lag
+/// states. States are the coordinates, their rates without the immediate effect of an input jump (`−M⁻¹I u`), and the lag states. `None` if
+/// the mass matrix has no inverse.
 pub fn lagged_state_space(
     system: &Lagged,
     inputs: &LaggedInputs,
@@ -111,7 +111,7 @@ pub fn lagged_state_space(
 mod tests {
     use super::*;
 
-    /// Masses without a tree.
+    /// Explicit mass matrix, without sweeps along a tree.
     struct Plain(DMatrix<f64>);
 
     impl Accelerations for Plain {

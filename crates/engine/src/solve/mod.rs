@@ -1,5 +1,5 @@
-//! Time integration of second-order equations of motion (one trait, two families of methods on it), their equilibria,
-//! modes and linear models.
+//! Time integration of second-order equations of motion (one trait, two families of methods), and their equilibria, modes and linear
+//! models.
 
 pub mod acceleration;
 pub mod arc_length;
@@ -31,9 +31,9 @@ pub mod stepper;
 pub mod tableau;
 pub mod tracking;
 
-/// Equations of motion `residual(t, q, q̇, q̈) = 0` with a solver for their Newton matrix.
+/// Equations of motion `residual(t, q, q̇, q̈) = 0`, with a solver for their Newton matrix.
 ///
-/// All vectors have [`EquationsOfMotion::coordinates`] entries. Nothing may allocate.
+/// All vectors have [`EquationsOfMotion::coordinates`] entries. No function may allocate.
 pub trait EquationsOfMotion {
     /// Number of coordinates.
     fn coordinates(&self) -> usize;
@@ -41,39 +41,38 @@ pub trait EquationsOfMotion {
     /// Overwrites the coordinates with prescribed motion.
     fn prescribe(&self, time_s: f64, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
 
-    /// Projects coordinates with constraints onto these, with their rates and accelerations. Called at the ends of steps.
+    /// Projects coordinates, with their rates and accelerations, onto their constraints. Called at the ends of steps.
     fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
 
     /// Residual at a state; entries of held and prescribed coordinates are zero.
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]);
 
-    /// Selects the smooth pieces of forces with kinks for a state. Residuals then stay on them, with their tangents, until
+    /// Selects the smooth pieces of forces with kinks according to a state. Residuals and tangents then use these pieces until
     /// [`EquationsOfMotion::move_pieces`] or [`EquationsOfMotion::drop_pieces`], NOTATION eq. (T12).
     fn take_pieces(&mut self, _time_s: f64, _q: &[f64], _v: &[f64]) {}
 
-    /// Changes the pieces of forces with kinks, or only of the first of them, towards those of a state. Returns whether any has changed:
-    /// residual and factors are then stale.
+    /// Changes the pieces of forces with kinks, or only the piece of the first such force, towards those of a state. Returns whether any
+    /// has changed: residual and factors are then out of date.
     fn move_pieces(&mut self, _time_s: f64, _q: &[f64], _v: &[f64], _only_first: bool) -> bool {
         false
     }
 
-    /// Forces with kinks follow from the state again.
+    /// Ends the selection of pieces: forces with kinks depend on the state again.
     fn drop_pieces(&mut self) {}
 
     /// Factorises `mass·M + damping·C + stiffness·K` at the configuration of the last residual.
     ///
-    /// `damping` in s, `stiffness` in s². An error if a pivot is not positive: a shorter step may help.
+    /// `damping` in s, `stiffness` in s². Returns an error if a pivot is not positive: a shorter step may help.
     fn factorize(&mut self, mass: f64, damping: f64, stiffness: f64) -> Result<(), Singular>;
 
-    /// Solves with the last factorisation in place; returns the kinematic norm of the solution.
+    /// Solves in place with the last factorisation; returns the kinematic norm of the solution.
     fn solve(&mut self, x: &mut [f64]) -> f64;
 
-    /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement
-    /// over the machine's length, or rotation in rad.
+    /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement divided by the machine's
+    /// length, or rotation in rad.
     fn norm(&mut self, change: &[f64]) -> f64;
 
-    /// Power of the inputs and of damping in W. The arguments repeat the state of the last residual, with the last
-    /// correction of Newton's iteration added.
+    /// Power of the inputs and of damping in W. The arguments are the state of the last residual, with the last Newton correction added.
     fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers;
 }
 
@@ -82,15 +81,15 @@ pub trait EquationsOfMotion {
 pub struct Powers {
     /// Work of the inputs.
     pub work: f64,
-    /// Dissipation.
+    /// Power dissipated by damping.
     pub dissipated: f64,
 }
 
-/// The Newton matrix has no factor at this iterate.
+/// The Newton matrix cannot be factorised at this iterate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the Newton matrix has no positive pivot at coordinate {coordinate}")]
 pub struct Singular {
-    /// Coordinate of the pivot.
+    /// Coordinate of the pivot that is not positive.
     pub coordinate: usize,
 }
 

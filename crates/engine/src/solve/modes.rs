@@ -1,12 +1,12 @@
 //! Natural modes of `M ẍ + C ẋ + K x = 0`, NOTATION eqs. (L10)–(L11).
 //!
-//! Stiff motions (stretch) have frequencies up to 1e5 times those of interest, so the inverse problem is solved: its largest eigenvalues,
-//! the low frequencies, are accurate to the last digits.
+//! Stiff modes (stretch) have frequencies up to 1e5 times those of interest, so the inverse problem is solved: its largest eigenvalues,
+//! which are the low frequencies, are accurate to the last digits.
 
 use crate::solve::complex_factors::ComplexFactors;
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
-/// One mode `x(t) = shape · exp(λt)`; of a complex pair the one with positive imaginary part.
+/// One mode `x(t) = shape · exp(λt)`; for a complex pair, the one with positive imaginary part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
     /// Eigenvalue `λ` in 1/s.
@@ -21,7 +21,7 @@ impl Mode {
         self.eigenvalue_1_s.norm() / std::f64::consts::TAU
     }
 
-    /// `−Re λ/|λ|`: 0 undamped, 1 and more without oscillation, negative if the motion grows.
+    /// Damping ratio `−Re λ/|λ|`: 0 for undamped motion, 1 or more without oscillation, negative if the motion grows.
     pub fn damping_ratio(&self) -> f64 {
         let size = self.eigenvalue_1_s.norm();
         if size == 0.0 { 0.0 } else { -self.eigenvalue_1_s.re / size }
@@ -33,18 +33,19 @@ impl Mode {
     }
 }
 
-/// Real part over the magnitude of an eigenvalue above which a motion counts as growing: above the round-off of an undamped one.
+/// Ratio of the real part to the magnitude of an eigenvalue above which a motion counts as growing: above the round-off of an undamped
+/// motion.
 const GROWTH: f64 = 1e-6;
-/// Rate in 1/s up to which a motion counts as neutral, a factor of e in 30 years: eigenvalues of zero, as of lag states without flow, are
-/// known to round-off.
+/// Rate in 1/s up to which a motion counts as neutral, a factor of e in 30 years: eigenvalues of zero, for example of lag states without
+/// flow, are computed only to round-off.
 const NEUTRAL_1_S: f64 = 1e-9;
 
-/// Returns whether a motion of this eigenvalue in 1/s grows, by more than round-off.
+/// Returns whether a motion with this eigenvalue in 1/s grows, by more than round-off.
 pub fn grows(eigenvalue_1_s: Complex<f64>) -> bool {
     eigenvalue_1_s.re > GROWTH * eigenvalue_1_s.norm() && eigenvalue_1_s.re > NEUTRAL_1_S
 }
 
-/// No modes: the matrices are not those of a mechanical system.
+/// Modes cannot be computed: the matrices do not describe a mechanical system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NoModes {
     /// The mass matrix is not positive definite.
@@ -58,11 +59,11 @@ pub enum NoModes {
 /// Asymmetry of the stiffness, relative to its scaled entries, that is treated as round-off.
 const ASYMMETRY: f64 = 1e-10;
 
-/// Eigenvalue of a free motion, relative to the square root of the shift that its stiffness needs.
+/// Eigenvalue below which a mode is a rigid-body mode, relative to the square root of the shift required by the stiffness.
 pub(super) const FREE_MOTION: f64 = 1e-3;
 
-/// The `count` modes of lowest frequency and every mode that grows, ascending. `mass` is symmetric and positive definite; `damping` may hold
-/// gyroscopic terms, `stiffness` need not be symmetric (follower loads) nor positive (buckled or free machines).
+/// The `count` modes of lowest frequency and every mode that grows, in ascending order. `mass` is symmetric and positive definite;
+/// `damping` may contain gyroscopic terms; `stiffness` need not be symmetric (follower loads) or positive (buckled or free machines).
 pub fn modes(
     mass: &DMatrix<f64>,
     damping: &DMatrix<f64>,
@@ -72,8 +73,8 @@ pub fn modes(
     modes_beyond([mass, damping, stiffness], count, 0.0)
 }
 
-/// The same for a stiffness `K` that may be negative by up to `shift_1_s2` times the mass, as that of a rotor in the ground frame:
-/// `K + shift M` is then far from singular. A shift found by trial may not be.
+/// Like [`modes`], for a stiffness `K` that may be negative by up to `shift_1_s2` times the mass, such as that of a rotor in the ground
+/// frame: `K + shift M` is then far from singular, which is not guaranteed for a shift found by trial.
 pub fn modes_beyond(
     [mass, damping, stiffness]: [&DMatrix<f64>; 3],
     count: usize,
@@ -95,7 +96,7 @@ pub fn modes_beyond(
     } else {
         Pencil { mass: mass_s, damping: damping_s, stiffness: stiffness_s }.modes(shift.sqrt(), count)?
     };
-    // free motions result as round-off of the shift, with any sign
+    // eigenvalues of rigid-body modes result as round-off of the shift, with either sign
     for mode in list.iter_mut().filter(|mode| mode.eigenvalue_1_s.norm() < FREE_MOTION * shift.sqrt()) {
         mode.eigenvalue_1_s = Complex::new(0.0, 0.0);
     }
@@ -112,7 +113,7 @@ pub fn modes_beyond(
     Ok(list)
 }
 
-/// Cholesky factor of the symmetric part of `K + σM` with the smallest `σ` tried, from `first` on, that makes it positive definite.
+/// Cholesky factor of the symmetric part of `K + σM`, with the smallest `σ` tried, from `first` upwards, that makes it positive definite.
 pub(super) fn shifted_root(
     mass: &DMatrix<f64>,
     stiffness: &DMatrix<f64>,
@@ -126,7 +127,7 @@ pub(super) fn shifted_root(
     let mut shift = first;
     for _ in 0..40 {
         let matrix = &symmetric + mass * shift;
-        // pivots that are only round-off are not a stiffness
+        // pivots at the level of round-off do not count as stiffness
         if let Some(factor) = matrix.clone().cholesky() {
             let root = factor.unpack();
             let sound = (0..root.nrows()).all(|i| root[(i, i)].powi(2) > 1e-13 * matrix[(i, i)]);
@@ -153,7 +154,7 @@ fn conservative(mass: &DMatrix<f64>, shift: f64) -> Vec<Mode> {
         .collect()
 }
 
-/// `Q(λ) = λ²M + λC + K` in scaled coordinates.
+/// Quadratic eigenvalue problem `Q(λ) = λ²M + λC + K` in scaled coordinates.
 struct Pencil {
     mass: DMatrix<f64>,
     damping: DMatrix<f64>,
@@ -161,9 +162,9 @@ struct Pencil {
 }
 
 impl Pencil {
-    /// Eigenvalues over the undamped modes of lowest frequency, refined one by one over all coordinates.
+    /// Eigenvalues in the space of the undamped modes of lowest frequency, refined one by one over all coordinates.
     ///
-    /// Without that restriction the range of eigenvalues, some 1e10, would be too large for the deflation of the QR iteration.
+    /// Over all coordinates the range of eigenvalues, about 1e10, would be too large for the deflation of the QR iteration.
     fn modes(&self, shift: f64, count: usize) -> Result<Vec<Mode>, NoModes> {
         let eigen = ((&self.mass + self.mass.transpose()) * 0.5).symmetric_eigen();
         let mut order: Vec<usize> = (0..self.mass.nrows()).collect();
@@ -176,7 +177,7 @@ impl Pencil {
         let mut eigenvalues = reduced.eigenvalues(shift)?;
         eigenvalues.retain(|lambda| lambda.im >= -1e-9 * lambda.norm());
         eigenvalues.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
-        // a free motion without damping has a double eigenvalue of zero, but is one mode
+        // an undamped rigid-body mode has a double eigenvalue of zero, but is one mode
         let resisted = |mu: &f64| (1.0 / mu - shift * shift).abs() > (FREE_MOTION * shift).powi(2);
         let free = eigen.eigenvalues.iter().filter(|mu| **mu > 0.0 && !resisted(mu)).count();
         let zeros = eigenvalues.iter().take_while(|lambda| lambda.norm() < FREE_MOTION * shift).count();
@@ -188,7 +189,7 @@ impl Pencil {
                 continue;
             }
             let (mode, converged) = self.polish(eigenvalue, i);
-            // the fastest values over a basis that is too small may grow where no mode of the machine does
+            // the highest eigenvalues over a truncated basis may grow although no mode of the machine does
             if lowest || converged && mode.grows() {
                 list.push(mode);
             }
@@ -208,7 +209,7 @@ impl Pencil {
         companion.view_mut((0, 0), (n, n)).copy_from(&-solved(&moving)?);
         companion.view_mut((0, n), (n, n)).copy_from(&(-solved(&self.mass)? / time_s));
         companion.view_mut((n, 0), (n, n)).fill_diagonal(time_s);
-        // small eigenvalues, the fast modes, may be lost in the round-off of large ones: larger deflation thresholds
+        // small eigenvalues, the fast modes, may be lost in the round-off of large ones: try larger deflation thresholds
         let schur = [1e-16, 1e-14, 1e-12, 1e-10, 1e-8]
             .into_iter()
             .find_map(|tolerance| Schur::try_new(companion.clone(), tolerance, 60 * n))
@@ -224,8 +225,8 @@ impl Pencil {
         })
     }
 
-    /// Shape by inverse iteration, eigenvalue by the two-sided Rayleigh quotient. The `index`th starts from its own
-    /// vector, so that equal eigenvalues get different shapes.
+    /// Refines a mode: its shape by inverse iteration, its eigenvalue by the two-sided Rayleigh quotient. Each `index` has a different
+    /// start vector, so that equal eigenvalues get different shapes.
     ///
     /// Also returns whether the iteration converged.
     fn polish(&self, mut eigenvalue: Complex<f64>, index: usize) -> (Mode, bool) {
@@ -237,7 +238,7 @@ impl Pencil {
         let (mut right, mut left) = (start.clone(), start);
         let mut converged = false;
         for _ in 0..8 {
-            // off the eigenvalue by a little: the matrix must have an inverse
+            // slightly off the eigenvalue, so that the matrix has an inverse
             let near = eigenvalue * (1.0 + 1e-9) + Complex::new(1e-12, 0.0);
             let factors = self.factors_at(near);
             for _ in 0..2 {
@@ -260,7 +261,7 @@ impl Pencil {
                 break;
             }
             eigenvalue -= step;
-            // the quotient's error falls at least with the square of the step
+            // the error of the quotient is reduced at least quadratically
             if step.norm() < CLOSE * eigenvalue.norm() {
                 converged = true;
                 break;
@@ -273,15 +274,15 @@ impl Pencil {
 /// Relative correction of an eigenvalue after which the remaining error is round-off.
 const CLOSE: f64 = 1e-8;
 
-/// Number of undamped modes, beyond four times the requested number, in the basis of the damped ones.
+/// Number of undamped modes in the basis of the damped ones, in addition to four times the requested number.
 pub(super) const SPARE_MODES: usize = 24;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A chain of unit masses and springs: `ω_i = 2 sin((2i − 1)π/(4n + 2))`; a spring 1e14 times stiffer beside it does
-    /// not spoil them, and proportional damping shifts them as it should.
+    /// A chain of unit masses and springs: `ω_i = 2 sin((2i − 1)π/(4n + 2))`; an additional spring that is 1e14 times stiffer does not
+    /// reduce the accuracy, and proportional damping shifts the eigenvalues by the analytical amount.
     #[test]
     fn chain_of_masses() {
         let n = 6;
@@ -312,8 +313,9 @@ mod tests {
         }
     }
 
-    /// Oscillators without coupling, and two equal ones among the faster whose stiffness is asymmetric, as that of a follower load: the
-    /// pair flutters, `λ² = −k ± i a`, beyond the modes of lowest frequency, and is found among one or three.
+    /// Uncoupled oscillators, and among the faster ones two equal oscillators with an asymmetric stiffness, like that of a follower load:
+    /// the pair flutters, `λ² = −k ± i a`, at a frequency above the lowest modes, and is found even if only one or three modes are
+    /// requested.
     #[test]
     fn growing_mode_above_the_lowest() {
         let (n, k, a) = (40, 420.25, 5.0);
@@ -337,7 +339,7 @@ mod tests {
         }
     }
 
-    /// A rotor: `ẍ − 2Ωẏ + (k − Ω²)x` turns at `√k ± Ω`. A free mass has frequency zero, an inverted one grows.
+    /// A rotor: `ẍ − 2Ωẏ + (k − Ω²)x` whirls at `√k ± Ω`. A free mass has frequency zero; an inverted pendulum grows.
     #[test]
     fn rotor_free_mass_and_inverted_pendulum() {
         let (k, omega) = (4.0, 0.5);

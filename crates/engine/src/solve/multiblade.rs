@@ -7,21 +7,22 @@ use crate::solve::linearize::SecondOrder;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Shares of two whirls that differ by less than this, of their sum, are those of a standing motion: neither direction leads.
+/// Difference of the participations of two opposite whirls, relative to their sum, below which the motion is a standing wave: neither
+/// direction dominates.
 const STANDING: f64 = 0.1;
 
-/// Relative motion of equal blades, in the ground frame.
+/// Relative motion of equal blades in the ground frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Whirl {
-    /// All in phase.
+    /// All blades in phase.
     Collective,
-    /// A pattern that travels with the rotation, with this number of waves around the rotor.
+    /// A wave that travels in the direction of rotation, with this number of waves around the rotor.
     Forward(usize),
-    /// A pattern that travels against it.
+    /// A wave that travels against the direction of rotation.
     Backward(usize),
-    /// A standing pattern.
+    /// A standing wave.
     Standing(usize),
-    /// Neighbours against each other; of even numbers of blades.
+    /// Neighbouring blades in opposition, for an even number of blades.
     Differential,
 }
 
@@ -38,10 +39,10 @@ impl std::fmt::Display for Whirl {
     }
 }
 
-/// Coordinates of equal blades, spaced evenly around the shaft.
+/// Coordinates of equal blades, evenly spaced around the shaft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Multiblade {
-    /// Coordinates of every blade, in the same order for all; each blade is ahead of the one before it.
+    /// Coordinates of every blade, in the same order for all blades; each blade leads the previous one in azimuth.
     pub blades: Vec<Vec<usize>>,
 }
 
@@ -64,8 +65,8 @@ impl Multiblade {
         matrices
     }
 
-    /// The equations over the components of the blades' motion, eq. (L25): `M`, `C`, `K` are those with the first blade at
-    /// `azimuth_rad`, on a shaft that turns at `speed_rad_s`. Of an isotropic rotor they do not depend on the azimuth.
+    /// Equations for the multi-blade components, eq. (L25): `M`, `C`, `K` are the matrices with the first blade at `azimuth_rad`, on a
+    /// shaft that rotates at `speed_rad_s`. For an isotropic rotor the result does not depend on the azimuth.
     pub fn transform(&self, system: &SecondOrder, azimuth_rad: f64, speed_rad_s: f64) -> SecondOrder {
         let SecondOrder { mass, damping, stiffness } = system;
         let [t, first, second] = self.matrices(mass.nrows(), azimuth_rad);
@@ -78,20 +79,20 @@ impl Multiblade {
         }
     }
 
-    /// Shift that makes the transformed stiffness positive, over the mass, in 1/s²: `n²Ω²` of the blades' finest wave, and three times that
-    /// in addition, for the contribution of gyroscopic forces.
+    /// Shift in 1/s² that makes the transformed stiffness positive, relative to the mass: `n²Ω²` of the blades' shortest wave, plus three
+    /// times that for gyroscopic forces.
     pub fn shift_1_s2(&self, speed_rad_s: f64) -> f64 {
         let waves = (self.blades.len().saturating_sub(1) / 2) as f64;
         4.0 * (waves * speed_rad_s).powi(2)
     }
 
-    /// The motion of the coordinates at an azimuth, of components.
+    /// Coordinates at an azimuth, from the multi-blade components.
     pub fn coordinates(&self, components: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
         let [t, ..] = self.matrices(components.len(), azimuth_rad);
         t.map(|x| Complex::new(x, 0.0)) * components
     }
 
-    /// The components of the coordinates at an azimuth: the inverse of [`Multiblade::coordinates`].
+    /// Multi-blade components of the coordinates at an azimuth: the inverse of [`Multiblade::coordinates`].
     pub fn components(&self, coordinates: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
         let mut components = coordinates.clone();
         let count = self.blades.len();
@@ -109,8 +110,8 @@ impl Multiblade {
         components
     }
 
-    /// Shares of the motions in a mode, eq. (L26): coordinate of the first blade, or of another part, the blades' whirl, and the share in
-    /// `Σ m |z|²` with the diagonal of the transformed mass; the shares add up to 1. Forward is the direction of rotation of the rotor at
+    /// Participation of the motions in a mode, eq. (L26): coordinate of the first blade, or of another part, whirl of the blades, and
+    /// fraction of `Σ m |z|²` with the diagonal of the transformed mass; the sum is 1. Forward is the direction of rotation of the rotor at
     /// `speed_rad_s`.
     pub fn shares(
         &self,
@@ -153,8 +154,8 @@ impl Multiblade {
     }
 }
 
-/// Entry of a blade (from 0) and component in `T` and its derivatives: one, alternating cosines and sines, and for an even number of blades
-/// their alternating sign.
+/// Entry of a blade (counted from 0) and component in `T` and its derivatives: one, alternating cosines and sines, and for an even number
+/// of blades the alternating sign.
 fn entries(component: usize, blades: usize, blade: usize, azimuth_rad: f64) -> [f64; 3] {
     if component == 0 {
         return [1.0, 0.0, 0.0];
@@ -175,8 +176,8 @@ mod tests {
     use super::*;
     use crate::solve::modes::modes_beyond;
 
-    /// Uncoupled blades fixed to the hub, `q̈ + 2ζω q̇ + ω² q = 0`: in the ground frame each wave has the eigenvalues `λ ± i n Ω`, and its
-    /// names; with any number of blades.
+    /// Uncoupled blades fixed to the hub, `q̈ + 2ζω q̇ + ω² q = 0`: in the ground frame each wave has the eigenvalues `λ ± i n Ω` and the
+    /// corresponding whirl, for any number of blades.
     #[test]
     fn separate_blades_whirl_at_their_frequency_and_the_speed() {
         let (speed, omega, zeta) = (0.7, 3.0, 0.02);
@@ -200,7 +201,7 @@ mod tests {
                         Whirl::Backward(waves) => -(waves as f64),
                         Whirl::Standing(_) => panic!("a standing motion of a rotor that turns"),
                     };
-                    // whirls have separate frequencies, so that each mode is pure; collective and differential share one
+                    // whirls have distinct frequencies, so that each mode is pure; collective and differential modes have equal ones
                     assert!(travel == 0.0 || *share > 1.0 - 1e-9, "{count} blades: {shares:?}");
                     let expected = Complex::new(re, im + travel * speed);
                     assert!(
@@ -213,7 +214,7 @@ mod tests {
         }
     }
 
-    /// The transformation and its inverse motion: `q = T z` obeys the equations of the coordinates.
+    /// The transformation and its inverse are consistent with the dynamics: `q = T z` satisfies the equations of the coordinates.
     #[test]
     fn components_give_back_the_motion_of_the_blades() {
         let rotor = Multiblade { blades: vec![vec![1], vec![2], vec![3]] };
@@ -226,7 +227,7 @@ mod tests {
             let back = rotor.components(&rotor.coordinates(&z, 0.9), 0.9);
             assert!((back - z).norm() < 1e-13, "{count} blades");
         }
-        // sums of numbers of the size of 5 lose a few of its last bits, 9e-16 each
+        // sums of numbers of magnitude 5 lose a few of their last bits, 9e-16 each
         let sum: Complex<f64> = q.rows(1, 3).iter().sum();
         assert!((sum / 3.0 - z[1]).norm() < 1e-14);
         let cosines: Complex<f64> = (0..3).map(|k| q[1 + k] * (0.3 + TAU * k as f64 / 3.0).cos()).sum();

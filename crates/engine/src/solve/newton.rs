@@ -2,26 +2,26 @@
 
 use crate::solve::{EquationsOfMotion, Singular};
 
-/// Reason why a stage failed. A shorter step may help in every case.
+/// Reason why a stage failed. A shorter step may help in each case.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NewtonError {
-    /// Too slow or diverging.
+    /// The iteration converges too slowly or diverges.
     #[error("correction {correction:.1e} after {iterations} iterations exceeds {tolerance:.1e}")]
     NotConverged {
-        /// Iterations done.
+        /// Number of iterations.
         iterations: usize,
         /// Kinematic norm of the last correction.
         correction: f64,
-        /// Tolerance of the error left.
+        /// Tolerance of the remaining error.
         tolerance: f64,
     },
-    /// No factor at this iterate.
+    /// The matrix cannot be factorised at this iterate.
     #[error(transparent)]
     Singular(#[from] Singular),
-    /// NaN or infinity.
+    /// The residual is NaN or infinite.
     #[error("residual not finite in iteration {iteration}")]
     NotFinite {
-        /// Iteration.
+        /// Number of the iteration.
         iteration: usize,
     },
 }
@@ -29,24 +29,23 @@ pub enum NewtonError {
 /// Required accuracy and allowed effort of a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
-    /// Error of the displacement that may be left, in the kinematic norm.
+    /// Allowed remaining error of the displacement, in the kinematic norm.
     pub tolerance: f64,
-    /// Maximum number of iterations of a stage in real time: the result is accepted and counted. `None`: a stage that does not converge is
-    /// an error.
+    /// Maximum number of iterations of a stage in real-time mode, after which the result is accepted and counted. `None`: a stage that does
+    /// not converge is an error.
     pub most_iterations: Option<usize>,
-    /// The step's length is given, not chosen: a stage may take more iterations, with new factors if they contract slowly, before the step
-    /// fails.
+    /// Whether the step size is prescribed: a stage may then take more iterations, with new factors if they contract slowly, before the
+    /// step fails.
     pub persistent: bool,
-    /// The accelerations at the step's start have jumped by more than a guess over the whole step can use, NOTATION
-    /// eq. (T10).
+    /// Whether the accelerations at the step's start have jumped by too much for a predictor over the whole step, NOTATION eq. (T10).
     pub jumped: bool,
-    /// Uses the slower of the last two contractions, and none faster than `CAUTIOUS_RATE`: if the first correction removes a large
-    /// transient of stiff coordinates, the ratio of the next one to it is no estimate for the slow remainder.
+    /// Whether to use the slower of the last two contractions, and none faster than `CAUTIOUS_RATE`: if the first correction removes a
+    /// large transient of stiff coordinates, the ratio of the next one to it does not predict the slow remainder.
     pub cautious: bool,
 }
 
 impl Accuracy {
-    /// Stages must converge to `tolerance`.
+    /// Accuracy that requires stages to converge to `tolerance`.
     pub const fn within(tolerance: f64) -> Self {
         Self { tolerance, most_iterations: None, persistent: false, jumped: false, cautious: false }
     }
@@ -55,15 +54,15 @@ impl Accuracy {
 /// Counters of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Effort {
-    /// Residuals, each with a solve.
+    /// Number of residuals, each with a solve.
     pub iterations: u64,
-    /// Factorisations.
+    /// Number of factorisations.
     pub factorizations: u64,
-    /// Stages accepted without convergence.
+    /// Number of stages accepted without convergence.
     pub unconverged: u64,
     /// Maximum number of iterations of one stage.
     pub largest: u64,
-    /// Largest last correction of those stages, in the kinematic norm.
+    /// Largest last correction of the stages accepted without convergence, in the kinematic norm.
     pub rest: f64,
 }
 
@@ -77,7 +76,7 @@ pub struct Stage<'a> {
     pub v: &'a mut [f64],
     /// Accelerations: the unknowns.
     pub a: &'a mut [f64],
-    /// Scratch.
+    /// Workspace for the residual.
     pub residual: &'a mut [f64],
     /// `∂v/∂a` in s.
     pub velocity_gain: f64,
@@ -87,25 +86,24 @@ pub struct Stage<'a> {
 
 /// Maximum number of iterations with one factorisation before the step fails.
 const MAX_ITERATIONS: usize = 10;
-/// Fastest contraction assumed by a cautious estimate: a hundredth per iteration is usual.
+/// Fastest contraction assumed by a cautious estimate: a factor of 0.01 per iteration is usual.
 const CAUTIOUS_RATE: f64 = 0.01;
-/// Maximum number of iterations of a stage of a step of given length: at the slowest contraction that keeps its factors, a half, they
-/// reduce the first correction by 1e-9.
+/// Maximum number of iterations of a stage in a step of prescribed size: at a contraction of one half, the slowest without new factors,
+/// they reduce the first correction by a factor of 1e-9.
 const MAX_ITERATIONS_PERSISTENT: usize = 30;
-/// Number of piece changes of forces with kinks in one stage above which only the first force may change at a time: no cycle is then
-/// possible.
+/// Number of piece changes of forces with kinks in one stage above which only the first force may change at a time, which excludes cycles.
 const FREE_MOVES: usize = 6;
-/// Maximum number of piece changes of forces with kinks in one stage; each allows one more iteration.
+/// Maximum number of piece changes of forces with kinks in one stage; each change allows one more iteration.
 const MAX_MOVES: usize = 40;
 
 /// Iterates until the estimated error of the displacement, in the kinematic norm, falls below `tolerance`.
 ///
-/// `factorized` tracks whether the factors of this step exist; they are made at the first iterate, and once more if the iteration contracts
-/// slower than a half, or every time with [`Accuracy::persistent`]. With [`Accuracy::most_iterations`] the work is bounded, and only values
-/// that are not finite or singular are an error.
+/// `factorized` tracks whether the factors of this step exist; they are computed at the first iterate, and once more if the contraction is
+/// slower than a half, or every time in that case with [`Accuracy::persistent`]. With [`Accuracy::most_iterations`] the effort is bounded,
+/// and only singular matrices and values that are not finite are errors.
 ///
-/// Forces with kinks use one smooth piece per iteration, with the tangent of that piece, and change to the piece of the iterate, NOTATION
-/// eq. (T12); the iteration has converged if they do not change.
+/// Forces with kinks use one smooth piece per iteration, with its tangent, and change to the piece of the iterate, NOTATION eq. (T12);
+/// convergence requires that the pieces do not change.
 pub fn iterate(
     equations: &mut impl EquationsOfMotion,
     stage: &mut Stage,
@@ -118,7 +116,7 @@ pub fn iterate(
     let (mut previous, mut slower, mut refreshed) = (f64::INFINITY, 0.0_f64, false);
     let (mut moves, mut settled) = (0, false);
     let mut iteration = 0;
-    // bounded work stays bounded
+    // a bounded effort stays bounded
     while iteration < most + if most_iterations.is_some() { 0 } else { moves } {
         equations.residual(stage.time_s, stage.q, stage.v, stage.a, stage.residual);
         iteration += 1;
@@ -143,13 +141,13 @@ pub fn iterate(
         let moved = moves < MAX_MOVES && equations.move_pieces(stage.time_s, stage.q, stage.v, moves >= FREE_MOVES);
         let rate = correction / previous;
         let left = if previous.is_infinite() {
-            // no rate yet: contraction by a hundred is usual at these steps
+            // no rate is known yet: a contraction by a factor of 0.01 is usual at these steps
             correction * if correction < tolerance { 0.5 } else { f64::INFINITY }
         } else {
             let counted = if cautious { rate.max(slower).max(CAUTIOUS_RATE) } else { rate };
             correction * counted / (1.0 - counted).max(0.0)
         };
-        // if the last change of piece had an effect below the tolerance, so has the next one back
+        // if the effect of the last change of piece was below the tolerance, that of changing back is too
         if left <= tolerance && (!moved || settled) {
             *factorized &= !moved;
             return Ok(());
@@ -165,7 +163,7 @@ pub fn iterate(
             if refreshed && rate > 1.0 && most_iterations.is_none() {
                 return Err(NewtonError::NotConverged { iterations: iteration, correction, tolerance });
             }
-            // if no shorter step is tried, factors at every iterate instead
+            // if no shorter step will be tried, factorise at every iterate instead
             *factorized = refreshed && most_iterations.is_none() && !persistent;
         }
         (previous, slower) = (correction, if previous.is_finite() { rate } else { 0.0 });
@@ -183,7 +181,7 @@ mod tests {
     use super::*;
     use crate::solve::Powers;
 
-    /// `q̈ = 1`, with a force that moves to another piece at every iterate.
+    /// `q̈ = 1` with a force that changes to another piece at every iterate.
     struct Restless;
 
     impl EquationsOfMotion for Restless {
@@ -212,7 +210,8 @@ mod tests {
         }
     }
 
-    /// A stage that ends just after a force changed to another piece leaves no factors for the next one: they are those of the old piece.
+    /// A stage that ends just after a force changed to another piece leaves no factors for the next stage, because they belong to the
+    /// previous piece.
     #[test]
     fn factors_of_an_old_piece_are_not_kept() {
         let [mut q, mut v, mut a, mut residual] = [[0.0]; 4];

@@ -1,4 +1,4 @@
-//! A state in time, and the polynomial between two of them.
+//! A state at a time, and the polynomial between two of them.
 
 use crate::solve::Powers;
 use serde::{Deserialize, Serialize};
@@ -18,9 +18,9 @@ pub struct Point {
     pub auxiliary: Vec<f64>,
     /// Work of the inputs in J.
     pub work: f64,
-    /// Energy dissipated in J.
+    /// Dissipated energy in J.
     pub dissipated: f64,
-    /// Rates of both.
+    /// Rates of work and dissipated energy.
     pub powers: Powers,
 }
 
@@ -40,7 +40,7 @@ impl Clone for Point {
 }
 
 impl Point {
-    /// A point of `coordinates` zeros.
+    /// A point with `coordinates` zero entries.
     pub fn zeros(coordinates: usize) -> Self {
         let zeros = vec![0.0; coordinates];
         Self { q: zeros.clone(), v: zeros.clone(), a: zeros.clone(), auxiliary: zeros, ..Self::default() }
@@ -58,8 +58,8 @@ impl Point {
         self.powers = other.powers;
     }
 
-    /// The state at `time_s` between `start` and `end`: quintic Hermite in the coordinates, its derivatives for
-    /// rates and accelerations, cubic Hermite in the energies; NOTATION eq. (T6), methods without stages.
+    /// Interpolates the state at `time_s` between `start` and `end`: quintic Hermite polynomial for the coordinates, with its derivatives
+    /// for rates and accelerations, and cubic Hermite polynomial for the energies; NOTATION eq. (T6), methods without stages.
     pub(super) fn interpolate(&mut self, start: &Self, end: &Self, time_s: f64) {
         let h = end.time_s - start.time_s;
         let s = (time_s - start.time_s) / h;
@@ -91,17 +91,16 @@ impl Point {
     }
 }
 
-/// Quintic Hermite basis at one place: weights of `(q₁ − q₀, h v₀, h v₁, h² a₀, h² a₁)` for the value and its first
-/// two derivatives.
+/// Quintic Hermite basis at one position: weights of `(q₁ − q₀, h v₀, h v₁, h² a₀, h² a₁)` for the value and its first two derivatives.
 pub(super) struct Quintic([[f64; 5]; 3]);
 
 impl Quintic {
-    /// One coordinate at `start + fraction·h`, by the same polynomial.
+    /// One coordinate at `start + fraction·h`, by the quintic polynomial.
     pub fn coordinate_between(start: &Point, end: &Point, fraction: f64, index: usize) -> f64 {
         start.q[index] + Self::between(start, end, fraction, index)[0]
     }
 
-    /// Its rate there.
+    /// Rate of one coordinate at `start + fraction·h`, by the quintic polynomial.
     pub fn rate_between(start: &Point, end: &Point, fraction: f64, index: usize) -> f64 {
         Self::between(start, end, fraction, index)[1] / (end.time_s - start.time_s)
     }
@@ -154,7 +153,7 @@ impl Quintic {
 mod tests {
     use super::*;
 
-    /// A polynomial of degree five is reproduced with both derivatives: tolerance is round-off.
+    /// A polynomial of degree five and its two derivatives are reproduced; the tolerance is round-off.
     #[test]
     fn interpolation_is_exact_for_quintics() {
         let value = |t: f64| {

@@ -1,4 +1,4 @@
-//! Linear models in modal form: fewer states by modal and by balanced truncation, and samples in time, NOTATION eqs. (L18)–(L20).
+//! Reduction of linear models by modal and by balanced truncation, and discretisation in time, NOTATION eqs. (L18)–(L20).
 
 use crate::solve::complex_factors::ComplexFactors;
 use crate::solve::eigen::{Eigen, eigen};
@@ -12,24 +12,24 @@ type ComplexMatrix = DMatrix<Complex<f64>>;
 /// Kind of reduction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Keep {
-    /// The slowest modes.
+    /// Keeps the slowest modes.
     Modes,
-    /// Largest contribution from the inputs to the outputs.
+    /// Keeps the states with the largest contribution from the inputs to the outputs.
     Balanced,
 }
 
 /// A model with fewer states.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reduced {
-    /// The reduced model, with the static gain of the whole one.
+    /// The reduced model, with the static gain of the whole model.
     pub model: StateSpace,
     /// Bound on the largest singular value of the error over all frequencies. `None` if a motion that does not decay was omitted, and for
-    /// reductions for a band.
+    /// the reduction in a frequency band.
     pub error_bound: Option<f64>,
-    /// Error in a range of frequencies: in the band, without one up to the fastest motion that was kept. `None` in discrete time without a
-    /// band.
+    /// Error in a range of frequencies: the band or, without a band, the range up to the fastest mode that was kept. `None` in discrete
+    /// time without a band.
     pub accuracy: Option<Accuracy>,
-    /// Hankel singular values on even scales of inputs and outputs, largest first; infinite for states of motions that do not decay.
+    /// Hankel singular values for balanced scales of inputs and outputs, largest first; infinite for states of motions that do not decay.
     /// Empty for modal truncation.
     pub hankel: Vec<f64>,
 }
@@ -40,10 +40,10 @@ pub enum NoReduction {
     /// The eigenvalue iteration failed.
     #[error("the eigenvalues of A cannot be found")]
     Eigenvalues,
-    /// Equal eigenvalues whose vectors coincide.
+    /// Equal eigenvalues with equal eigenvectors.
     #[error("A has eigenvalues that coincide with their vectors (condition {condition:.1e}); choose another state")]
     Defective {
-        /// Condition of the eigenvectors.
+        /// Condition number of the eigenvectors.
         condition: f64,
     },
     /// Too few or too many states.
@@ -51,43 +51,44 @@ pub enum NoReduction {
     Order {
         /// Requested order.
         order: usize,
-        /// Fewest that are possible.
+        /// Minimum number of states.
         least: usize,
-        /// All states.
+        /// Number of all states.
         most: usize,
     },
-    /// Balanced truncation in discrete time of a model with motions that do not decay.
+    /// Balanced truncation in discrete time is not possible for a model with motions that do not decay.
     #[error(
         "the model has motions that do not decay, which balanced truncation in discrete time cannot reduce; choose a state below flutter, or hold the motion"
     )]
     Grows,
-    /// Reduction to modes in discrete time: the modes of the wake have no order.
+    /// Modal truncation in discrete time: the modes of the wake cannot be ordered.
     #[error("models in discrete time are reduced by balanced truncation, not to modes")]
     SampledModes,
-    /// A band that ends nowhere in the frequencies of the model.
+    /// A band with an end outside the frequency range of the model.
     #[error("the band must end above 0 Hz, and in discrete time below half the sampling rate")]
     Band,
-    /// Modal truncation for a band.
+    /// Modal truncation in a frequency band.
     #[error("only balanced truncation is for a band of frequencies; modal truncation keeps the slowest modes")]
     ModalBand,
-    /// A singular matrix in an intermediate step.
+    /// A matrix in an intermediate step is singular.
     #[error("the balanced form cannot be found; keep more states, or keep modes")]
     Singular,
 }
 
-/// Condition of the eigenvectors beyond which half of all digits are lost.
+/// Condition number of the eigenvectors above which half of all digits are lost.
 const MAXIMUM_CONDITION: f64 = 1e9;
-/// Share of `|λ|` below which the real part of an eigenvalue is round-off: the motion does not decay.
+/// Fraction of `|λ|` below which the real part of an eigenvalue is round-off: the motion does not decay.
 const NO_DECAY: f64 = 1e-10;
-/// Hankel singular values, relative to the largest, that are round-off of the Gramians.
+/// Ratio to the largest Hankel singular value below which the others are round-off of the Gramians.
 const ROUND_OFF: f64 = 1e-9;
-/// Eigenvalue, relative to the fastest, below which a motion may be free: the square root of the digits of a double zero.
+/// Eigenvalue, relative to the largest, below which a motion may be a rigid-body mode: a double zero is accurate to half the digits.
 const STILL: f64 = 1e-6;
-/// Singular value, relative to the largest, that is round-off.
+/// Singular value, relative to the largest, below which it is round-off.
 const NULL: f64 = 1e-13;
-/// Frequencies at which the error is measured: half of them even, half of them on a logarithmic scale; beside all resonances.
+/// Number of frequencies at which the error is evaluated, in addition to all resonances: half of them on a linear scale, half on a
+/// logarithmic scale.
 const MEASURED: usize = 200;
-/// Start of a range without a slowest motion on the logarithmic scale, over its end.
+/// Start of the logarithmic scale, relative to its end, if the range has no slowest mode.
 const SLOWEST: f64 = 1e-4;
 /// Relative distance within which an eigenvalue of the reduced model corresponds to one of the whole model.
 const SAME: f64 = 0.03;
@@ -99,11 +100,11 @@ struct Modal {
     a: DMatrix<f64>,
     b: DMatrix<f64>,
     c: DMatrix<f64>,
-    /// Number of states of free motions, which are first; their part of `A` is full.
+    /// Number of states of rigid-body modes, which come first; their block of `A` is full.
     still: usize,
 }
 
-/// One real eigenvalue, or a pair: that with positive imaginary part.
+/// One real eigenvalue, or a complex pair, represented by the eigenvalue with positive imaginary part.
 #[derive(Clone, Copy)]
 struct Block {
     first: usize,
@@ -121,8 +122,8 @@ impl Block {
 }
 
 impl Modal {
-    /// Modal form of a model whose states are scaled first: by powers of two that balance rows and columns of `A`. Free motions, whose
-    /// vectors coincide, are first and unchanged: blocks of one state each with the eigenvalue 0.
+    /// Modal form of a model whose states are first scaled by powers of two that balance rows and columns of `A`. Rigid-body modes, whose
+    /// eigenvectors coincide, come first and are not transformed: blocks of one state each with the eigenvalue 0.
     fn new(model: &StateSpace) -> Result<(Self, DMatrix<f64>), NoReduction> {
         let n = model.a.nrows();
         let (scaled, scale) = balanced_rows(&model.a);
@@ -198,8 +199,8 @@ impl Modal {
     }
 }
 
-/// A basis whose first columns span the free motions, `Aᵏ x = 0` for some `k`, and whose other columns span the rest, both invariant; and
-/// the number of the first.
+/// A basis whose first columns span the rigid-body modes, `Aᵏ x = 0` for some `k`, and whose other columns span the rest, both invariant,
+/// and the number of the first columns.
 fn still_first(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, usize), NoReduction> {
     let n = a.nrows();
     let whole = DMatrix::identity(n, n);
@@ -214,7 +215,7 @@ fn still_first(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, usize), NoReduction> {
     if still == 0 || left.ncols() != still {
         return Ok((whole, 0));
     }
-    // components outside the left vectors
+    // components orthogonal to the left null vectors
     let mut rest = whole;
     for column in left.column_iter() {
         let along = column.transpose() * &rest;
@@ -230,7 +231,7 @@ fn still_first(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, usize), NoReduction> {
     Ok((basis, still))
 }
 
-/// Orthonormal vectors that span `Aᵏ x = 0` for some `k`: repeatedly those that `A` maps into the span of the previous ones.
+/// Orthonormal vectors that span `Aᵏ x = 0` for some `k`: repeatedly adds those that `A` maps into the span of the previous ones.
 fn null_space(a: &DMatrix<f64>) -> Result<DMatrix<f64>, NoReduction> {
     let mut found = DMatrix::zeros(a.nrows(), 0);
     loop {
@@ -279,12 +280,12 @@ pub(super) fn balanced_rows(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64
     (scaled, scale)
 }
 
-/// A model with `order` states, eqs. (L18) and (L19). Modal truncation keeps one less instead of splitting a pair. Balanced truncation,
-/// with balanced scales of inputs and outputs, is for all frequencies or for a band from 0 to `up_to_hz`, eq. (L37); for a band it may keep
-/// fewer, so that the reduced model is as stable as the whole one.
+/// Reduces a model to `order` states, eqs. (L18) and (L19). Modal truncation keeps one less instead of splitting a pair. Balanced
+/// truncation, with balanced scales of inputs and outputs, covers all frequencies or a band from 0 to `up_to_hz`, eq. (L37); in a band it
+/// may keep fewer states, so that the reduced model is as stable as the whole model.
 ///
 /// # Errors
-/// [`NoReduction`], with the possible orders.
+/// [`NoReduction`], with the allowed orders.
 pub fn reduce(model: &StateSpace, order: usize, keep: Keep, up_to_hz: Option<f64>) -> Result<Reduced, NoReduction> {
     let most = model.a.nrows();
     if order == 0 || order > most {
@@ -317,7 +318,7 @@ pub fn reduce(model: &StateSpace, order: usize, keep: Keep, up_to_hz: Option<f64
             small.d[(i, j)] /= output * input;
         }
     }
-    // the bound is that on even scales: back in the units of the outputs over those of the inputs
+    // the bound applies to balanced scales: convert it to output units per input unit
     let least = |scales: &[f64]| scales.iter().copied().fold(f64::INFINITY, f64::min);
     let unit = least(&inputs) * least(&outputs);
     reduced.error_bound = reduced.error_bound.map(|bound| if bound > 0.0 { bound / unit } else { 0.0 });
@@ -326,7 +327,7 @@ pub fn reduce(model: &StateSpace, order: usize, keep: Keep, up_to_hz: Option<f64
     Ok(reduced)
 }
 
-/// The slowest modes; the others are residualised, eq. (L18).
+/// Keeps the slowest modes; the others are residualised, eq. (L18).
 fn slowest(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, NoReduction> {
     if order < modal.still {
         return Err(NoReduction::Order { order, least: modal.still, most: modal.a.nrows() });
@@ -355,10 +356,10 @@ fn slowest(modal: &Modal, d: &DMatrix<f64>, order: usize) -> Result<Reduced, NoR
     Ok(Reduced { model, error_bound: bound, accuracy: Some(accuracy), hankel: Vec::new() })
 }
 
-/// Balanced truncation, eq. (L19): motions that do not decay are kept completely, of the others the states with the largest Hankel singular
-/// values; the rest is residualised (singular perturbation), which preserves the static gain and the bound.
+/// Balanced truncation, eq. (L19): motions that do not decay are kept completely, and of the others the states with the largest Hankel
+/// singular values; the rest is residualised (singular perturbation), which preserves the static gain and the bound.
 ///
-/// For a band that ends at `end_1_s` the Gramians are those of its frequencies; states are omitted until the rest decays.
+/// For a band that ends at `end_1_s` the Gramians are frequency-limited; states are omitted until all remaining ones decay.
 fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize, end_1_s: Option<f64>) -> Result<Reduced, NoReduction> {
     let places = |decays: bool| -> Vec<usize> {
         let blocks = modal.blocks.iter().filter(|block| block.decays() == decays);
@@ -393,7 +394,7 @@ fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize, end_1_s: Option<f64>)
             Err(_) => end_1_s.is_none(),
         })
         .unwrap_or(Err(NoReduction::Singular))?;
-    // from the static gain, to which the states with small values contribute few accurate digits only
+    // computed from the static gain, because the states with small singular values have few accurate digits
     let (values, by_input, seen) = modal.complex();
     let mut d = DMatrix::from_fn(d.nrows(), d.ncols(), |i, j| {
         d[(i, j)] - stable.iter().map(|&k| (seen[(i, k)] * by_input[(k, j)] / values[k]).re).sum::<f64>()
@@ -419,7 +420,7 @@ fn balanced(modal: &Modal, d: &DMatrix<f64>, order: usize, end_1_s: Option<f64>)
     Ok(Reduced { model, error_bound, accuracy: None, hankel })
 }
 
-/// The first `kept` of `sound` states; the others are residualised.
+/// Keeps the first `kept` of `sound` states; the others are residualised.
 fn follow_at_once([a, b, c]: [&DMatrix<f64>; 3], kept: usize, sound: usize) -> Result<[DMatrix<f64>; 3], NoReduction> {
     let (slow, fast): (Vec<usize>, Vec<usize>) = (0..sound).partition(|&i| i < kept);
     let part = |rows: &[usize], columns: &[usize]| {
@@ -447,14 +448,14 @@ fn decays(a: &DMatrix<f64>) -> bool {
     eigen(a).is_some_and(|found| found.values.iter().all(|value| value.re < 0.0))
 }
 
-/// Gramians of the stable part in real modal coordinates, in closed form from those in complex ones: `P_ij = −b_i b̄_j/(λ_i + λ̄_j)`; for a
-/// band that ends at `Ω` times `s_i + s̄_j`, `s = ln((iΩ − λ)/(−iΩ − λ))/2πi`.
+/// Gramians of the stable part in real modal coordinates, in closed form from those in complex coordinates: `P_ij = −b_i b̄_j/(λ_i +
+/// λ̄_j)`; for a band that ends at `Ω` multiplied by `s_i + s̄_j`, `s = ln((iΩ − λ)/(−iΩ − λ))/2πi`.
 fn gramians(modal: &Modal, stable: &[usize], end_1_s: Option<f64>) -> [DMatrix<f64>; 2] {
     let share = |value: Complex<f64>| match end_1_s {
         None => Complex::from(0.5),
         Some(end_1_s) => {
             let end = Complex::new(0.0, end_1_s);
-            // the logarithms apart: their difference is that of the whole turn
+            // separate logarithms: their difference may exceed the principal range of a single one
             ((end - value).ln() - (-end - value).ln()) / Complex::new(0.0, TAU)
         }
     };
@@ -475,7 +476,7 @@ fn gramians(modal: &Modal, stable: &[usize], end_1_s: Option<f64>) -> [DMatrix<f
     [to_real(&reach, &pairs, false), to_real(&observe, &pairs, true)]
 }
 
-/// `S G S*` with `S = [[1, 1], [i, −i]]` for each pair, or with its inverse's adjoint, which is half of it.
+/// `S G S*` with `S = [[1, 1], [i, −i]]` for each pair, or with the adjoint of its inverse, which is half of it.
 fn to_real(complex: &DMatrix<Complex<f64>>, pairs: &[bool], observe: bool) -> DMatrix<f64> {
     let n = pairs.len();
     let mut change = DMatrix::<Complex<f64>>::zeros(n, n);
@@ -504,7 +505,7 @@ fn root(gramian: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 impl Modal {
-    /// Frequencies in 1/s at which errors are measured, from 0 to `end_1_s`: resonances among them.
+    /// Frequencies in 1/s at which errors are evaluated, from 0 to `end_1_s`, including resonances.
     fn grid(&self, end_1_s: f64) -> Vec<f64> {
         let resonances = self.blocks.iter().map(|block| block.eigenvalue).filter(|value| value.norm() > 0.0);
         let resonances: Vec<f64> = resonances.flat_map(|value| [value.norm(), value.im]).collect();
@@ -515,7 +516,7 @@ impl Modal {
         even.chain(logarithmic).chain(resonances.iter().copied().filter(|at| *at > 0.0 && *at <= end_1_s)).collect()
     }
 
-    /// Sum of the responses of some states at a frequency in 1/s.
+    /// Sum of the frequency responses of some states at a frequency in 1/s.
     fn answer(
         parts: &(Vec<Complex<f64>>, ComplexMatrix, ComplexMatrix),
         states: &[usize],
@@ -536,7 +537,7 @@ impl Modal {
         blocks.flat_map(|block| block.first..block.first + block.size()).collect()
     }
 
-    /// Largest gains, without motions that do not decay, in a band or over all frequencies.
+    /// Largest gains in a band or over all frequencies, without the contribution of motions that do not decay.
     fn gains(&self, d: &DMatrix<f64>, end_1_s: Option<f64>) -> DMatrix<f64> {
         let (parts, states) = (self.complex(), self.decaying());
         let fastest = self.blocks.iter().map(|block| block.eigenvalue.norm()).fold(0.0, f64::max);
@@ -548,7 +549,7 @@ impl Modal {
         measure.gains().clone()
     }
 
-    /// Error of a reduced model whose first `whole` states are the unchanged motions that do not decay.
+    /// Error of a reduced model whose first `whole` states are the unchanged states of motions that do not decay.
     fn accuracy(&self, d: &DMatrix<f64>, small: &StateSpace, whole: usize, up_to_hz: Option<f64>) -> Accuracy {
         let n = small.a.nrows() - whole;
         let a = small.a.view((whole, whole), (n, n)).into_owned();
@@ -577,7 +578,7 @@ impl Modal {
         measure.accuracy(end_1_s / TAU, 0.0, dropped)
     }
 
-    /// Error of the model truncated to the first states, which are modes, with another `d`.
+    /// Error of the model truncated to its first `kept` states, which are modes, with another `d`.
     fn accuracy_without(&self, d: &DMatrix<f64>, other_d: &DMatrix<f64>, kept: usize) -> Accuracy {
         let parts = self.complex();
         let (decaying, rest) = (self.decaying(), (kept..self.a.nrows()).collect::<Vec<_>>());
@@ -593,7 +594,7 @@ impl Modal {
         measure.accuracy(end_1_s / TAU, 0.0, dropped)
     }
 
-    /// Modes up to a frequency that are left out, and show between some input and output.
+    /// Omitted modes up to a frequency that contribute to the response of some output to some input.
     fn dropped(
         &self,
         end_1_s: f64,
@@ -618,17 +619,17 @@ impl Modal {
     }
 }
 
-/// `A` and `B` for samples of `step_s` with inputs held in between, eq. (L20).
+/// Discretises `A` and `B` with a sampling time of `step_s` and inputs held in between, eq. (L20).
 ///
 /// # Errors
-/// [`NoReduction::Eigenvalues`] and [`NoReduction::Defective`].
+/// [`NoReduction::Eigenvalues`] and [`NoReduction::Defective`], if the eigenvalues or eigenvectors cannot be used.
 pub fn sampled(model: &StateSpace, step_s: f64) -> Result<(DMatrix<f64>, DMatrix<f64>), NoReduction> {
     let n = model.a.nrows();
     let (modal, to_states) = Modal::new(model)?;
     let from_states = to_states.clone().try_inverse().ok_or(NoReduction::Singular)?;
     let (mut whole, mut held) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     let still = modal.still;
-    // exp of [[A, 1], [0, 0]] h: free motions have a finite series
+    // exp of [[A, 1], [0, 0]] h: the series is finite for rigid-body modes
     let mut series = DMatrix::zeros(2 * still, 2 * still);
     series.view_mut((0, 0), (still, still)).copy_from(&(modal.a.view((0, 0), (still, still)) * step_s));
     series.view_mut((0, still), (still, still)).copy_from(&(DMatrix::identity(still, still) * step_s));

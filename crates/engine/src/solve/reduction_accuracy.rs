@@ -2,19 +2,20 @@
 
 use nalgebra::{Complex, DMatrix};
 
-/// Number of iterations of the scales: each halves the remaining error, or more.
+/// Number of iterations of the scales: each at least halves the remaining error.
 const ROUNDS: usize = 200;
-/// Rounds in which the largest gains become 1.
+/// Number of iterations in which the largest gains are scaled to 1.
 const LEVELS: usize = 10;
-/// Gain, on even scales, below which an output does not respond to an input: round-off.
+/// Gain on balanced scales below which an output does not respond to an input: round-off.
 const NO_RESPONSE: f64 = 1e-8;
 
-/// A mode of the whole model that is missing in the reduced one.
+/// A mode of the whole model that the reduced model lacks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dropped {
-    /// Its eigenvalue in 1/s.
+    /// Eigenvalue of the mode in 1/s.
     pub eigenvalue_1_s: Complex<f64>,
-    /// Its own largest gain over the largest gain of the whole model in the range, for the input and output of the largest ratio.
+    /// Largest gain of the mode divided by the largest gain of the whole model in the range, for the input and output with the largest
+    /// ratio.
     pub share: f64,
 }
 
@@ -23,20 +24,20 @@ pub struct Dropped {
 pub struct Accuracy {
     /// End of the range in Hz, which starts at 0.
     pub up_to_hz: f64,
-    /// Largest error in the range over the largest gain in it, of each output (rows) to each input (columns); 0 if an output does not
-    /// respond.
+    /// Largest error in the range divided by the largest gain in it, for each output (rows) and each input (columns); 0 if an output does
+    /// not respond.
     pub error: DMatrix<f64>,
-    /// Frequency in Hz at which the worst of them is.
+    /// Frequency in Hz of the largest relative error.
     pub worst_hz: f64,
-    /// Modes in the range that were left out, slowest first, of a share above [`Accuracy::SEEN`]. Not sought in discrete time.
+    /// Omitted modes in the range with a relative gain above [`Accuracy::SEEN`], slowest first. Not computed in discrete time.
     pub dropped: Vec<Dropped>,
 }
 
 impl Accuracy {
-    /// Share of the largest gain from which on a mode that was left out is listed.
+    /// Fraction of the largest gain above which an omitted mode is listed.
     pub const SEEN: f64 = 0.01;
 
-    /// The largest error, with its output and input; 0 without either.
+    /// The largest error, with its output and input; 0 if there are no inputs or outputs.
     pub fn worst(&self) -> (f64, [usize; 2]) {
         let mut worst = (0.0, [0, 0]);
         for i in 0..self.error.nrows() {
@@ -63,7 +64,7 @@ impl Measure {
         Self { gain: none.clone(), error: none.clone(), at_hz: none }
     }
 
-    /// Adds the gains of the whole model at a frequency, and the error of the reduced one.
+    /// Adds the gains of the whole model at a frequency, and the error of the reduced model.
     pub fn add(&mut self, frequency_hz: f64, gain: &DMatrix<Complex<f64>>, error: &DMatrix<Complex<f64>>) {
         for i in 0..gain.nrows() {
             for j in 0..gain.ncols() {
@@ -76,12 +77,12 @@ impl Measure {
         }
     }
 
-    /// Largest gain of each pair.
+    /// Largest gain for each pair of output and input.
     pub fn gains(&self) -> &DMatrix<f64> {
         &self.gain
     }
 
-    /// Relative errors up to a frequency. `beside`: error that every pair may have in addition.
+    /// Relative errors up to a frequency. `beside` is an error of each pair that is added.
     pub fn accuracy(&self, up_to_hz: f64, beside: f64, dropped: Vec<Dropped>) -> Accuracy {
         let responds = responding(&self.gain);
         let error = DMatrix::from_fn(self.gain.nrows(), self.gain.ncols(), |i, j| {
@@ -95,7 +96,7 @@ impl Measure {
     }
 }
 
-/// Pairs of outputs and inputs with a response, independent of the units.
+/// Pairs of outputs and inputs with a response, independent of their units.
 pub(super) fn responding(gains: &DMatrix<f64>) -> DMatrix<bool> {
     let [inputs, outputs] = even_scales(gains);
     DMatrix::from_fn(gains.nrows(), gains.ncols(), |i, j| {
@@ -103,9 +104,8 @@ pub(super) fn responding(gains: &DMatrix<f64>) -> DMatrix<bool> {
     })
 }
 
-/// Factors of inputs and outputs with which the geometric means of the gains of each are 1: the least-squares solution in the logarithms,
-/// in which units of inputs and outputs are only factors. Pairs without a response, relative to the others of the same output and input,
-/// are ignored.
+/// Factors of inputs and outputs that scale the geometric means of the gains of each to 1: the least-squares solution in the logarithms,
+/// where units only add constants. Pairs without a response, relative to the others of the same output and input, are ignored.
 pub(super) fn even_scales(gains: &DMatrix<f64>) -> [Vec<f64>; 2] {
     let logarithm = gains.map(f64::ln);
     let any = gains.map(|gain| gain > 0.0 && gain.is_finite());
@@ -125,7 +125,7 @@ pub(super) fn even_scales(gains: &DMatrix<f64>) -> [Vec<f64>; 2] {
             }
             [inputs, outputs]
         };
-    // from means, which follow the units, to scales on which the largest gain of each is 1: there round-off shows
+    // from mean gains, which scale with the units, to scales on which the largest gain of each is 1, where round-off is recognisable
     let begin = settled([vec![0.0; gains.ncols()], vec![0.0; gains.nrows()]], &any, ROUNDS, &mean);
     let [inputs, outputs] = settled(begin.clone(), &any, LEVELS, &largest);
     let counts = DMatrix::from_fn(gains.nrows(), gains.ncols(), |i, j| {
@@ -138,7 +138,7 @@ pub(super) fn even_scales(gains: &DMatrix<f64>) -> [Vec<f64>; 2] {
 mod tests {
     use super::*;
 
-    /// Scales follow units exactly, and round-off between signals that do not respond does not move them.
+    /// Scales follow the units exactly, and round-off between signals that do not respond has no effect on them.
     #[test]
     fn scales_follow_units() {
         let gains = DMatrix::from_row_slice(3, 2, &[3.0, 0.2, 50.0, 0.0, 7e-3, 1.1]);

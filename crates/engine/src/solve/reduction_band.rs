@@ -1,7 +1,7 @@
 //! Balanced truncation of models in discrete time within a band of frequencies, NOTATION eq. (L37).
 //!
 //! After Gawronski and Juang, Model reduction in limited time and frequency intervals, Int. J. Systems Science 21 (1990), with the
-//! Gramians of the band as sums over frequencies (Gosea, Gugercin and Beattie, SIAM J. Sci. Comput. 44, 2022).
+//! frequency-limited Gramians as sums over frequencies (Gosea, Gugercin and Beattie, SIAM J. Sci. Comput. 44, 2022).
 
 use crate::solve::complex_factors::ComplexFactors;
 use crate::solve::eigen::eigen;
@@ -12,27 +12,27 @@ use crate::solve::reduction_sampled::reduce_sampled;
 use nalgebra::{Complex, DMatrix, DVector, SVD};
 use std::f64::consts::{PI, TAU};
 
-/// Number of states of a first reduction of the whole model, at all frequencies: its error is round-off of the whole model.
+/// Number of states of a first reduction of the whole model over all frequencies, whose error is at the round-off of the whole model.
 const FIRST: usize = 240;
-/// Frequencies of the sums.
+/// Number of frequencies in the sums.
 const FREQUENCIES: usize = 45;
-/// Their end over the end of the band: the responses are accurate up to the end of the band.
+/// End of the sums divided by the end of the band, so that responses are accurate up to the end of the band.
 const BEYOND: f64 = 1.1;
-/// Frequencies at which the error is measured.
+/// Number of frequencies at which the error is evaluated.
 const MEASURED: usize = 201;
-/// Hankel singular values, relative to the largest, that are round-off.
+/// Hankel singular values, relative to the largest, below which they are round-off.
 const ROUND_OFF: f64 = 1e-12;
 
-/// A model with at most `order` states whose responses agree with those of `model`, with samples `step_s` apart, up to a frequency; it is
-/// stable, for which it may have fewer states. Its error over all frequencies has no bound.
+/// Reduces a model, sampled at intervals of `step_s`, to at most `order` states such that its responses agree up to a frequency. The result
+/// is stable, for which it may have fewer states. Its error over all frequencies has no bound.
 ///
 /// # Errors
-/// As [`reduce_sampled`], and [`NoReduction::Band`].
+/// As for [`reduce_sampled`], and [`NoReduction::Band`].
 pub fn reduce_in_band(model: &StateSpace, order: usize, up_to_hz: f64, step_s: f64) -> Result<Reduced, NoReduction> {
     reduce_by(FIRST, model, order, [up_to_hz, step_s])
 }
 
-/// The same through an intermediate model with `by` states.
+/// Like [`reduce_in_band`], through an intermediate model with `by` states.
 fn reduce_by(
     by: usize,
     model: &StateSpace,
@@ -97,7 +97,7 @@ fn reduce_by(
 
 type Answer = (DMatrix<Complex<f64>>, Vec<DVector<Complex<f64>>>, Vec<DVector<Complex<f64>>>);
 
-/// Gains at a frequency, states by each input, and states that each output shows.
+/// Frequency response at an angle per sample: gains, states due to each input, and outputs due to each state.
 fn answer(model: &StateSpace, turn_rad: f64) -> Answer {
     let z = Complex::from_polar(1.0, turn_rad);
     let entry = |i: usize, j: usize| Complex::from(-model.a[(i, j)]) + if i == j { z } else { Complex::from(0.0) };
@@ -124,15 +124,15 @@ fn largest<'a>(mut list: impl Iterator<Item = &'a DMatrix<Complex<f64>>>) -> DMa
 mod tests {
     use super::*;
 
-    /// Step in s of samples that turn by their frequency in Hz, in rad.
+    /// Step in s for which the angle per sample in rad equals the frequency in Hz.
     const STEP_S: f64 = 1.0 / TAU;
 
     fn error_in(reduced: &Reduced) -> f64 {
         reduced.accuracy.as_ref().unwrap().worst().0
     }
 
-    /// Twelve oscillating states, six of them above the band: six states for the band respond in it like the whole model, while six for all
-    /// frequencies do not. Inputs and outputs have units a million apart.
+    /// Twelve oscillating states, six of them above the band: six states reduced for the band reproduce the whole model in it, while six
+    /// states reduced for all frequencies do not. The units of inputs and outputs differ by a factor of a million.
     #[test]
     fn states_go_where_the_band_is() {
         let turns: [f64; 6] = [0.02, 0.05, 0.09, 0.7, 1.3, 2.2];
@@ -158,9 +158,9 @@ mod tests {
         };
         let plain = reduce_sampled(&model, 8, Keep::Balanced).unwrap();
         let (in_band, everywhere) = (own(&band.model), own(&plain.model));
-        // two states are left for the effect of the six fast ones in the band: a percent
+        // two states remain to represent the effect of the six fast ones in the band: about one per cent
         assert!(in_band < 2e-2 && everywhere > 0.1, "{in_band:e} {everywhere:e}");
-        // measured at other frequencies
+        // evaluated at other frequencies
         assert!((in_band / error_in(&band) - 1.0).abs() < 0.05, "{in_band:e} {:e}", error_in(&band));
         for turn_rad in [0.0, -1.0, f64::NAN, 3.2] {
             assert_eq!(reduce_in_band(&model, 8, turn_rad, STEP_S), Err(NoReduction::Band));
@@ -182,7 +182,7 @@ mod tests {
         StateSpace { a, b: wave(8, 2, 0.4), c: wave(3, 8, 1.0), d: wave(3, 2, 2.0) }
     }
 
-    /// Largest difference of two models' responses over the largest response, at angles inside and outside a band.
+    /// Largest difference between two models' responses divided by the largest response, at angles inside and outside a band.
     fn apart(one: &StateSpace, other: &StateSpace) -> f64 {
         let turns = [0.0, 0.02, 0.1, 0.33, 0.7, 1.5, 3.0];
         let pairs = turns.map(|turn| (answer(one, turn).0, answer(other, turn).0));
@@ -190,9 +190,9 @@ mod tests {
         pairs.iter().map(|(one, other)| (one - other).camax()).fold(0.0, f64::max) / largest
     }
 
-    /// (L37) evaluated with dense Gramians: sums over 45 frequencies up to 1.1 times the end of the band, their product's leading invariant
-    /// subspace by Cholesky and eigenvectors. The responses of the two models agree to the loss of accuracy by squaring in Gramians: half
-    /// the digits, times a hundred.
+    /// Compares with (L37) evaluated with dense Gramians: sums over 45 frequencies up to 1.1 times the end of the band, and the leading
+    /// invariant subspace of their product by Cholesky factors and eigenvectors. Squaring in Gramians halves the number of accurate digits;
+    /// the tolerance is a hundred times that.
     #[test]
     fn answers_are_those_of_the_gramians_of_the_band() {
         let (model, turn_rad) = (coupled(), 0.35);
@@ -234,8 +234,8 @@ mod tests {
         }
     }
 
-    /// Units of inputs and outputs have no effect; without scales they would change the responses by 8e-2. Remaining: round-off of the
-    /// first reduction, which is in the given units.
+    /// Units of inputs and outputs have no effect; without scaling they would change the responses by 8e-2. The remaining difference is
+    /// round-off of the first reduction, which uses the given units.
     #[test]
     fn units_do_not_matter() {
         let model = coupled();
@@ -258,7 +258,7 @@ mod tests {
         assert!(off < 1e-8, "{off:e}");
     }
 
-    /// Three states for this band would grow twelvefold in a sample: two are kept.
+    /// A model of three states for this band would grow twelvefold per sample: two states are kept.
     #[test]
     fn states_are_left_out_until_the_rest_decays() {
         let a = [-0.1, 0.6, 0.7, 0.0, 0.7, 0.6, -0.5, 1.3, -0.5, 0.9, 0.4, 0.8, -0.2, -0.4, 0.8, -1.2];
@@ -274,7 +274,7 @@ mod tests {
         assert!(largest < 1.0, "{largest}");
     }
 
-    /// The error of the first reduction is included: its bound is the whole error if no further states are omitted for the band.
+    /// The error of the first reduction is included: if no further states are omitted for the band, its bound is the whole error.
     #[test]
     fn the_error_has_that_of_the_first_reduction_in_it() {
         let model = coupled();
@@ -286,7 +286,7 @@ mod tests {
         let left: Vec<_> = pairs.iter().map(|(gain, own)| gain - own).collect();
         let off = largest(left.iter()).zip_map(&gains, |off, gain| off / gain).max();
         assert!(off > 1e-6 && error_in(&found) >= off, "{off:e} {:e}", error_in(&found));
-        // gains of the model of five states, whose own are off by the bound at most
+        // gains of the model of five states, whose error is at most the bound
         let whole = bound / gains.min();
         assert!((error_in(&found) / whole - 1.0).abs() < 0.1, "{whole:e} {:e}", error_in(&found));
     }

@@ -4,20 +4,20 @@ use crate::solve::linearize::StateSpace;
 use crate::solve::reduction::{Keep, NoReduction, Reduced};
 use nalgebra::{DMatrix, SVD};
 
-/// Maximum number of doublings of the samples in a Gramian: a motion that has not decayed after 2^30 samples is treated as undamped.
+/// Maximum number of doublings of the terms of a Gramian: a motion that has not decayed after 2^30 samples is treated as undamped.
 const DOUBLINGS: usize = 30;
 /// Relative change of a Gramian at which it has converged.
 const COMPLETE: f64 = 1e-15;
-/// Share of a state's own Gramian that is round-off.
+/// Fraction of a state's diagonal entry of the Gramian that is round-off.
 const RANK: f64 = 1e-14;
 /// Hankel singular values, relative to the largest, below which they are round-off of the Gramians.
 const ROUND_OFF: f64 = 1e-9;
 
-/// A model with at most `order` states: the balanced states with the largest Hankel singular values. At every frequency the error is
+/// Reduces a model to at most `order` states: the balanced states with the largest Hankel singular values. At every frequency the error is
 /// at most twice the sum of the other singular values.
 ///
 /// # Errors
-/// [`NoReduction`]; models with motions that do not decay, and [`Keep::Modes`].
+/// [`NoReduction`], also for models with motions that do not decay and for [`Keep::Modes`].
 pub fn reduce_sampled(model: &StateSpace, order: usize, keep: Keep) -> Result<Reduced, NoReduction> {
     let most = model.a.nrows();
     if order == 0 || order > most {
@@ -49,7 +49,7 @@ pub fn reduce_sampled(model: &StateSpace, order: usize, keep: Keep) -> Result<Re
     Ok(Reduced { model, error_bound, accuracy: None, hankel })
 }
 
-/// `Σ Aᵏ B Bᵀ Aᵏᵀ`, by doubling the number of terms.
+/// Gramian `Σ Aᵏ B Bᵀ Aᵏᵀ`, by doubling the number of terms.
 fn gramian(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, NoReduction> {
     let mut sum = b * b.transpose();
     let mut power = a.clone();
@@ -59,7 +59,7 @@ fn gramian(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, NoReducti
         if !change.is_finite() {
             return Err(NoReduction::Grows);
         }
-        // every state by its own scale
+        // each state relative to its scale
         let complete = (0..sum.nrows())
             .all(|i| more[(i, i)] <= COMPLETE * sum[(i, i)] || more[(i, i)] <= f64::MIN_POSITIVE * size);
         sum += more;
@@ -71,7 +71,7 @@ fn gramian(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, NoReducti
     Err(NoReduction::Grows)
 }
 
-/// `L` with `L Lᵀ = G`, of as few columns as `G` has rank: Cholesky's factor with pivots, on the scale of each state.
+/// `L` with `L Lᵀ = G`, with as many columns as the rank of `G`: Cholesky factor with pivoting, on the scale of each state.
 fn root(gramian: &DMatrix<f64>) -> DMatrix<f64> {
     let n = gramian.nrows();
     let scale: Vec<f64> = (0..n).map(|i| gramian[(i, i)].max(0.0).sqrt()).collect();
@@ -107,7 +107,8 @@ mod tests {
     use super::*;
     use nalgebra::Complex;
 
-    /// An oscillating state, a fast one and a delay of five samples: three states are within the bound, and all of them are exact.
+    /// An oscillating state, a fast one and a delay of five samples: with three states the error is within the bound, with all of them the
+    /// model is exact.
     #[test]
     fn error_stays_below_the_bound() {
         let n = 8;
@@ -133,7 +134,7 @@ mod tests {
                 .map(|i| 0.0314159 * f64::from(i))
                 .map(|turn| (answer(&model, turn) - answer(&reduced.model, turn)).norm());
             let (off, bound) = (off.fold(0.0, f64::max), reduced.error_bound.unwrap());
-            // all states: the square root of round-off
+            // with all states, the error is the square root of round-off
             assert!(off <= bound + 1e-8 && (order < 8 || off < 1e-7), "{order}: {off} {bound}");
         }
         let growing = StateSpace { a: &model.a * 1.05, ..model.clone() };

@@ -1,7 +1,7 @@
 use super::*;
 use crate::solve::complex_factors::ComplexFactors;
 
-/// Damped oscillators side by side, frequency (1/s) and damping ratio each, between two inputs and two outputs.
+/// Independent damped oscillators with the given frequencies (1/s) and damping ratios, between two inputs and two outputs.
 fn chain(modes: &[(f64, f64)]) -> StateSpace {
     let n = modes.len();
     let mut a = DMatrix::zeros(2 * n, 2 * n);
@@ -27,7 +27,7 @@ fn gain(model: &StateSpace, frequency_1_s: f64) -> DMatrix<Complex<f64>> {
     })
 }
 
-/// Largest singular value of the difference over a grid that holds every resonance.
+/// Largest singular value of the difference over a grid that contains every resonance.
 fn largest_error(whole: &StateSpace, part: &StateSpace, modes: &[(f64, f64)]) -> f64 {
     let grid = (0..400).map(|i| 10f64.powf(-2.0 + 8.0 * f64::from(i) / 399.0));
     let errors = grid
@@ -38,7 +38,7 @@ fn largest_error(whole: &StateSpace, part: &StateSpace, modes: &[(f64, f64)]) ->
 
 const MODES: &[(f64, f64)] = &[(3.0, 0.02), (11.0, 0.05), (40.0, 0.01), (700.0, 0.3), (2e4, 1.5), (9e5, 0.01)];
 
-/// The error is below the bound and within a small factor of it, the static gain is kept, and with all states there is no reduction.
+/// The error is below the bound and within a small factor of it, the static gain is preserved, and with all states the model is unchanged.
 #[test]
 fn errors_stay_below_their_bounds() {
     let whole = chain(MODES);
@@ -47,7 +47,7 @@ fn errors_stay_below_their_bounds() {
             let Reduced { model, error_bound, .. } = reduce(&whole, order, keep, None).unwrap();
             let (error, bound) = (largest_error(&whole, &model, MODES), error_bound.unwrap());
             let scale = gain(&whole, 3.0).norm();
-            // fewer than requested if the rest is round-off
+            // fewer than requested if the remaining states are round-off
             let states = model.a.nrows();
             assert!(
                 states <= order && (states + 2 > order || bound < 1e-9 * scale),
@@ -61,7 +61,7 @@ fn errors_stay_below_their_bounds() {
     }
 }
 
-/// `1/(s + a)` has the Hankel singular value `1/(2a)`, half of its largest gain, which is 1 on even scales.
+/// `1/(s + a)` has the Hankel singular value `1/(2a)`, half of its largest gain, which is 1 on balanced scales.
 #[test]
 fn first_order_lag_has_its_hankel_singular_value() {
     let one = |value: f64| DMatrix::from_element(1, 1, value);
@@ -88,7 +88,7 @@ fn what_does_not_decay_stays() {
     assert_eq!(reduce(&whole, 6, Keep::Modes, None).unwrap().model.a.nrows(), 6);
 }
 
-/// A free mass has one vector for two eigenvalues: it is kept completely, beside modes that are reduced, and its samples are those of the
+/// A free mass has one eigenvector for two eigenvalues: it is kept completely, while modes are reduced, and its samples lie on the exact
 /// parabola.
 #[test]
 fn free_body_is_kept_whole() {
@@ -120,13 +120,13 @@ fn free_body_is_kept_whole() {
     near(b[(n - 1, 1)], -0.1 * 0.1);
 }
 
-/// For a band the states are chosen in it: the slow modes, although the fast ones have the larger gains; the stated error is the actual
-/// one, and the modes of the band omitted by the reduction for all frequencies are listed.
+/// For a band, the states that matter in it are kept: the slow modes, although the fast ones have larger gains. The stated error is the
+/// actual one, and the modes in the band that the reduction for all frequencies omits are listed.
 #[test]
 fn states_go_where_the_band_is() {
     let modes = [(3.0, 0.02), (11.0, 0.05), (40.0, 0.01), (2e3, 1e-3), (7e3, 1e-3), (2e4, 1e-3)];
     let mut whole = chain(&modes);
-    // accelerations: fast modes are as large as slow ones, and less damped
+    // as accelerations, fast modes have gains as large as slow ones, with less damping
     for (i, (frequency, _)) in modes.iter().enumerate() {
         whole.c.column_mut(i).scale_mut(frequency * frequency);
     }
@@ -156,7 +156,7 @@ fn states_go_where_the_band_is() {
     assert_eq!(reduce(&whole, 4, Keep::Modes, Some(3.0)), Err(NoReduction::ModalBand));
 }
 
-/// Gramians of a band by their integral, at 20 000 places.
+/// The Gramians of a band equal their frequency integral, evaluated at 20 000 points.
 #[test]
 fn gramians_of_a_band_are_its_integral() {
     let (modal, _) = Modal::new(&chain(&[(3.0, 0.2), (11.0, 0.3)])).unwrap();
@@ -179,7 +179,7 @@ fn gramians_of_a_band_are_its_integral() {
     assert!((&observe - &seen).amax() < 1e-6 * seen.amax(), "{observe} {seen}");
 }
 
-/// Samples of an undamped oscillator are those of sine and cosine, beside a mode 10⁵ times faster.
+/// Samples of an undamped oscillator equal the sine and cosine, in a model with another mode 10⁵ times faster.
 #[test]
 fn samples_are_those_of_the_exact_motion() {
     let (slow, step_s) = (3.0f64, 0.1);

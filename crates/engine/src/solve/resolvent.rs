@@ -1,8 +1,9 @@
-//! `(λ − L)⁻¹` of the lag states at many values of `λ`.
+//! The resolvent `(λ − L)⁻¹` of the lag states at many values of `λ`.
 
 use nalgebra::{Complex, DMatrix, Hessenberg};
 
-/// A matrix `L` in a form in which `λ − L` is solved in a time proportional to the number of entries, not to their number times the size.
+/// A matrix `L` in a form for which `(λ − L) x = b` is solved in a time proportional to the number of entries, instead of that number times
+/// the size.
 pub enum Resolvent {
     /// The diagonal of a diagonal matrix.
     Diagonal(Vec<f64>),
@@ -16,7 +17,7 @@ pub enum Resolvent {
 }
 
 impl Resolvent {
-    /// Of a square matrix.
+    /// Transforms a square matrix.
     pub fn of(matrix: &DMatrix<f64>) -> Self {
         let m = matrix.nrows();
         if (0..m).all(|i| (0..m).all(|j| i == j || matrix[(i, j)] == 0.0)) {
@@ -26,7 +27,7 @@ impl Resolvent {
         Self::Hessenberg { turned, upper }
     }
 
-    /// `(λ − L)⁻¹` times a matrix. Not finite if `λ` is an eigenvalue of `L`.
+    /// `(λ − L)⁻¹` times a matrix. The result is not finite if `λ` is an eigenvalue of `L`.
     pub fn behind(&self, at: Complex<f64>, mut right: DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         match self {
             Self::Diagonal(entries) => {
@@ -47,10 +48,10 @@ impl Resolvent {
     }
 }
 
-/// `(λ − H)⁻¹` times a matrix: elimination of one entry per column, the larger one of two rows first.
+/// `(λ − H)⁻¹` times a matrix: eliminates one entry per column, with the larger of two rows as pivot.
 fn solved(upper: &DMatrix<f64>, at: Complex<f64>, mut right: DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
     let m = upper.nrows();
-    // row after row: elimination runs along them
+    // stored row by row, in the direction of the elimination
     let mut rows: Vec<Vec<Complex<f64>>> = (0..m)
         .map(|i| (0..m).map(|j| if i == j { at - upper[(i, j)] } else { Complex::new(-upper[(i, j)], 0.0) }).collect())
         .collect();
@@ -83,7 +84,8 @@ fn solved(upper: &DMatrix<f64>, at: Complex<f64>, mut right: DMatrix<Complex<f64
 mod tests {
     use super::*;
 
-    /// Matrices with irregular entries, one of them with zeros on the diagonal, and a diagonal one: `(λ − L) x = b`.
+    /// The equation `(λ − L) x = b` is satisfied for matrices with irregular entries, one of them with zeros on the diagonal, and for a
+    /// diagonal one.
     #[test]
     fn it_solves_its_equation() {
         for (size, on_diagonal) in [(1, 1.0), (2, 0.0), (7, 1.0), (40, 0.0)] {
@@ -98,7 +100,7 @@ mod tests {
                     let back = &x * at - matrix.map(|entry| Complex::new(entry, 0.0)) * &x;
                     let size = right.map(|entry| entry.norm()).max();
                     let off = (back - &right).map(|entry| entry.norm()).max();
-                    // backward stable: round-off of the entries of x times the matrix
+                    // backward stable: relative to the round-off of the entries of x times the matrix
                     assert!(off < 1e-10 * size, "{off:e}");
                 }
             }

@@ -1,11 +1,11 @@
-//! ESDIRK steps for second-order equations: the unknown of a stage is its acceleration, NOTATION eqs. (T1)–(T3).
+//! ESDIRK steps for second-order equations, with the accelerations as the unknowns of a stage, NOTATION eqs. (T1)–(T3).
 
 use crate::solve::newton::{Accuracy, Effort, NewtonError, Stage, iterate};
 use crate::solve::point::Point;
 use crate::solve::tableau::{MAX_STAGES, Tableau};
 use crate::solve::{EquationsOfMotion, Powers};
 
-/// Scratch of an ESDIRK step, sized once.
+/// Workspace of an ESDIRK step, allocated once.
 #[derive(Debug, Clone)]
 pub struct Esdirk {
     velocities: Vec<Vec<f64>>,
@@ -17,7 +17,7 @@ pub struct Esdirk {
 }
 
 impl Esdirk {
-    /// Scratch for `coordinates` unknowns.
+    /// Workspace for `coordinates` unknowns.
     pub fn new(coordinates: usize) -> Self {
         let zeros = vec![0.0; coordinates];
         Self {
@@ -35,7 +35,7 @@ impl Esdirk {
         &self.residual
     }
 
-    /// One step of `h_s` from `start`; fills `end` and the stages in between and returns the error estimate in the kinematic norm.
+    /// Performs one step of `h_s` from `start`; fills `end` and the stages in between and returns the error estimate in the kinematic norm.
     #[allow(clippy::too_many_arguments)]
     pub fn step(
         &mut self,
@@ -112,7 +112,7 @@ impl Esdirk {
         Ok(error)
     }
 
-    /// Energy accounts of a stage: the quadrature that its row is.
+    /// Integrates the energy accounts up to a stage with the quadrature weights of its row.
     fn accounts(&self, tableau: &Tableau, stage: usize, start: &Point, h_s: f64, point: &mut Point) {
         point.powers = self.powers[stage];
         (point.work, point.dissipated) = (start.work, start.dissipated);

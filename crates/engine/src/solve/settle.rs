@@ -1,36 +1,37 @@
-//! Descent from an unstable equilibrium, or a state without equilibrium, to a stable equilibrium.
+//! Descent from an unstable equilibrium, or from a state that is not in equilibrium, to a stable equilibrium.
 //!
-//! Newton's iteration with `K + σM`, with the smallest `σ` that makes it positive: a step of the flow `M q̇ = −r`, which is attracted by
-//! stable states and repelled by unstable ones. If `K` itself is positive it is Newton's own iteration. NOTATION eq. (L15).
+//! Newton's method with `K + σM`, with about the smallest `σ` that makes it positive definite: a step of the flow `M q̇ = −r`, which is
+//! attracted by stable states and repelled by unstable ones. If `K` is already positive definite, this is Newton's method. NOTATION eq.
+//! (L15).
 
 use crate::solve::equilibrium::{Cause, Effort, Settings, StaticEquations};
 
-/// Maximum number of steps downhill.
+/// Maximum number of descent steps.
 const MAXIMUM_STEPS: usize = 600;
 
-/// Longest step in the kinematic norm.
+/// Largest step in the kinematic norm.
 const LONGEST_STEP: f64 = 0.2;
 
 /// Kinematic norm of the perturbation of an unstable equilibrium.
 const PUSH: f64 = 0.02;
 
-/// Factor between two shifts that are tried.
+/// Factor between successive shifts that are tried.
 const SHIFT_FACTOR: f64 = 4.0;
 
-/// Leaves the unstable equilibrium `q` along the direction of steepest descent, to the side with the larger descent. The equations must be
-/// at the whole load.
+/// Leaves the unstable equilibrium `q` along the most unstable direction, to the side with the larger descent. The equations must be at the
+/// whole load.
 pub fn leave(equations: &mut impl StaticEquations, q: &mut [f64]) -> Result<(), Cause> {
     let mut residual = vec![0.0; q.len()];
     equations.residual(q, &mut residual);
     let mut high = positive_shift(equations, q, 1.0)?;
     let mut low = high / SHIFT_FACTOR;
-    // between: the largest −eigenvalue of K against M
+    // bisects for the largest −eigenvalue of K with respect to M
     for _ in 0..8 {
         let middle = (low * high).sqrt();
         if negative(equations, q, middle)? > 0 { low = middle } else { high = middle }
     }
     negative(equations, q, high)?;
-    // the response to any force is almost entirely in that direction
+    // near that eigenvalue, the response to any force is almost entirely in that direction
     let mut direction: Vec<f64> = (0..q.len()).map(|i| (1.0 + (i * i % 97) as f64).sin()).collect();
     equations.solve(&mut direction);
     let size = equations.norm(&direction);
@@ -79,7 +80,7 @@ pub fn descend(
         if !correction.is_finite() {
             return Err(Cause::NotFinite(iteration));
         }
-        // steps to and fro across a valley get shorter
+        // steps that alternate across a valley are shortened
         let turned = equations.product(&before, &change) < 0.0;
         longest = if turned { 0.5 * longest } else { (1.5 * longest).min(LONGEST_STEP) };
         let share = (longest / correction).min(1.0);
@@ -94,7 +95,8 @@ pub fn descend(
     Err(Cause::NoStableState(MAXIMUM_STEPS))
 }
 
-/// About the smallest shift that makes the matrix positive, found from `from`; its factors exist afterwards.
+/// Approximately the smallest shift that makes the matrix positive definite, searched from `from`; the matrix is factorised with it
+/// afterwards.
 fn positive_shift(equations: &mut impl StaticEquations, q: &[f64], from: f64) -> Result<f64, Cause> {
     let mut shift = from;
     while negative(equations, q, shift)? == 0 && shift > 1e-30 {
@@ -119,7 +121,7 @@ mod tests {
     use super::*;
     use crate::solve::Singular;
 
-    /// A pendulum of unit weight and length, `q` from the lowest place: `r = sin q`.
+    /// A pendulum of unit weight and length, with `q` measured from the lowest position: `r = sin q`.
     struct Pendulum(f64);
 
     impl StaticEquations for Pendulum {

@@ -21,7 +21,7 @@ pub enum Method {
     TrBdf2,
     /// `ESDIRK3(2)4L[2]SA`, third order.
     Esdirk3,
-    /// SDIRK of two stages, second order: does not carry a jump of the accelerations on.
+    /// Two-stage SDIRK, second order: does not propagate a jump of the accelerations.
     Sdirk2,
     /// `ESDIRK4(3)6L[2]SA`, fourth order.
     Esdirk4,
@@ -29,7 +29,7 @@ pub enum Method {
     Rk4,
 }
 
-/// A method with its scratch.
+/// A method with its workspace.
 #[derive(Debug, Clone)]
 pub struct Stepper {
     method: Method,
@@ -56,7 +56,7 @@ impl Method {
 }
 
 impl Stepper {
-    /// A method for `coordinates` unknowns.
+    /// Creates a method for `coordinates` unknowns.
     pub fn new(method: Method, coordinates: usize) -> Self {
         Self {
             method,
@@ -66,17 +66,17 @@ impl Stepper {
         }
     }
 
-    /// Stages of the method, if it has implicit ones.
+    /// Tableau of the method, if it is a diagonally implicit Runge–Kutta method.
     pub(crate) fn tableau(&self) -> Option<&'static Tableau<'static>> {
         self.method.tableau()
     }
 
-    /// Whether states between the ends of a step need a separate step: implicit methods without stages.
+    /// Whether states within a step require a separate step: implicit methods without stages.
     pub fn lands(&self) -> bool {
         matches!(self.method, Method::GeneralizedAlpha { .. })
     }
 
-    /// Power of the step with which the error estimate falls.
+    /// Power of the step size to which the error estimate is proportional.
     pub fn error_order(&self) -> u32 {
         self.method.tableau().map_or(3, |tableau| tableau.error_order)
     }
@@ -90,7 +90,7 @@ impl Stepper {
         }
     }
 
-    /// Takes one step of `h_s` from `start` into `end`, with its stages in between. Returns the error estimate in the kinematic norm.
+    /// Performs one step of `h_s` from `start` to `end`, with its stages in between. Returns the error estimate in the kinematic norm.
     ///
     /// `accuracy` bounds the remaining displacement error of the iteration, in the same norm. Allocates nothing. After an error `end` and
     /// the stages are undefined and `start` is unchanged.

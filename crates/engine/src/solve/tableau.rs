@@ -1,6 +1,6 @@
 //! Butcher tableaux of the diagonally implicit methods.
 
-/// An ESDIRK method: explicit first stage, one diagonal `γ`, stiffly accurate (its last row is `b`).
+/// An ESDIRK method: explicit first stage, constant diagonal `γ`, stiffly accurate (its last row is `b`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tableau<'a> {
     /// Name.
@@ -13,12 +13,12 @@ pub struct Tableau<'a> {
     pub error: &'a [f64],
     /// Order of the method.
     pub order: u32,
-    /// Order of the error estimate: it falls with this power of the step.
+    /// Order of the error estimate: it is proportional to this power of the step size.
     pub error_order: u32,
 }
 
 impl Tableau<'_> {
-    /// Number of stages, the explicit one included.
+    /// Number of stages, including the explicit one.
     pub fn stages(&self) -> usize {
         self.rows.len() + 1
     }
@@ -28,10 +28,10 @@ impl Tableau<'_> {
         if stage == 0 { 0.0 } else { self.rows[stage - 1].iter().sum::<f64>() + self.gamma }
     }
 
-    /// Initial guess of a stage's accelerations: two stages before it with their weights, NOTATION eq. (T9).
+    /// Predictor of a stage's accelerations: two previous stages with their weights, NOTATION eq. (T9).
     ///
-    /// Linear in time through the two nearest abscissae; the first implicit stage has only the step's start. A parabola through three takes
-    /// more iterations: it amplifies the residual error of stiff modes.
+    /// Extrapolates linearly in time from the two nearest abscissae; for the first implicit stage it is the value at the step's start. A
+    /// parabola through three stages takes more iterations: it amplifies the residual error of stiff modes.
     pub fn predictor(&self, stage: usize) -> [(usize, f64); 2] {
         let at = self.abscissa(stage);
         let distance = |other: usize| (self.abscissa(other) - at).abs();
@@ -45,12 +45,12 @@ impl Tableau<'_> {
     }
 }
 
-/// Maximum number of stages of any method here.
+/// Maximum number of stages of the methods in this file.
 pub const MAX_STAGES: usize = 6;
 
 const ROOT_2: f64 = std::f64::consts::SQRT_2;
 
-/// TR-BDF2 as a three-stage ESDIRK, order 2 with an estimate of order 3 (Hosea and Shampine 1996).
+/// TR-BDF2 as a three-stage ESDIRK, order 2 with an error estimate of order 3 (Hosea and Shampine 1996).
 pub const TR_BDF2: Tableau = {
     const GAMMA: f64 = 1.0 - ROOT_2 / 2.0;
     const W: f64 = ROOT_2 / 4.0;
@@ -64,8 +64,8 @@ pub const TR_BDF2: Tableau = {
     }
 };
 
-/// SDIRK of two stages, order 2, L-stable (Alexander 1977), NOTATION eq. (T10): its explicit first stage has no weight, so
-/// that a jump of the accelerations at the step's start does not ring on in stiff modes.
+/// Two-stage SDIRK, order 2, L-stable (Alexander 1977), NOTATION eq. (T10): its explicit first stage has zero weight, so that a jump of the
+/// accelerations at the step's start does not excite stiff modes.
 pub const SDIRK2: Tableau = {
     const GAMMA: f64 = 1.0 - ROOT_2 / 2.0;
     Tableau {
@@ -175,8 +175,8 @@ mod tests {
         ]
     }
 
-    /// Conditions hold to round-off (the published fractions have 13 digits) up to the stated order and fail beyond; the embedded method is
-    /// of one order less, or one more for TR-BDF2.
+    /// Order conditions hold to round-off (the published fractions have 13 digits) up to the stated order and fail beyond; the embedded
+    /// method has one order less, or one more for TR-BDF2.
     #[test]
     fn tableaux_have_their_orders() {
         for (tableau, embedded_order) in [(TR_BDF2, 3), (SDIRK2, 1), (ESDIRK3, 2), (ESDIRK4, 3)] {

@@ -1,4 +1,4 @@
-//! The oscillator that unit tests of integrators march.
+//! The oscillator for unit tests of integrators.
 
 use crate::solve::{EquationsOfMotion, Powers, Singular};
 

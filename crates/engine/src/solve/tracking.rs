@@ -1,9 +1,9 @@
-//! Mode tracking over a parameter, NOTATION eq. (L24): matching of modes from one value to the next, and onsets of growth.
+//! Mode tracking over a parameter, NOTATION eq. (L24): matching of modes from one value to the next, and onset of growth.
 
 use crate::solve::modes;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// A mode that can be followed.
+/// A mode that can be tracked.
 pub trait Followed {
     /// Eigenvalue in 1/s.
     fn eigenvalue_1_s(&self) -> Complex<f64>;
@@ -17,24 +17,24 @@ pub trait Followed {
 
 /// Modes farther apart than this are never matched.
 const STRANGERS: f64 = 0.9;
-/// Distance beyond which the interval between two values is halved to resolve the matching.
+/// Distance above which the interval between two values is halved to resolve the matching.
 const DOUBT: f64 = 0.25;
-/// Relative difference of two eigenvalues up to which any combination of their shapes is a mode too: rounded angles of a model file
+/// Relative difference of two eigenvalues up to which any combination of their shapes counts as a mode: rounded angles of a model file
 /// separate modes of equal blades by 1e-7.
 const EQUAL: f64 = 1e-6;
 /// Maximum number of halvings of one interval.
 const MAXIMUM_HALVINGS: u32 = 4;
-/// Width of the interval that contains a zero of the growth, over that of the sweep.
+/// Width of the interval that contains a zero of the growth rate, relative to that of the sweep.
 const NARROW: f64 = 1e-10;
 /// Maximum number of steps towards a zero.
 const MAXIMUM_STEPS: usize = 60;
 
-/// Modes at one value; every branch has one, or none if it is not among those found.
+/// Modes at one value; each branch has one mode, or none if it was not found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place<M> {
-    /// Value of the quantity.
+    /// Value of the parameter.
     pub at: f64,
-    /// A mode per branch.
+    /// Mode of each branch.
     pub modes: Vec<Option<M>>,
 }
 
@@ -43,11 +43,11 @@ pub struct Place<M> {
 pub struct Crossing<M> {
     /// Index of the branch.
     pub branch: usize,
-    /// Value of the quantity.
+    /// Value of the parameter.
     pub at: f64,
     /// The mode there.
     pub mode: M,
-    /// Whether the mode grows beyond this value; otherwise it grows before.
+    /// Whether the mode grows beyond this value; otherwise it grows before it.
     pub begins: bool,
 }
 
@@ -56,19 +56,19 @@ fn grows<M: Followed>(mode: &M) -> bool {
     modes::grows(mode.eigenvalue_1_s())
 }
 
-/// Distance of two eigenvalues over their mean magnitude.
+/// Distance of two eigenvalues divided by their mean magnitude.
 fn apart(a: Complex<f64>, b: Complex<f64>) -> f64 {
     let size = 0.5 * (a.norm() + b.norm());
     if size > 0.0 { (a - b).norm() / size } else { 0.0 }
 }
 
-/// Distance of a mode from the predicted continuation of a branch: by eigenvalue and by shape. Real and oscillating ones are far apart
+/// Distance of a mode from the predicted continuation of a branch, from eigenvalue and shape. Real and oscillating modes are far apart
 /// unless their eigenvalues are close.
 fn distance<M: Followed>(branch: &M, expected: Complex<f64>, mode: &M) -> f64 {
     apart(mode.eigenvalue_1_s(), expected) + (1.0 - branch.likeness(mode))
 }
 
-/// For each mode those of its eigenvalue, itself among them.
+/// For each mode, all modes with its eigenvalue, including itself.
 fn equals<'m, M: Followed>(modes: &[&'m M]) -> Vec<Vec<&'m M>> {
     let same = |mode: &M| {
         let value = mode.eigenvalue_1_s();
@@ -77,7 +77,7 @@ fn equals<'m, M: Followed>(modes: &[&'m M]) -> Vec<Vec<&'m M>> {
     modes.iter().map(|mode| same(mode)).collect()
 }
 
-/// Similarity of a mode to the nearest combination of several shapes of one eigenvalue, all of which are modes.
+/// Similarity of a mode to the closest combination of several shapes with one eigenvalue, all of which are modes.
 fn likeness_to_all<M: Followed>(mode: &M, all: &[&M]) -> f64 {
     let single = all.iter().map(|other| other.likeness(mode)).fold(0.0, f64::max);
     if all.len() < 2 {
@@ -100,9 +100,9 @@ fn likeness_to_all<M: Followed>(mode: &M, all: &[&M]) -> f64 {
     combined().map_or(single, |share| share.min(1.0).max(single))
 }
 
-/// Matches a mode to each branch, closest pairs first, and returns the largest distance of these pairs. Of several modes of one eigenvalue,
-/// on either side, any combination is a mode, as for the blades of a rotor at rest: if no single shape matches, a shape in their common
-/// space is sufficient.
+/// Matches a mode to each branch, closest pairs first, and returns the largest distance of these pairs. If several modes have one
+/// eigenvalue, on either side, any combination of them is a mode, as for the blades of a parked rotor: if no single shape matches, a shape
+/// in their common space is sufficient.
 fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (Vec<Option<usize>>, f64) {
     let known: Vec<(usize, &M, Complex<f64>)> = (branches.iter().enumerate())
         .filter_map(|(i, branch)| branch.map(|(last, expected)| (i, last, expected)))
@@ -134,18 +134,18 @@ fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (
     (of, worst)
 }
 
-/// The modes of a sweep in branches.
+/// The modes of a sweep, sorted into branches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branches<M> {
-    /// Places in the order of the sweep, without those in between that served to distinguish modes.
+    /// Values in the order of the sweep, without intermediate ones that were added to distinguish modes.
     pub places: Vec<Place<M>>,
-    /// The places and those in between.
+    /// All values, including the intermediate ones.
     all: Vec<Place<M>>,
 }
 
 impl<M: Followed + Clone> Branches<M> {
-    /// Tracks the modes that `modes_at` finds from value to value. Stops at the first value at which it fails and returns the results so
-    /// far, with the value and the error.
+    /// Tracks the modes returned by `modes_at` from value to value. Stops at the first value where `modes_at` fails, and returns the
+    /// results so far, with the value and the error.
     pub fn follow<E>(places: &[f64], modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>) -> (Self, Option<(f64, E)>) {
         let mut found = Self { places: Vec::new(), all: Vec::new() };
         for &at in places {
@@ -165,7 +165,7 @@ impl<M: Followed + Clone> Branches<M> {
         (found, None)
     }
 
-    /// Continues to a value, and halves the interval if the matching is not clear.
+    /// Continues to a value, and halves the interval if the matching is ambiguous.
     fn go_on<E>(
         &mut self,
         at: f64,
@@ -186,7 +186,7 @@ impl<M: Followed + Clone> Branches<M> {
         Ok(())
     }
 
-    /// The last mode of each branch and its eigenvalue at a place, extrapolated linearly from the last two.
+    /// The last mode of each branch and its eigenvalue at a value, extrapolated linearly from the last two.
     fn expected(&self, at: f64) -> Vec<Option<(&M, Complex<f64>)>> {
         let count = self.all.iter().map(|place| place.modes.len()).max().unwrap_or(0);
         let of = |branch: usize| {
@@ -213,8 +213,8 @@ impl<M: Followed + Clone> Branches<M> {
         }
     }
 
-    /// Keeps only the first `count` branches of the first value, those of `crossings`, and those that grow anywhere. Compute more than
-    /// `count` modes: others of lower frequency may appear along the sweep.
+    /// Keeps only the first `count` branches at the first value, those of `crossings`, and those that grow anywhere. More than `count`
+    /// modes should be computed, because others of lower frequency may appear along the sweep.
     pub fn keep(&mut self, count: usize, crossings: &mut [Crossing<M>]) {
         let all = self.all.first().map_or(0, |place| place.modes.len());
         let ever = |branch: usize| self.all.iter().filter_map(|place| place.modes[branch].as_ref()).any(grows);
@@ -231,8 +231,8 @@ impl<M: Followed + Clone> Branches<M> {
         }
     }
 
-    /// Modes that grow at a value but not at the one before, at which the branch is missing or does not grow: branch, the two values and
-    /// the mode. Values in between that were added to resolve the matching count.
+    /// Modes that grow at a value but not at the previous one, where the branch is missing or does not grow: branch, the two values and the
+    /// mode. Intermediate values that were added to resolve the matching are included.
     pub fn beginnings(&self) -> Vec<(usize, [f64; 2], &M)> {
         let mut list = Vec::new();
         for pair in self.all.windows(2) {
@@ -248,8 +248,8 @@ impl<M: Followed + Clone> Branches<M> {
         list
     }
 
-    /// Values at which branches start or cease to grow, in the order of the sweep: by false position (Illinois) between two values with a
-    /// change of sign, with the mode of the branch. If `modes_at` fails, the crossing is omitted.
+    /// Values at which branches start or cease to grow, in the order of the sweep, with the mode of the branch: by the false-position
+    /// method (Illinois) between two values with a change of sign. If `modes_at` fails, the crossing is omitted.
     pub fn crossings<E>(&self, modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>) -> Vec<Crossing<M>> {
         let mut list = Vec::new();
         let width = match (self.all.first(), self.all.last()) {
@@ -274,14 +274,14 @@ impl<M: Followed + Clone> Branches<M> {
     }
 }
 
-/// The zero of the growth rate of a mode between two values; it grows at the second if `begins`, else at the first.
+/// Zero of the growth rate of a mode between two values; it grows at the second if `begins`, otherwise at the first.
 fn zero<M: Followed + Clone, E>(
     mut ends: [(f64, M); 2],
     begins: bool,
     narrow: f64,
     modes_at: &mut impl FnMut(f64) -> Result<Vec<M>, E>,
 ) -> Option<(f64, M)> {
-    // round-off at the end without growth has no sign
+    // at the end without growth, round-off may have either sign
     let mut weights = [0, 1].map(|i| {
         let growth = ends[i].1.eigenvalue_1_s().re;
         if (i == 1) == begins { growth } else { growth.min(0.0) }
@@ -314,7 +314,8 @@ fn zero<M: Followed + Clone, E>(
     None
 }
 
-/// Change of a sign between two values, by bisection: the value at which a static stiffness becomes singular. `None` without a sign.
+/// Value between two others at which a sign changes, for example that of a static stiffness that becomes singular, by bisection. `None` if
+/// the sign is undefined.
 pub fn change_of_sign<E>(
     [mut low, mut high]: [f64; 2],
     sign_low: bool,
@@ -351,7 +352,7 @@ mod tests {
         }
     }
 
-    /// Two modes of one eigenvalue at the first value and at one in the middle, with arbitrary shapes there: no branch ends, in either
+    /// Two modes with one eigenvalue at the first value and at one in the middle, with arbitrary shapes there: no branch ends, in either
     /// direction of the sweep, and elsewhere each keeps its shape from value to value.
     #[test]
     fn modes_of_one_eigenvalue_go_on() {
@@ -374,8 +375,8 @@ mod tests {
         }
     }
 
-    /// Two modes whose frequencies cross at 1.05 without interaction, sorted by frequency: branches keep shapes, and
-    /// the zero of the growth of one, `x³ = 2`, is found to the last digits.
+    /// Two modes whose frequencies cross at 1.05 without interaction, sorted by frequency: branches keep their shapes, and the zero of one
+    /// growth rate, at `x³ = 2`, is found to the last digits.
     #[test]
     fn crossing_frequencies_are_told_apart_by_their_shapes() {
         let mut modes_at = |x: f64| -> Result<Vec<Mode>, ()> {
@@ -410,7 +411,7 @@ mod tests {
         assert!(branches.crossings(&mut modes_at).is_empty());
     }
 
-    /// A mode that appears later is a new branch; a value that fails ends the sweep with the results so far.
+    /// A mode that appears later starts a new branch; a value that fails ends the sweep with the results so far.
     #[test]
     fn branches_begin_and_sweeps_end_early() {
         let mut modes_at = |x: f64| -> Result<Vec<Mode>, &'static str> {
@@ -430,8 +431,8 @@ mod tests {
         assert_eq!(present, [[true, false], [true, false], [true, true], [true, true]]);
     }
 
-    /// A change of sign is found from either end by halving: the number of calls, each of which may be an equilibrium, is that of halvings
-    /// of the interval down to the requested width.
+    /// A change of sign is found from either end by halving: the number of calls, each of which may require an equilibrium, is the number
+    /// of halvings of the interval down to the requested width.
     #[test]
     fn changes_of_sign_are_found_by_halving() {
         let expected = (NARROW.recip().log2().ceil()) as usize;

@@ -1,5 +1,5 @@
-//! The machine in air as a linear system: the structure with the air loads that its motion causes, and the lags of the
-//! air as further states, NOTATION eqs. (L21) and (L22).
+//! Linear aeroelastic system: the structure with the aerodynamic loads due to its motion, and the aerodynamic lag states as further states,
+//! NOTATION eqs. (L21) and (L22).
 
 use crate::load::{SectionMotion, Wrench};
 use crate::multibody::kinematics::Motion;
@@ -17,21 +17,21 @@ use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 /// Motion of a section with its accelerations.
 type Section = (SectionMotion, [Vector3<f64>; 2]);
 
-/// Linear response of the air about a state, and its effect on the equations.
+/// Linear aerodynamic response about a state, and its effect on the equations.
 pub(crate) struct Aeroelastic {
-    /// Response of the air.
+    /// Derivatives of the aerodynamic response.
     pub slopes: AirSlopes,
-    /// Change of the residual with wind, spin of the root frame and uniform gust.
+    /// Derivative of the residual with respect to wind, angular velocity of the root frame and uniform gust.
     pub air_force: DMatrix<f64>,
-    /// The same with the rates of the first two.
+    /// Derivative of the residual with respect to the rates of wind and angular velocity.
     pub air_rate_force: DMatrix<f64>,
     /// Apparent mass.
     pub mass: DMatrix<f64>,
 }
 
 impl Study<'_> {
-    /// Mass, damping and stiffness with those of the air, and its lag states. Without strips or a
-    /// rotor there are none, and the loads of the air are constant.
+    /// Mass, damping and stiffness including the aerodynamic ones, and the lag states. Without strips or a rotor there are no aerodynamic
+    /// ones, and the aerodynamic loads are constant.
     pub(crate) fn lagged(&mut self, gusts: bool) -> Result<(Lagged, Option<Aeroelastic>), PlantError> {
         let second = self.second_order()?;
         if !self.system.air_is_linearised() {
@@ -61,7 +61,7 @@ impl Study<'_> {
         Ok((system, Some(Aeroelastic { slopes, air_force, air_rate_force, mass: apparent })))
     }
 
-    /// Sections for coordinates, and for the present rates and accelerations or others.
+    /// Motion of the sections for given coordinates, and for given rates and accelerations or the present ones.
     pub(super) fn sections_at(&mut self, q: &[f64], v: Option<&[f64]>, a: Option<&[f64]>) -> Vec<Section> {
         let now = self.system.state.now.clone();
         let (v, a) = (v.unwrap_or(&now.v), a.unwrap_or(&now.a));
@@ -76,8 +76,9 @@ impl Study<'_> {
         places.iter().map(section).collect()
     }
 
-    /// Derivatives of the motion of the sections by coordinates, rates and accelerations of the freedoms: exact, except about a moving
-    /// state, for which the derivatives of velocities and accelerations by the coordinates are sixth-order differences.
+    /// Derivatives of the motion of the sections with respect to coordinates, rates and accelerations of the degrees of freedom: exact,
+    /// except about a moving state, for which the derivatives of velocities and accelerations with respect to the coordinates are
+    /// sixth-order differences.
     pub(super) fn section_slopes(&mut self, freedoms: &[Freedom]) -> [DMatrix<f64>; 3] {
         let now = self.system.state.now.clone();
         let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
@@ -108,7 +109,7 @@ impl Study<'_> {
                 };
                 by[0].set_column(column, &sixth_order(&mut at, freedom.step));
             }
-            // positions and rotations follow the coordinates as velocities follow the rates
+            // positions and rotations depend on the coordinates as velocities depend on the rates
             for section in 0..sections {
                 for part in 0..6 {
                     let first = SECTION_VARIABLES * section + part;
@@ -120,7 +121,7 @@ impl Study<'_> {
         by
     }
 
-    /// Change of the residual with loads on the sections, column by column.
+    /// Derivative of the residual with respect to loads on the sections, column by column.
     pub(super) fn residual_of_loads(&self, columns: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::without_stiffness(self.system);
         let equations = &self.system.equations;
@@ -141,8 +142,8 @@ impl Study<'_> {
     }
 }
 
-/// Velocities, angular velocities and accelerations in their places among the variables of the sections; positions and
-/// rotations follow from them.
+/// Velocities, angular velocities and accelerations at their indices among the variables of the sections; positions and rotations follow
+/// from them.
 fn variables(sections: &[Section]) -> DVector<f64> {
     let of = |(motion, [acceleration, spin_rate]): &Section| {
         let none = Rotation3::<f64>::identity().scaled_axis();

@@ -1,4 +1,4 @@
-//! Equilibria in air: convergence of structure and established flow.
+//! Static aeroelastic equilibria: iteration between the structure and an established flow.
 
 use crate::force::memory::JointMemory;
 use crate::load::SectionMotion;
@@ -9,25 +9,26 @@ use crate::system::PlantError;
 use crate::system::air::AirCoupling;
 use nalgebra::Rotation3;
 
-/// Maximum number of iterations between air and structure at rest.
+/// Maximum number of static iterations between aerodynamics and structure.
 const MAXIMUM_STATIC_ITERATIONS: usize = 100;
-/// Change of the loads at equilibrium, relative to the largest, below which they have converged: far above the error of the statics.
+/// Change of the loads, relative to the largest, below which a static equilibrium has converged: far above the error of the structural
+/// solution.
 const STATIC_TOLERANCE: f64 = 1e-9;
-/// Rotation of a section in rad beyond which a converged equilibrium may be on another branch than the one from still air: with loads that
-/// turn with the sections there are others, up to rolled-up wings.
+/// Rotation of a section in rad above which a converged equilibrium may be on another branch than the one from still air: loads that rotate
+/// with the sections allow others, up to rolled-up wings.
 const FAR_RAD: f64 = 1.0;
-/// Angle in rad, or travel in m, beyond a latch up to which an equilibrium is at the latch: the accuracy of equilibria of hinges.
+/// Angle in rad, or displacement in m, beyond a latch up to which an equilibrium counts as at the latch: the accuracy of hinge equilibria.
 const AT_LATCH_RAD: f64 = 1e-6;
 
 impl Study<'_> {
-    /// Finds the equilibrium under the loads of an established flow, eq. (Q5), with hinges without stiffness except that of the air by eq.
-    /// (Q6); without air as [`crate::system::System::settle_at_rest`].
+    /// Finds the equilibrium under the loads of an established flow, eq. (Q5), and for hinges with only aerodynamic stiffness by eq. (Q6);
+    /// without aerodynamics like [`crate::system::System::settle_at_rest`].
     ///
-    /// A latch closes on a joint whose equilibrium is at its angle or beyond. Under loads of another state a search may pass a latch
-    /// that the equilibrium does not reach: a latch that would have to pull the joint towards itself is left open.
+    /// A latch closes on a joint whose equilibrium is at or beyond the latch angle. Under the loads of intermediate states, a search may
+    /// pass a latch that the equilibrium does not reach: a latch that would have to pull the joint towards itself is left open.
     ///
     /// # Errors
-    /// If there is no equilibrium, or if the only one is beyond such a latch.
+    /// If there is no equilibrium, or if the only one lies beyond such a latch.
     pub(crate) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let (start, joints) = (self.system.state.now.q.clone(), self.system.state.joints.clone());
         let effort = self.settle_with_latches(time_s, holding)?;
@@ -68,7 +69,7 @@ impl Study<'_> {
         Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause, diverges_m_s: None })
     }
 
-    /// Joints whose latches have closed since `joints` and pull them towards the latch, against their motion from `start`.
+    /// Joints whose latches, not closed in `joints`, have closed and pull them towards the latch, against their motion from `start`.
     fn pulling_latches(&mut self, time_s: f64, start: &[f64], joints: &[JointMemory]) -> Vec<usize> {
         let closed = |i: &usize| self.system.state.joints[*i].latch.closed && !joints[*i].latch.closed;
         let closed: Vec<usize> = (0..joints.len()).filter(closed).collect();
@@ -91,7 +92,7 @@ impl Study<'_> {
         closed.into_iter().filter(pulls).collect()
     }
 
-    /// The state before a search; the flow after another one is no starting point.
+    /// Restores the state before a search; the flow from another search is not used as a starting point.
     fn restart_search(&mut self, start: &[f64], joints: &[JointMemory]) {
         self.system.state.now.q.copy_from_slice(start);
         self.system.state.joints.copy_from_slice(joints);
@@ -99,7 +100,7 @@ impl Study<'_> {
         self.system.configure();
     }
 
-    /// The equilibrium with latches that close on joints that pass them in the search.
+    /// Finds the equilibrium, with latches that close on joints that pass them in the search.
     fn settle_with_latches(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         if self.system.air.is_none() {
             return self.settle_at_rest(time_s, holding);
@@ -114,8 +115,8 @@ impl Study<'_> {
         if hinges.is_empty() { settled } else { self.coast(time_s, &hinges) }
     }
 
-    /// Solves alternately for the structure under constant loads and for the air around it, until both agree: eq. (Q5). If that diverges,
-    /// or ends far away, strips follow the path from still air instead, eq. (Q12).
+    /// Solves alternately for the structure under constant loads and for the flow around it until both agree: eq. (Q5). If that diverges,
+    /// or ends far from the start, strips follow the path from still air instead, eq. (Q12).
     pub(crate) fn settle_with_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         if !self.has_path_in_air(holding) {
             return self.iterate_with_air(time_s, holding);
@@ -148,7 +149,7 @@ impl Study<'_> {
         }
     }
 
-    /// Motions of the sections in the last solution of the air.
+    /// Motions of the sections in the last aerodynamic solution.
     fn section_motions(&self) -> Vec<SectionMotion> {
         self.system.air.as_ref().map_or_else(Vec::new, |air| air.motions.clone())
     }

@@ -1,8 +1,8 @@
-//! Equilibria of hinges without stiffness except that of the air: a fold at the angle where lift and weight balance about it.
+//! Equilibria of hinges with only aerodynamic stiffness: a fold angle at which the moments of lift and weight about the hinge balance.
 //!
-//! [`crate::system::System::settle_in_air`] iterates between a structure in equilibrium under constant loads and the air around it. A hinge
-//! without spring has no equilibrium under constant loads. Here its angle is an outer unknown instead: the hinge is held at each angle, air
-//! and structure are solved together, and the remaining torque on the hinge is reduced to zero, NOTATION eq. (Q6).
+//! [`crate::system::System::settle_in_air`] iterates between a structure in equilibrium under constant loads and the flow around it. A
+//! hinge without spring has no equilibrium under constant loads. Here its angle is an outer unknown instead: the hinge is held at each
+//! angle, flow and structure are solved together, and the remaining torque on the hinge is reduced to zero, NOTATION eq. (Q6).
 
 use crate::solve::EquationsOfMotion;
 use crate::solve::equilibrium::Effort;
@@ -12,26 +12,27 @@ use crate::system::PlantError;
 use nalgebra::{DMatrix, DVector};
 use std::ops::AddAssign;
 
-/// Step of the central differences of a hinge in rad, if its slopes are differences; for a prismatic joint, its travel over the machine's
-/// length. The slopes are accurate to 1e-6: the loads of the air change over tenths of a rad, and are accurate to 1e-9 at equilibrium.
+/// Step of the central differences for a hinge in rad, if its torque derivatives are differences; for a prismatic joint, displacement
+/// divided by the machine's length. The derivatives are accurate to 1e-6: aerodynamic loads vary over tenths of a rad, and are accurate to
+/// 1e-9 at equilibrium.
 const STEP_RAD: f64 = 1e-3;
-/// Longest step of a hinge in one iteration in rad, or of a prismatic joint over the machine's length: loads of the air change sign within
-/// a few tenths.
+/// Largest step of a hinge in one iteration in rad, or of a prismatic joint divided by the machine's length: aerodynamic loads change sign
+/// within a few tenths.
 const LONGEST_RAD: f64 = 0.2;
-/// Correction in rad, or travel over the machine's length, below which the angles and positions are converged.
+/// Correction in rad, or displacement divided by the machine's length, below which the angles and positions have converged.
 const TOLERANCE_RAD: f64 = 1e-8;
-/// Maximum number of iterations: with the longest step, two revolutions.
+/// Maximum number of iterations: with the largest step, two revolutions.
 const MAXIMUM_ITERATIONS: usize = 60;
 
 impl Study<'_> {
-    /// Hinges that turn freely at the present state, by their index in the equations.
+    /// Hinges that rotate freely at the present state, by their index in the equations.
     pub(crate) fn free_hinges(&self) -> Vec<usize> {
         let joints = self.system.equations.forces.joints().iter().enumerate();
         joints.filter(|(_, joint)| !joint.held && !joint.is_latched()).map(|(i, _)| i).collect()
     }
 
-    /// Finds the equilibrium in air with the angles of `hinges` as outer unknowns, NOTATION eq. (Q6). A joint whose equilibrium is beyond
-    /// its enabled latch is captured by it, as in [`crate::system::System::settle_at_rest`].
+    /// Finds the aeroelastic equilibrium with the angles of `hinges` as outer unknowns, NOTATION eq. (Q6). A joint whose equilibrium lies
+    /// beyond its enabled latch is captured by it, as in [`crate::system::System::settle_at_rest`].
     pub(crate) fn coast(&mut self, time_s: f64, hinges: &[usize]) -> Result<Effort, PlantError> {
         let mut start = self.system.state.now.q.clone();
         let joints = self.system.state.joints.clone();
@@ -55,7 +56,7 @@ impl Study<'_> {
                 Some(slopes) => slopes,
                 None => {
                     let mut slopes = DMatrix::zeros(hinges.len(), hinges.len());
-                    // both sides of the difference start from the same flow, and so does the next angle
+                    // both sides of the difference start from the same flow, as does the next angle
                     let air = self.system.state.air.clone();
                     for column in 0..hinges.len() {
                         for sign in [1.0, -1.0] {
@@ -108,8 +109,8 @@ impl Study<'_> {
         if slides { self.system.equations.model.reference_length_m } else { 1.0 }
     }
 
-    /// Torques in N·m required to hold free hinges at rest, less those of their motors; for prismatic joints the force times the machine's
-    /// length.
+    /// Torques in N·m required to hold free hinges in static equilibrium, minus those of their motors; for prismatic joints the force
+    /// multiplied by the machine's length.
     fn hinge_torques(&mut self, time_s: f64, hinges: &[usize]) -> DVector<f64> {
         let zero = vec![0.0; self.system.state.now.q.len()];
         self.system.equations.residual(time_s, &self.system.state.now.q, &zero, &zero, &mut self.system.scratch[0]);
@@ -119,14 +120,15 @@ impl Study<'_> {
         DVector::from_iterator(hinges.len(), hinges.iter().map(torque))
     }
 
-    /// Exact slopes of [`Study::hinge_torques`] in an established flow of strips, from the static stiffness of structure and air, in which
-    /// all else follows the hinges: NOTATION eq. (Q6). `None` for other air, whose slopes are differences.
+    /// Exact derivatives of [`Study::hinge_torques`] in an established flow around strips, from the static aeroelastic stiffness, with all
+    /// other coordinates following the hinges: NOTATION eq. (Q6). `None` for other aerodynamic models, whose derivatives are computed by
+    /// differences.
     fn hinge_slopes(&mut self, hinges: &[usize]) -> Option<DMatrix<f64>> {
         let air = self.system.machine.air.as_ref()?;
         if self.system.has_linear_lattice() || air.options.is_rotor() || !air.established {
             return None;
         }
-        // the equations about a state of rest, for any rates at the start
+        // static equations, for any rates at the start
         let kept = self.system.state.now.clone();
         self.system.state.now.v.fill(0.0);
         self.system.state.now.a.fill(0.0);
@@ -147,7 +149,7 @@ impl Study<'_> {
         slopes.iter().all(|entry| entry.is_finite()).then_some(slopes)
     }
 
-    /// Applies latches and stops to the joints between the angles of `start` and those of the equilibrium; returns whether any acts.
+    /// Applies latches and stops to the joints between the angles of `start` and those of the equilibrium; returns whether any engages.
     fn caught(&mut self, hinges: &[usize], start: &mut [f64], to: &DVector<f64>) -> bool {
         let mut any = false;
         for (&hinge, to) in hinges.iter().zip(to) {
@@ -179,9 +181,9 @@ impl Study<'_> {
     }
 }
 
-/// Newton's step towards zero torque if the quasi-static motion `θ̇ = −τ` of the hinges is stable: if all eigenvalues of the slopes `S`
-/// have positive real parts. Otherwise a step of the same size in the direction of the torques: with `|S|` of the polar decomposition
-/// instead of `S`. `None` without slope.
+/// Newton's step towards zero torque if the quasi-static motion `θ̇ = −τ` of the hinges is stable, that is if all eigenvalues of the
+/// derivatives `S` have positive real parts. Otherwise a step of the same size in the direction of the torques: with `|S|` of the polar
+/// decomposition instead of `S`. `None` if `S` is zero or singular.
 fn downhill(slopes: &DMatrix<f64>, torque: &DVector<f64>) -> Option<DVector<f64>> {
     if slopes.iter().chain(torque.iter()).any(|entry| !entry.is_finite()) {
         return None;
@@ -205,7 +207,7 @@ mod tests {
     use nalgebra::Matrix3;
     use std::sync::Arc;
 
-    /// If no equilibrium is found, the message has each joint with its coordinate in its unit: angles in degrees, travels, which the
+    /// If no equilibrium is found, the message lists each joint with its coordinate in its unit: angles in degrees, positions, which the
     /// iteration scales by the machine's length, in m; and the torque in N.m.
     #[test]
     fn a_message_without_equilibrium_has_angles_in_degrees() {

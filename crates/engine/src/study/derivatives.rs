@@ -1,4 +1,4 @@
-//! Derivatives of the outputs: in time, and by inputs with the state frozen.
+//! Derivatives of the outputs in time, and with respect to inputs with the state frozen.
 
 use crate::force::drive::Slew;
 use crate::force::joint::JointForces;
@@ -13,21 +13,21 @@ use crate::system::equations::Equations;
 use crate::system::outputs::Outputs;
 use crate::system::state::State;
 
-/// Difference step along the motion: rotation in rad, or displacement over the machine's length.
+/// Difference step along the motion: rotation in rad, or displacement divided by the machine's length.
 const STEP: f64 = 2e-3;
-/// Distance of the five places between which outputs are read for their slopes, over the internal step.
+/// Spacing of the five times at which outputs are read for their time derivatives, relative to the internal step.
 const SLOPE_SPACING: f64 = 1.0 / 64.0;
-/// Step in s of differences in the time that loads and inputs depend on linearly: any serves.
+/// Step in s of differences in time, on which loads and inputs depend linearly: any step is exact.
 const TIME_STEP_S: f64 = 1e-3;
 
 impl Study<'_> {
-    /// Rates of all outputs per second at the present time, NOTATION eq. (L13); attitudes hold the rates of their four
-    /// components.
+    /// Rates of all outputs per second at the present time, NOTATION eq. (L13); attitudes contain the rates of their four components.
     ///
-    /// They are the slopes of the outputs along the present internal step, (T6): with its inputs, limits, latches and loads of the air. At
-    /// its end, if a latch closes or inputs jump there, they are those of the left side; loads of the air stay within an aerodynamic step,
-    /// (Q1). At the start of the simulation and right after an event at the present time there is no such step: they follow from rates and
-    /// accelerations, to the 1e-12 of their scale of sixth-order differences along the motion, and accelerations are constant.
+    /// They are the time derivatives of the outputs along the present internal step, (T6), with its inputs, limits, latches and aerodynamic
+    /// loads. At its end, if a latch closes or inputs jump there, they are the left-sided derivatives; aerodynamic loads are those within
+    /// the aerodynamic step, (Q1). At the start of the simulation and right after an event at the present time there is no such step: they
+    /// then follow from rates and accelerations, by sixth-order differences along the motion, accurate to 1e-12 of the outputs' scale, and
+    /// accelerations are constant.
     pub fn output_rates(&mut self) -> Outputs {
         let rates = if self.system.state.present_step().is_some() {
             self.slopes()
@@ -45,7 +45,7 @@ impl Study<'_> {
         rates
     }
 
-    /// Slopes of the outputs along the present internal step, NOTATION eq. (T6): of the quartics through five places of the
+    /// Time derivatives of the outputs along the present internal step, NOTATION eq. (T6): those of the quartics through five times of the
     /// step around the present.
     fn slopes(&mut self) -> Outputs {
         let mut sum = self.system.outputs.no_change();
@@ -67,7 +67,7 @@ impl Study<'_> {
         sum
     }
 
-    /// Change with coordinates along their rates, with rates along the accelerations.
+    /// Adds the change with the coordinates along their rates, and with the rates along the accelerations.
     fn add_motion(&mut self, sum: &mut Outputs) {
         let Point { time_s, q, v, a, .. } = self.system.state.now.clone();
         self.system.equations.residual(time_s, &q, &v, &a, &mut self.system.scratch[0]);
@@ -83,7 +83,7 @@ impl Study<'_> {
             }
         }
         if pull_1_s2 > 0.0 {
-            // outputs are quadratic in the rates if forces are on their tangents: any step is exact
+            // with linearised forces, outputs are quadratic in the rates: any step is exact
             let step_s = speed_1_s.max(1.0) / pull_1_s2;
             for sign in [1.0, -1.0] {
                 let beside = self.beside(|state| move_along(&mut state.now.v, &a, sign * step_s));
@@ -93,7 +93,7 @@ impl Study<'_> {
         self.system.evaluate();
     }
 
-    /// Change with the time itself: loads of the air and inputs that run. Drives are left to [`Self::add_drives`].
+    /// Adds the change with time itself: aerodynamic loads and time-dependent inputs. Drives are left to [`Self::add_drives`].
     fn add_time(&mut self, sum: &mut Outputs) {
         let now_s = self.system.state.now.time_s;
         for motor in self.system.equations.forces.joints_mut().iter_mut().filter_map(JointForces::motor_mut) {
@@ -108,7 +108,7 @@ impl Study<'_> {
         self.system.evaluate();
     }
 
-    /// Adds the terms with kinks at limits and at the ends of slews, on the present branch; and the energy accounts.
+    /// Adds the terms with kinks at limits and at the ends of slews, on the present branch, and the energy accounts.
     fn add_drives(&mut self, sum: &mut Outputs) {
         let now = &self.system.state.now;
         for (i, joint) in self.system.equations.forces.joints().iter().enumerate() {
@@ -128,7 +128,7 @@ impl Study<'_> {
         (energy.work, energy.dissipated) = (powers.work, powers.dissipated);
     }
 
-    /// Outputs at a changed state; the state is restored, the outputs are not.
+    /// Outputs at a changed state; the state is restored afterwards, the outputs are not.
     fn beside(&mut self, change: impl FnOnce(&mut State)) -> Outputs {
         let kept = self.system.state.now.clone();
         change(&mut self.system.state);
@@ -137,12 +137,12 @@ impl Study<'_> {
         self.system.outputs.clone()
     }
 
-    /// Derivatives of all outputs by an input at the communication point, NOTATION eq. (L14), about the set inputs and parameters. `add`
-    /// adds an amount to the input.
+    /// Derivatives of all outputs with respect to an input at the communication point, NOTATION eq. (L14), about the set inputs and
+    /// parameters. `add` adds an amount to the input.
     ///
-    /// Coordinates, rates, locks, latches, neutral angles behind a rate limit, and the loads of the air are constant; the accelerations
-    /// follow. Exact: with the state frozen all outputs are polynomials of second degree in the inputs, for which central differences have
-    /// only round-off. A motor at its limit stays there.
+    /// Coordinates, rates, locks, latches, neutral angles after a rate limit, and aerodynamic loads are constant; accelerations change.
+    /// Exact: with the state frozen, all outputs are polynomials of second degree in the inputs, for which central differences have only
+    /// round-off. A motor at its limit stays there.
     pub fn output_response(&mut self, add: &dyn Fn(&mut Inputs, f64)) -> Result<Outputs, PlantError> {
         let Point { time_s, q, v, a, .. } = self.system.state.now.clone();
         let mut present = vec![0.0; q.len()];
@@ -180,8 +180,8 @@ impl Study<'_> {
         outcome.map(|()| slope)
     }
 
-    /// The equations at the present time with other inputs and the set parameters; neutral angles jump with their commands unless a rate
-    /// limit is active.
+    /// Sets the equations to the present time with other inputs and the set parameters; neutral angles jump with their commands unless a
+    /// rate limit is active.
     fn impose(&mut self, inputs: &Inputs) {
         let State { applied_inputs, applied_parameters, applied_from_s, now, .. } = &self.system.state;
         let kept = (applied_inputs.clone(), applied_parameters.clone(), *applied_from_s);
@@ -197,7 +197,7 @@ impl Study<'_> {
 }
 
 impl Equations {
-    /// Neutral angles jump with their commands unless a rate limit is active.
+    /// Sets neutral angles to their commands unless a rate limit is active.
     pub(crate) fn command(&mut self, time_s: f64, inputs: &Inputs, parameters: &Parameters) {
         let limits = parameters.joints().iter().map(|joint| joint.rate_limit_rad_s);
         for ((joint, inputs), rate_limit_rad_s) in self.forces.joints_mut().iter_mut().zip(inputs.joints()).zip(limits)
@@ -213,7 +213,7 @@ impl Equations {
     }
 }
 
-/// Weights of the values at 0, 1, 2, 3, 4 for the slope at `x` of the quartic through them.
+/// Weights of the values at 0, 1, 2, 3, 4 for the derivative at `x` of the quartic through them.
 fn slopes_of_quartic(x: f64) -> [f64; 5] {
     std::array::from_fn(|i| {
         let others = || (0..5).filter(move |&j| j != i);
@@ -235,8 +235,9 @@ mod tests {
     use nalgebra::{Matrix3, Vector3};
     use std::sync::Arc;
 
-    /// The start of a free rotation at 3 rad/s about the y axis, from 0.4 rad on, of a point at 0.7 m: its position changes with its
-    /// velocity, and that by `−ω² r`, without loads. Sixth-order differences over an angle of 2e-3 rad have an error of 1e-12.
+    /// The start of a free rotation at 3 rad/s about the y axis, from 0.4 rad, of a point at 0.7 m: the rate of its position is its
+    /// velocity, and the rate of the velocity is `−ω² r`, without loads. Sixth-order differences over an angle of 2e-3 rad have an error of
+    /// 1e-12.
     #[test]
     fn rates_at_the_start_of_a_turn_are_those_of_a_circle() {
         const SPEED_RAD_S: f64 = 3.0;

@@ -1,4 +1,4 @@
-//! Free machines: a steady flight is a state of rest in a frame that moves with the machine, NOTATION eq. (Q8).
+//! Free-flying machines: a steady flight is a static equilibrium in a frame that moves with the machine, NOTATION eq. (Q8).
 
 use crate::load::Wrench;
 use crate::solve::EquationsOfMotion;
@@ -8,14 +8,14 @@ use crate::system::shape::{ModeShape, NodeMotion};
 use crate::system::{FlightMode, PlantError, System};
 use nalgebra::{Complex, DMatrix, Vector3};
 
-/// Maximum load that may remain on a free joint at rest, relative to the weight of the machine or to its largest load; moments are
-/// also divided by the machine's length. A thousand times the tolerance of a trim.
+/// Maximum load that may remain on a free joint in equilibrium, relative to the weight of the machine or to its largest load; moments are
+/// also divided by the machine's length. It is a thousand times the tolerance of a trim.
 const BALANCED: f64 = 1e-6;
 
-/// Load that holds a free joint at rest: zero if the machine is in trim.
+/// Load required to hold a free joint in equilibrium: zero if the machine is trimmed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlightLoad {
-    /// Body that the joint carries.
+    /// Body attached by the joint.
     pub body: usize,
     /// Force in N, root frame.
     pub force_n: Vector3<f64>,
@@ -23,14 +23,15 @@ pub struct FlightLoad {
     pub moment_n_m: Vector3<f64>,
 }
 
-/// Singular values of the places of sections, relative to 1 m, below which they are on a line.
+/// Singular values of the positions of sections, relative to 1 m, below which the sections lie on a line.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Distance of an eigenvalue from the rate of a steady turn, over that rate, below which it is that of a mere displacement.
+/// Difference between an eigenvalue and the angular velocity of a steady turn, relative to the latter, below which the eigenvalue only
+/// represents a displacement of the circle.
 const CIRCLE: f64 = 1e-3;
 
 impl Study<'_> {
-    /// [`Study::equilibrium`] with the free joints held at their start; returns the loads that hold them.
+    /// Finds [`Study::equilibrium`] with the free joints held at their initial position; returns the loads that hold them.
     ///
     /// # Errors
     /// If the machine with its free joints held has no equilibrium.
@@ -39,8 +40,8 @@ impl Study<'_> {
         Ok(self.flight_loads(time_s))
     }
 
-    /// Reference force in N of the balances in flight: the maximum of the machine's weight and the loads on it, with moments divided by
-    /// the machine's length.
+    /// Reference force in N for the force balance in flight: the maximum of the machine's weight and the loads on it, with moments divided
+    /// by the machine's length.
     pub fn flight_scale_n(&self) -> f64 {
         let equations = &self.system.equations;
         let weight_n = self.system.mass_kg() * equations.root.apparent_gravity_m_s2().norm();
@@ -53,7 +54,7 @@ impl Study<'_> {
         self.system.equations.model.reference_length_m
     }
 
-    /// Loads that hold the free joints in the present state of rest.
+    /// Loads that hold the free joints in the present equilibrium.
     fn flight_loads(&mut self, time_s: f64) -> Vec<FlightLoad> {
         if !self.system.equations.spatial.iter().any(|joint| joint.flies) {
             return Vec::new();
@@ -74,7 +75,7 @@ impl Study<'_> {
         for load in self.flight_loads(time_s) {
             let size_n = self.flight_scale_n();
             let FlightLoad { body, force_n, moment_n_m } = load;
-            // comparisons written so that NaN fails
+            // comparisons written so that NaN counts as unbalanced
             let balanced =
                 force_n.norm() <= BALANCED * size_n && moment_n_m.norm() <= BALANCED * size_n * self.flight_length_m();
             if !balanced {
@@ -87,15 +88,15 @@ impl Study<'_> {
     }
 }
 
-/// Gives each name to one mode only, NOTATION eq. (Q10): the slowest candidate, as elastic modes are faster. Real lateral modes are
+/// Assigns each name to only one mode, NOTATION eq. (Q10): the slowest candidate, as elastic modes are faster. Real lateral modes are
 /// distinguished by their rates: the slowest of several is the spiral, and a single one is the spiral if it is slower than the dutch roll;
-/// of the others those that decay are the roll subsidence.
+/// of the others, those that decay are roll subsidences.
 pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
     let rate = |mode: &ModeShape| mode.eigenvalue_1_s.norm();
     let mut order: Vec<usize> = (0..modes.len()).filter(|&i| modes[i].flight.is_some()).collect();
     order.sort_by(|&i, &j| rate(&modes[i]).total_cmp(&rate(&modes[j])));
     let dutch_roll = order.iter().find(|&&i| modes[i].flight == Some(FlightMode::DutchRoll));
-    // a dutch roll that is not among the slowest modes found is faster than they are
+    // a dutch roll that is not among the computed slowest modes is faster than all of them
     let dutch_roll_1_s = dutch_roll.map_or(f64::INFINITY, |&i| rate(&modes[i]));
     let lateral = |mode: &ModeShape| matches!(mode.flight, Some(FlightMode::Spiral | FlightMode::RollSubsidence));
     let real: Vec<usize> = order.iter().copied().filter(|&i| lateral(&modes[i])).collect();
@@ -115,7 +116,8 @@ pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
 }
 
 impl System {
-    /// Name of a mode of a machine carried by one free joint, if the air is included in the mode; `None` for other modes and machines.
+    /// Flight mode represented by a mode of a machine with one free joint, if the mode includes the aerodynamics; `None` for other modes
+    /// and machines.
     pub(super) fn flight_mode(&self, mode: &ModeShape) -> Option<FlightMode> {
         let mut flying = self.equations.spatial.iter().filter(|joint| joint.flies);
         let (Some(joint), None) = (flying.next(), flying.next()) else { return None };
@@ -124,7 +126,7 @@ impl System {
         if self.machine.air.is_none() || mode.is_free() {
             return None;
         }
-        // in a steady turn another point of the circle is at rest in the air and moves around in the root frame
+        // in a steady turn, another point of the circle is also in equilibrium, and it rotates in the root frame
         let spin_rad_s = self.equations.root.angular_velocity_rad_s.norm();
         let around = Complex::new(0.0, spin_rad_s);
         if spin_rad_s > 0.0 && (mode.eigenvalue_1_s - around).norm() < CIRCLE * spin_rad_s {
@@ -139,7 +141,7 @@ impl System {
         };
         let (displacement, rotation) = (|node: &NodeMotion| node.displacement_m, |node: &NodeMotion| node.rotation_rad);
         let (way, turn) = (complex(&displacement, joint.body, 0), complex(&rotation, joint.body, 0));
-        // mean square of the sections' displacements by the rigid motion nearest to them, and by bending
+        // mean squares of the sections' displacements due to the best-fitting rigid-body motion, and due to deformation
         let shape = self.shape();
         let origin_m = shape[joint.body][0].position_m;
         let places = shape.iter().enumerate().flat_map(|(body, sections)| (0..sections.len()).map(move |i| (body, i)));
@@ -154,7 +156,7 @@ impl System {
                 moved.fixed_view_mut::<3, 1>(3 * i, k).copy_from(&part[body][section].displacement_m);
             }
         }
-        // sections on a line have no rotation about it: the pseudo-inverse sets it to zero
+        // for sections on a line the rotation about it is undetermined: the pseudo-inverse sets it to zero
         let fit = by_rigid.clone().svd(true, true).solve(&moved, ROUND_OFF).ok()?;
         let rigid = by_rigid * fit;
         if (moved - &rigid).norm() > rigid.norm() {
@@ -194,8 +196,8 @@ mod tests {
     use nalgebra::{Matrix3, Vector3};
     use std::sync::Arc;
 
-    /// A free body of 2 kg is in steady flight if force and moment are both balanced: not under its weight alone, which has no moment about
-    /// the joint, not with a moment alone, but with a load that carries the weight.
+    /// A free body of 2 kg is in steady flight only if force and moment are both balanced: not under its weight alone, which has no moment
+    /// about the joint, nor under a moment alone, but with a load that balances the weight.
     #[test]
     fn a_steady_flight_is_balanced_in_force_and_in_moment() {
         let weight_n = Vector3::new(0.0, 0.0, 2.0 * 9.81);

@@ -1,4 +1,4 @@
-//! The nonlinear eigenvalue problem of a machine with a lattice, NOTATION eq. (L30): the rows of the wake are delays.
+//! The nonlinear eigenvalue problem of a machine with a lattice, NOTATION eq. (L30): the rows of the wake act as delays.
 
 use crate::study::lattice_space::SampledLattice;
 use crate::system::air::VELOCITY_WEIGHTS;
@@ -9,18 +9,18 @@ type ComplexMatrix = DMatrix<Complex<f64>>;
 /// The nonlinear eigenvalue problem.
 pub(super) struct Delays<'a> {
     pub(super) system: &'a SampledLattice,
-    /// Responses in the motion's equations, see [`Delays::new`]: by the coordinates, by the averaged rates of the aerodynamic model, by
-    /// displacements of the nodes of the wake and by its circulations, row by row.
+    /// Responses in the equations of motion, see [`Delays::new`], to the coordinates, to the averaged rates of the aerodynamic model, to
+    /// displacements of the wake nodes and to the wake circulations, row by row.
     pub(super) by_place: DMatrix<f64>,
     by_velocity: DMatrix<f64>,
     pub(super) nodes: Vec<DMatrix<f64>>,
     pub(super) wake: Vec<DMatrix<f64>>,
-    /// Displacements of the last corners by the coordinates and by the rates.
+    /// Displacements of the wake's first nodes, due to the coordinates and due to the rates.
     edge_by_place: DMatrix<f64>,
     edge_by_velocity: DMatrix<f64>,
 }
 
-/// A complex matrix in parts: products of real matrices are far faster than those of complex ones.
+/// A complex matrix with separate real and imaginary parts: products of real matrices are far faster than those of complex ones.
 #[derive(Clone)]
 struct Parts {
     re: DMatrix<f64>,
@@ -59,7 +59,7 @@ impl Parts {
     }
 }
 
-/// `Σ factor⁻ʳ matrixᵣ`, `r = 1, 2, …`: terms delayed row by row.
+/// `Σ factor⁻ʳ matrixᵣ`, `r = 1, 2, …`: terms with a delay of `r` steps.
 fn delayed(rows: &[DMatrix<f64>], factor: Complex<f64>, size: (usize, usize)) -> Parts {
     let mut sum = Parts::zeros(size.0, size.1);
     let (back, mut gone) = (factor.inv(), Complex::from(1.0));
@@ -75,8 +75,8 @@ fn delayed(rows: &[DMatrix<f64>], factor: Complex<f64>, size: (usize, usize)) ->
 }
 
 impl<'a> Delays<'a> {
-    /// The motion's equations contain the forces on its coordinates, half of the circulatory ones and those of the impulse over a step (one
-    /// row per coordinate each), and the circulations at the trailing edge.
+    /// The response has one row per coordinate each for half of the circulatory forces and for the impulsive forces over a step, followed
+    /// by the circulations at the trailing edge.
     pub(super) fn new(system: &'a SampledLattice) -> Self {
         let SampledLattice { slopes, step_s, by_place, by_velocity, force, .. } = system;
         let (loads, strips, edges) = (6 * slopes.sections, slopes.trailing.len(), 3 * slopes.edges);
@@ -104,8 +104,8 @@ impl<'a> Delays<'a> {
         }
     }
 
-    /// Forces of the step that ends on the coordinates, per coordinate, for motions that grow by the factor `z` per step; the wake
-    /// arrives as if the factor were `late`.
+    /// Forces on the coordinates in the step that ends now, per coordinate, for motions that grow by the factor `z` per step; the wake is
+    /// delayed with the factor `late`.
     pub(super) fn forces(&self, z: Complex<f64>, late: Complex<f64>) -> Option<ComplexMatrix> {
         let SampledLattice { slopes, step_s, .. } = self.system;
         let one = Complex::from(1.0);
@@ -115,7 +115,7 @@ impl<'a> Delays<'a> {
         let seen = (one - back) / *step_s * (z * own + earlier) / (z - last);
         let mut motion = Parts::sum(&self.by_place, &self.by_velocity, seen);
         let rows = motion.re.nrows();
-        // nodes of the wake are at earlier positions of the edge
+        // nodes of the wake are former positions of the edge
         if !self.nodes.is_empty() {
             let left = Parts::sum(&self.edge_by_place, &self.edge_by_velocity, seen);
             motion.add_product(&delayed(&self.nodes, late, (rows, left.re.nrows())), &left);
@@ -129,7 +129,7 @@ impl<'a> Delays<'a> {
         Some(motion.rows(0, n).scaled(one + back) + motion.rows(n, n).scaled(one - back))
     }
 
-    /// `z − E + z H Φ(z)`, with the delays of the wake by `late`.
+    /// `z − E + z H Φ(z)`, with the wake delayed by `late`.
     pub(super) fn matrix(&self, z: Complex<f64>, late: Complex<f64>) -> Option<ComplexMatrix> {
         let n = self.by_place.ncols();
         let mut matrix = self.system.held.free.map(|entry| Complex::from(-entry));

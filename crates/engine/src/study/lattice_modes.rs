@@ -1,4 +1,4 @@
-//! Modes of a machine with a lattice, NOTATION eq. (L30): the rows of the wake are delays, so that the eigenvalues of the discrete-time
+//! Modes of a machine with a lattice, NOTATION eq. (L30): the rows of the wake act as delays, so that the eigenvalues of the discrete-time
 //! system are those of a small matrix that depends on the eigenvalue.
 
 use crate::solve::complex_factors::ComplexFactors;
@@ -23,66 +23,68 @@ const CORRECTIONS: usize = 30;
 const FOUND: f64 = 1e-11;
 /// Relative difference below which two eigenvalues are equal.
 const SAME: f64 = 1e-6;
-/// Part of a shape that must be orthogonal to those of the same eigenvalue, so that it is another motion.
+/// Fraction of a shape that must be orthogonal to those with the same eigenvalue, so that it counts as another mode.
 const OTHER: f64 = 1e-2;
-/// Step of the derivative by the eigenvalue, relative to its distance from 1.
+/// Step of the derivative with respect to the eigenvalue, relative to its distance from 1.
 const STEP: f64 = 1e-6;
-/// Correction of a guess, relative to the radius in which it was found, beyond which it was none: guesses are accurate to 1e-6.
+/// Correction of an estimate, relative to the radius in which it was found, above which it is discarded: estimates are accurate to 1e-6.
 const STRAY: f64 = 0.1;
 
-/// Ratio of the radii of two circles: moments over a circle resolve motions that are not much slower than its radius.
+/// Ratio of the radii of two circles: moments over a circle resolve modes that are not much slower than its radius.
 const SHRINK: f64 = 4.0;
-/// Ratio by which the first circle grows while it holds too few motions.
+/// Ratio by which the first circle grows while it contains too few modes.
 const GROW: f64 = 2.0;
-/// Maximum number of nested circles: slower motions would be round-off, see [`crate::solve::lagged::Lagged::still_with`].
+/// Maximum number of nested circles: slower modes would be round-off, see [`crate::solve::lagged::Lagged::still_with`].
 const CIRCLES: usize = 12;
-/// Magnitude up to which motions are sought, over that of the fastest eigenvalue that steps do not alias.
+/// Magnitude up to which modes are sought, relative to the largest eigenvalue without aliasing by the steps.
 const NYQUIST: f64 = 0.98;
-/// Participation of the wake beyond which a motion that does not grow is the wake's own, as of lag states in (L22).
+/// Participation of the wake above which a mode that does not grow is a wake mode, like the lag modes in (L22).
 const WAKE: f64 = 0.5;
-/// Share of the kinetic energy in rates that are not those of the eigenvalue, beyond which the motion is faster than steps can show.
+/// Fraction of the kinetic energy in rates that are inconsistent with the eigenvalue, above which the mode is too fast for the step.
 const HIDDEN: f64 = 0.5;
-/// Decay of a guess over the radius of its circle beyond which it is none of a motion that grows: a thousand times the error of guesses.
+/// Decay of an estimate, relative to the radius of its circle, above which it cannot belong to a mode that grows: a thousand times the
+/// error of estimates.
 const DECAYS: f64 = 1e-3;
 
-/// Factor by which motions may decay while the air passes along the wake. A motion that decays enters the wake's last row with the inverse
-/// of it: with 1e6 ten digits of the air's loads are left, with 1e16 none, and the moments of a circle that reaches there are noise.
+/// Factor by which motions may decay while the air passes along the wake. The inverse of this factor multiplies the wake's last row for a
+/// decaying motion: with 1e6 ten digits of the aerodynamic loads remain, with 1e16 none, and the moments over a circle that extends so far
+/// are noise.
 const FADED: f64 = 1e6;
-/// Eigenvalues that a disc can hold beside those of the machine.
+/// Number of eigenvalues that a disc can hold in addition to those of the machine.
 const CAPACITY: usize = 60;
-/// Distance from the centre over the radius up to which eigenvalues contribute to the moments beyond round-off.
+/// Distance from the centre, relative to the radius, up to which eigenvalues contribute to the moments beyond round-off.
 const REACH: f64 = 1.5;
-/// Distance of the centres of neighbouring discs over their radius: two discs intersect at 0.66 of it.
+/// Distance of the centres of neighbouring discs, relative to their radius: two discs intersect at 0.66 of the radius.
 const APART: f64 = 1.5;
-/// Half of the width of a row of discs that is fully covered between its ends, over the radius: at the intersections of neighbours.
+/// Half-width of a row of discs that is fully covered between its ends, relative to the radius: at the intersections of neighbours.
 const ACROSS: f64 = 0.66;
-/// Ratio of the radii of a row of discs and of the one to its left. They overlap: `RISE (1 - ACROSS) < 1 + ACROSS`.
+/// Ratio of the radii of a row of discs and of the row to its left. They overlap: `RISE (1 - ACROSS) < 1 + ACROSS`.
 const RISE: f64 = 4.0;
-/// Magnitude over the radius of the disc about 0 up to which other discs are not used.
+/// Magnitude, relative to the radius of the disc about 0, up to which other discs are not used.
 const INNER: f64 = 0.9;
 
 /// A disc in the plane of eigenvalues. Circles around all eigenvalues up to a frequency are not usable: they extend to regions where the
-/// wake is round-off, and to the copies of each eigenvalue at distances of `2π` over the step.
+/// wake is round-off, and to the copies of each eigenvalue at a spacing of `2π` divided by the step.
 #[derive(Debug, Clone, Copy)]
 struct Disc {
     center_1_s: Complex<f64>,
     radius_1_s: f64,
 }
 
-/// Kind of motions sought.
+/// Kind of modes sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sought {
-    /// All of the machine, and those of the wake that grow.
+    /// All modes of the machine, and growing modes of the wake.
     All,
-    /// Those that grow: guesses that decay are not corrected.
+    /// Growing modes: estimates that decay are not corrected.
     Growing,
 }
 
-/// `z` and a shape, coordinates and rates.
+/// `z` and a shape of coordinates and rates.
 type Guess = (Complex<f64>, ComplexVector);
 
 impl Delays<'_> {
-    /// Guesses of all motions with eigenvalues in a disc, and whether there may be more.
+    /// Estimates of all modes with eigenvalues in a disc, and whether there may be more.
     fn within(&self, disc: Disc) -> Option<(Vec<Guess>, bool)> {
         let n = self.by_place.ncols();
         let mass = &self.system.second.mass;
@@ -100,7 +102,7 @@ impl Delays<'_> {
         Some((guesses.collect(), inside.full))
     }
 
-    /// The guess, or its mirror image at the height of the disc's centre if that fits better.
+    /// The estimate, or its mirror image at the height of the disc's centre if that fits better.
     fn mirrored_if_better(&self, disc: Disc, value_1_s: Complex<f64>, shape: ComplexVector) -> Guess {
         let at = |value_1_s: Complex<f64>| (value_1_s * self.system.step_s).exp();
         if disc.center_1_s.im == 0.0 {
@@ -117,20 +119,21 @@ impl Delays<'_> {
         (at(value_1_s), shape)
     }
 
-    /// Number of eigenvalues that the moments must resolve: each motion of the machine appears as one within the range of the steps, in
-    /// pairs distributed over it, in addition to motions of the wake.
+    /// Number of eigenvalues that the moments must resolve: each mode of the machine appears as one within the range of the steps, in pairs
+    /// distributed over it, in addition to modes of the wake.
     fn capacity(&self, disc: Disc) -> usize {
         let machine = 2.0 * self.by_place.ncols() as f64 * (REACH * disc.radius_1_s * self.system.step_s / PI).min(1.0);
         CAPACITY + machine.ceil() as usize
     }
 
-    /// Decay in 1/s beyond which motions are not sought: the effect of the oldest row of the wake on the youngest one is then round-off.
+    /// Decay rate in 1/s above which modes are not sought, because the oldest row of the wake would be amplified relative to the youngest
+    /// by more than the accuracy allows.
     fn fastest_decay_1_s(&self) -> f64 {
         let rows = self.nodes.len().max(self.wake.len()).max(1);
         FADED.ln() / (rows as f64 * self.system.step_s)
     }
 
-    /// The eigenvalue next to a guess, its shape, and the participation of the wake, by inverse iteration and the two-sided Rayleigh
+    /// The eigenvalue closest to an estimate, its shape, and the participation of the wake, by inverse iteration and the two-sided Rayleigh
     /// functional; `None` if the iteration does not converge.
     fn corrected(&self, (mut z, mut right): Guess) -> Option<(Guess, f64)> {
         let size = right.norm();
@@ -146,7 +149,7 @@ impl Delays<'_> {
             let factors = ComplexFactors::new(matrix.nrows(), |i, j| matrix[(i, j)]);
             let (x, y) = (factors.solve(&right), factors.solve_adjoint(&left));
             let (x_size, y_size) = (x.norm(), y.norm());
-            // exactly singular: the eigenvalue to the last digit
+            // exactly singular: the eigenvalue is accurate to the last digit
             let singular = !(x_size.is_finite() && y_size.is_finite() && x_size > 0.0 && y_size > 0.0);
             if !singular {
                 (right, left) = (x.unscale(x_size), y.unscale(y_size));
@@ -158,7 +161,7 @@ impl Delays<'_> {
             }
             z -= change;
             let (size, away) = (change.norm(), (z - 1.0).norm());
-            // next to 1 the round-off of the factor itself is more than that share of its distance: corrections then cease to fall
+            // close to 1, the round-off of the factor itself exceeds that fraction of its distance: corrections then cease to decrease
             let at_round_off = size <= SAME * away && size >= 0.5 * before;
             before = size;
             if singular || size <= FOUND * away.max(STEP) || at_round_off {
@@ -170,8 +173,8 @@ impl Delays<'_> {
         None
     }
 
-    /// Whether a motion is aliased by the steps to a slower one, which may be coupled to others: most of its kinetic energy is in rates
-    /// that are not those of the eigenvalue.
+    /// Whether the steps alias a mode to a slower one, which may be coupled to others: most of its kinetic energy is in rates that are
+    /// inconsistent with the eigenvalue.
     fn is_faster_than_steps(&self, z: Complex<f64>, right: &ComplexVector) -> bool {
         let n = self.by_place.ncols();
         let mass = self.system.second.mass.map(Complex::from);
@@ -181,7 +184,7 @@ impl Delays<'_> {
         energy(&left) > HIDDEN * energy(&rate)
     }
 
-    /// The mode of an eigenvalue, of a pair that with positive imaginary part.
+    /// The mode of an eigenvalue; for a pair, the one with positive imaginary part.
     fn named(&self, (z, right): Guess, lag_share: f64) -> Option<LaggedMode> {
         let n = self.by_place.ncols();
         let eigenvalue_1_s = z.ln() / self.system.step_s;
@@ -194,8 +197,8 @@ impl Delays<'_> {
         Some(LaggedMode { eigenvalue_1_s, shape: shape / largest, lag_share })
     }
 
-    /// Motions of the machine with eigenvalues in a disc and up to `fastest_1_s`, above those of free motions, and whether there may be
-    /// some below a fraction of the radius, which a smaller disc about 0 resolves. `None` if the moments fail.
+    /// Modes of the machine with eigenvalues in a disc and up to `fastest_1_s`, except rigid-body modes, and whether there may be some
+    /// below a fraction of the radius, which a smaller disc about 0 resolves. `None` if the moments fail.
     fn motions(&self, disc: Disc, fastest_1_s: f64, free_1_s: f64, sought: Sought) -> Option<(Vec<LaggedMode>, bool)> {
         let (guesses, full) = self.within(disc)?;
         let radius_1_s = disc.radius_1_s;
@@ -237,8 +240,8 @@ impl Delays<'_> {
         Some((list, slower))
     }
 
-    /// The slowest motions, ascending, at least `count` if the steps resolve this number, from a first limit of `radius_1_s`. `None` if the
-    /// moments fail.
+    /// The slowest modes in ascending order, at least `count` if the steps resolve this number, starting from a limit of `radius_1_s`.
+    /// `None` if the moments fail.
     fn slowest(&self, count: usize, radius_1_s: f64, free_1_s: f64) -> Option<Vec<LaggedMode>> {
         let fastest_1_s = self.fastest_1_s();
         let mut radius_1_s = radius_1_s.min(fastest_1_s);
@@ -253,8 +256,8 @@ impl Delays<'_> {
         Some(list)
     }
 
-    /// The motions that grow up to `radius_1_s`, or further if the sign of the static stiffness (`is_stiff`) and the number of real growing
-    /// motions disagree; and whether they agree then. `None` if the moments fail.
+    /// The growing modes up to `radius_1_s`, or further if the sign of the static stiffness (`is_stiff`) and the number of real growing
+    /// modes disagree; and whether they finally agree. `None` if the moments fail.
     fn growing(&self, radius_1_s: f64, free_1_s: f64, is_stiff: Option<bool>) -> Option<(Vec<LaggedMode>, bool)> {
         let fastest_1_s = self.fastest_1_s();
         let mut radius_1_s = radius_1_s.min(fastest_1_s);
@@ -271,12 +274,12 @@ impl Delays<'_> {
         }
     }
 
-    /// Magnitude in 1/s of the fastest eigenvalue sought.
+    /// Magnitude in 1/s of the largest eigenvalue sought.
     fn fastest_1_s(&self) -> f64 {
         NYQUIST * PI / self.system.step_s
     }
 
-    /// The motions between two limits in 1/s: by a disc about 0 and smaller nested ones if there are much slower ones, and by [`discs`]
+    /// The modes between two limits in 1/s: by a disc about 0, with smaller nested ones if there are much slower modes, and by [`discs`]
     /// that cover the rest. `None` if the moments fail.
     fn inside(&self, from_1_s: f64, to_1_s: f64, free_1_s: f64, sought: Sought) -> Option<Vec<LaggedMode>> {
         let decay_1_s = self.fastest_decay_1_s();
@@ -293,7 +296,7 @@ impl Delays<'_> {
         Some(list)
     }
 
-    /// The motions in a disc about 0.
+    /// The modes in a disc about 0.
     fn slower(&self, radius_1_s: f64, free_1_s: f64, sought: Sought) -> Option<Vec<LaggedMode>> {
         let about = |radius_1_s: f64| Disc { center_1_s: Complex::from(0.0), radius_1_s };
         let (mut list, mut slower) = self.motions(about(radius_1_s), radius_1_s, free_1_s, sought)?;
@@ -304,7 +307,7 @@ impl Delays<'_> {
                 break;
             }
             let found = self.motions(about(smaller_1_s), smaller_1_s, free_1_s, sought)?;
-            // a smaller circle is more accurate inside
+            // a smaller circle is more accurate inside it
             list.retain(|mode| mode.eigenvalue_1_s.norm() > smaller_1_s);
             merge(&mut list, found.0);
             slower = found.1;
@@ -313,16 +316,16 @@ impl Delays<'_> {
     }
 }
 
-/// Discs that, with one about 0, cover the eigenvalues between two magnitudes in 1/s that do not decay: rows of discs with leftmost points
-/// at `-decay_1_s`, beyond which the wake is round-off. Each row is further to the right than the one before, with larger discs. None up to
-/// `decay_1_s`, as the disc about 0 covers them.
+/// Discs that, together with one about 0, cover the eigenvalues between two magnitudes in 1/s that do not decay: rows of discs with
+/// leftmost points at `-decay_1_s`, beyond which the wake is round-off. Each row is further to the right than the previous one, with larger
+/// discs. Empty up to `decay_1_s`, which the disc about 0 covers.
 fn discs(decay_1_s: f64, from_1_s: f64, to_1_s: f64) -> Vec<Disc> {
     let largest_1_s = (to_1_s + decay_1_s) / (1.0 + ACROSS);
-    // left edge of the band that the next row must cover
+    // left edge of the strip that the next row must cover
     let mut left_1_s = if decay_1_s < to_1_s { 0.0 } else { to_1_s };
     let (mut list, mut radius_1_s) = (Vec::new(), decay_1_s);
     while left_1_s < to_1_s {
-        // the last row need not reach beyond the fastest
+        // the last row need not extend beyond the largest eigenvalue
         let last_row = radius_1_s >= largest_1_s;
         radius_1_s = radius_1_s.min(largest_1_s);
         let apart_1_s = APART * radius_1_s;
@@ -346,7 +349,7 @@ fn is_same(a: &LaggedMode, b: &LaggedMode) -> bool {
     (a.eigenvalue_1_s - b.eigenvalue_1_s).norm() < SAME * b.eigenvalue_1_s.norm()
 }
 
-/// Adds motions that are not in the list yet. Several of one eigenvalue come from the same disc.
+/// Adds modes that are not in the list yet. Several with one eigenvalue come from the same disc.
 fn merge(list: &mut Vec<LaggedMode>, found: Vec<LaggedMode>) {
     let known = list.len();
     for mode in found {
@@ -357,13 +360,13 @@ fn merge(list: &mut Vec<LaggedMode>, found: Vec<LaggedMode>) {
 }
 
 impl Study<'_> {
-    /// The `count` modes of lowest frequency with a lattice about the present state of rest, ascending, including those that only decay or
-    /// grow; and the sign of the determinant of the static stiffness in the established flow, `None` if it is singular. Motions of the wake
-    /// alone are omitted unless they grow, and so are motions that are too fast for the aerodynamic step: there may be fewer modes than
-    /// `count`.
+    /// The `count` modes of lowest frequency with a lattice about the present equilibrium, in ascending order, including those that decay
+    /// or grow without oscillation; and the sign of the determinant of the static stiffness in the established flow, `None` if it is
+    /// singular. Modes of the wake alone are omitted unless they grow, and so are modes that are too fast for the aerodynamic step: there
+    /// may be fewer modes than `count`.
     ///
     /// # Errors
-    /// As [`Study::lattice_space`].
+    /// As for [`Study::lattice_space`].
     pub fn lattice_modes_and_rest(&mut self, count: usize) -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
         let system = self.sampled_lattice(false)?;
         let delays = Delays::new(&system);
@@ -380,17 +383,17 @@ impl Study<'_> {
         Ok((shapes, sign))
     }
 
-    /// The motions that grow with a lattice about the present state of rest: those no faster than the `count`-th mode of the structure
+    /// The growing modes with a lattice about the present equilibrium, among those no faster than the `count`-th mode of the structure
     /// alone, one of each pair. The cost is a fraction of that of [`Study::lattice_modes_and_rest`].
     ///
     /// # Errors
-    /// As [`Study::lattice_space`], and if the static stiffness with the air has an unstable direction without a corresponding motion.
+    /// As for [`Study::lattice_space`], and if the static aeroelastic stiffness has an unstable direction without a corresponding mode.
     pub(super) fn growing_in_air_of_lattice(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         let system = self.sampled_lattice(false)?;
         let delays = Delays::new(&system);
         let Start { sign, still, free_1_s, radius_1_s } = self.start_of(&delays, count)?;
         let Some(radius_1_s) = radius_1_s else { return Ok(Vec::new()) };
-        // free motions have a stiffness of round-off
+        // the stiffness of rigid-body modes is round-off
         let is_stiff = sign.filter(|_| still.is_empty());
         let found = delays.growing(radius_1_s, free_1_s, is_stiff);
         let (list, agrees) = found.ok_or_else(|| self.no_eigenvalues())?;
@@ -403,7 +406,7 @@ impl Study<'_> {
         Ok(list.into_iter().map(|mode| self.mode_shape(mode, &freedoms)).collect())
     }
 
-    /// Start of the search for motions.
+    /// Starting data of the search for modes.
     fn start_of(&self, delays: &Delays, count: usize) -> Result<Start, PlantError> {
         let cause = |error: &dyn std::fmt::Display| PlantError::Linearization {
             time_s: self.system.state.now.time_s,
@@ -431,15 +434,15 @@ impl Study<'_> {
     }
 }
 
-/// Start of the search for motions.
+/// Starting data of the search for modes.
 struct Start {
-    /// Sign of the determinant of the static stiffness with the air; `None` if it is singular.
+    /// Sign of the determinant of the static aeroelastic stiffness; `None` if it is singular.
     sign: Option<bool>,
-    /// Free motions (no stiffness).
+    /// Rigid-body modes (no stiffness).
     still: Vec<LaggedMode>,
-    /// Eigenvalue in 1/s below which motions are free.
+    /// Magnitude of the eigenvalue in 1/s below which modes are rigid-body modes.
     free_1_s: f64,
-    /// Radius of the first circle in 1/s; `None` without motions.
+    /// Radius of the first circle in 1/s; `None` without modes.
     radius_1_s: Option<f64>,
 }
 

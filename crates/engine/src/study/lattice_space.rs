@@ -1,5 +1,5 @@
-//! The machine with a vortex lattice as a linear system in discrete time, NOTATION eqs. (L27) to (L29): one step is an aerodynamic step,
-//! coupled as in a simulation by (Q1), (Q2) and (Q4).
+//! The machine with a vortex lattice as a linear system in discrete time, NOTATION eqs. (L27) to (L29), with the aerodynamic step as the
+//! sampling time, coupled as in a simulation by (Q1), (Q2) and (Q4).
 
 use crate::solve::held::{HeldStructure, held_structure};
 use crate::solve::linearize::{SecondOrder, StateSpace};
@@ -13,11 +13,11 @@ use crate::system::{Outputs, PlantError};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::ops::Range;
 
-/// Entries of a wrench.
+/// Number of entries of a wrench.
 const ENTRIES: usize = 6;
-/// Maximum number of states: five dense matrices of this size in memory need 2.6 GB.
+/// Maximum number of states: five dense matrices of this size take 2.6 GB.
 const MAXIMUM_STATES: usize = 8_000;
-/// Number of dense matrices of that size in memory: the rows as they are computed, `A`, its copies for names and files, and the one for the
+/// Number of dense matrices of that size in memory: the rows under construction, `A`, its copies for names and files, and the one for the
 /// eigenvalues.
 const MATRICES: f64 = 5.0;
 
@@ -30,11 +30,11 @@ pub struct SampledSpace {
     pub step_s: f64,
     /// Names and units of the states.
     pub states: Vec<(String, &'static str)>,
-    /// Number of freedoms; the states start with the coordinates and their rates.
+    /// Number of degrees of freedom; the states start with the coordinates and their rates.
     pub freedoms: usize,
 }
 
-/// Ranges of the kinds of states.
+/// Index ranges of the kinds of states.
 struct Layout {
     position: Range<usize>,
     rate: Range<usize>,
@@ -46,7 +46,7 @@ struct Layout {
     /// Loads and hinge moments of the last step.
     acting: Range<usize>,
     wake: Range<usize>,
-    /// Displacements of the last corners, and of the nodes behind them.
+    /// Displacements of the last corners, and of the wake nodes after them.
     edge: Range<usize>,
     node: Range<usize>,
     gust: Range<usize>,
@@ -71,14 +71,14 @@ impl Layout {
 }
 
 impl Study<'_> {
-    /// The machine with its lattice about the present state, which must be a state of rest, in aerodynamic steps.
+    /// Linear model of the machine with its lattice about the present state, which must be an equilibrium, in aerodynamic steps.
     ///
-    /// Inputs are constant over a step, as in a simulation; wind and control surfaces act at its end. A gust input is the velocity of a
-    /// gust that travels with the wind, at the end of the step, at the foremost point of the lattice. Outputs are values at the end of a
+    /// Inputs are constant over a step, as in a simulation; wind and control surfaces act at its end. A gust input is the velocity, at the
+    /// end of the step and at the foremost point of the lattice, of a gust that travels with the wind. Outputs are values at the end of a
     /// step, under the loads of that step.
     ///
     /// # Errors
-    /// Machines without a lattice, moving states, unsteady flows, and too many states for the memory.
+    /// For machines without a lattice, moving states, unsteady flows, and too many states for the memory.
     pub fn lattice_space(
         &mut self,
         inputs: &[InputSlope],
@@ -93,7 +93,7 @@ impl Study<'_> {
         read: &dyn Fn(&Outputs) -> DVector<f64>,
     ) -> Result<SampledSpace, PlantError> {
         let gusts = inputs.iter().any(|input| input.gust_m_s != Vector3::zeros());
-        // before anything of that size is computed; nodes of the wake and gusts can add states
+        // before anything of that size is computed; wake nodes and gusts can add further states
         let at_least = self.system.freedoms().len() * 4 + self.system.lattice_circulations();
         if at_least > MAXIMUM_STATES {
             return Err(self.too_many_states(at_least));
@@ -148,7 +148,7 @@ impl Study<'_> {
         PlantError::Linearization { time_s: self.system.state.now.time_s, cause }
     }
 
-    /// Structure and lattice about the present state of rest.
+    /// Structure and lattice about the present equilibrium.
     pub(super) fn sampled_lattice(&mut self, gusts: bool) -> Result<SampledLattice, PlantError> {
         let time_s = self.system.state.now.time_s;
         let refused = |cause: &str| PlantError::Linearization { time_s, cause: cause.into() };
@@ -173,7 +173,7 @@ impl Study<'_> {
         Ok(SampledLattice { slopes, second, held, step_s, by_place, by_velocity, force })
     }
 
-    /// Response of the lattice by the coordinates, and by their averaged rates in the aerodynamic model.
+    /// Response of the lattice to the coordinates, and to their averaged rates in the aerodynamic model.
     fn answers_of_motion(&mut self, freedoms: &[Freedom], slopes: &LatticeSlopes) -> [DMatrix<f64>; 2] {
         let [by_place, by_rate, _] = self.section_slopes(freedoms);
         [(0, by_place), (6, by_rate)].map(|(first, by)| {
@@ -203,7 +203,7 @@ impl Study<'_> {
                 columns_of(&columns, count)
             });
         let loads = ENTRIES * slopes.sections;
-        // responses as the outputs need them: loads, circulations of strips, hinge moments
+        // responses that the outputs depend on: loads, circulations of strips, hinge moments
         let strips = slopes.trailing.len();
         let answers = DMatrix::identity(loads + strips + slopes.flaps, loads + strips + slopes.flaps);
         let of_air = self.outputs_of_air(&answers, count, read);
@@ -262,29 +262,30 @@ impl Study<'_> {
     }
 }
 
-/// Structure and lattice about a state of rest.
+/// Structure and lattice about an equilibrium.
 pub(super) struct SampledLattice {
     pub slopes: LatticeSlopes,
     /// The structure under constant loads.
     pub second: SecondOrder,
-    /// The same over a step.
+    /// Response of the structure over a step.
     pub held: HeldStructure,
     pub step_s: f64,
-    /// Response of the lattice by the coordinates.
+    /// Response of the lattice to the coordinates.
     pub by_place: DMatrix<f64>,
-    /// Response by the averaged rates of the aerodynamic model.
+    /// Response to the averaged rates of the aerodynamic model.
     pub by_velocity: DMatrix<f64>,
-    /// Change of the residual with the loads of the sections.
+    /// Derivative of the residual with respect to the loads of the sections.
     pub force: DMatrix<f64>,
 }
 
-/// Both within a step, with inputs.
+/// Structure and lattice coupled within a step, with inputs.
 struct Coupled<'a> {
     layout: &'a Layout,
     lattice: &'a SampledLattice,
-    /// Change of the residual with the inputs.
+    /// Derivative of the residual with respect to the inputs.
     input_force: DMatrix<f64>,
-    /// Variables of the air that the inputs change: wind, spin, rates of the control surfaces, gust, angles of the control surfaces.
+    /// Aerodynamic variables that the inputs change: wind, angular velocity, rates of the control surfaces, gust, angles of the control
+    /// surfaces.
     air: DMatrix<f64>,
 }
 
@@ -328,7 +329,7 @@ impl Coupled<'_> {
         answer.columns_mut(layout.position.start, n).copy_from(&(by_velocity * (-own / step_s)));
         answer.columns_mut(layout.mean.start, n).copy_from(&(by_velocity * earlier));
         answer.columns_mut(layout.seen.start, n).copy_from(&(by_velocity * last));
-        // the wake moves states to states: no product with zeros
+        // the wake shifts states to states: no multiplication by zeros
         answer
             .columns_mut(layout.wake.start, wake.nrows() - strips)
             .copy_from(&slopes.wake.columns(strips, wake.nrows() - strips));
@@ -337,7 +338,7 @@ impl Coupled<'_> {
             column += slopes.wake.column(strip);
         }
         if edges > 0 {
-            // the nodes are behind the edges: the states of this step's nodes are those one row before
+            // the nodes lie behind the edges: the states of this step's nodes are those of the previous row
             answer.columns_mut(layout.edge.start, node.nrows()).copy_from(&slopes.node);
             let carried = &slopes.node * node.columns(states, inputs);
             let mut at_inputs = answer.columns_mut(states, inputs);
@@ -350,8 +351,8 @@ impl Coupled<'_> {
         by_input += slopes.air.columns(6 + slopes.flaps, slopes.flaps) * self.air.rows(9 + slopes.flaps, slopes.flaps);
         let mut at_inputs = answer.columns_mut(states, inputs);
         at_inputs += by_input;
-        // loads of the step from a response at its end, eq. (Q1): half of the circulatory ones, and the rate of the impulse; hinge moments
-        // are whole
+        // loads of the step from a response at its end, eq. (Q1): half of the circulatory loads, and the rate of the impulse; hinge moments
+        // count fully
         let rate = &slopes.impulse / *step_s;
         let mut taken = DMatrix::zeros(rest, slopes.rows());
         taken.columns_mut(0, panels).copy_from(&rate);
@@ -361,7 +362,7 @@ impl Coupled<'_> {
         let mut before = DMatrix::zeros(rest, wide);
         before.columns_mut(layout.bound.start, panels).copy_from(&-&rate);
         (0..loads).for_each(|row| before[(row, layout.load.start + row)] = 0.5);
-        // the structure under them, eq. (L28)
+        // the structure under these loads, eq. (L28)
         let moved = by_place + by_velocity * (own / step_s);
         let mut acting = &before + &taken * &answer;
         let mut pushed = force * acting.rows(0, loads);

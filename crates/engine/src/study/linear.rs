@@ -1,6 +1,6 @@
-//! The machine's linear behaviour about its present state: matrices, modes, derivatives of outputs.
+//! Linear model of the machine about its present state: matrices, modes, derivatives of outputs.
 //!
-//! The stiffness is the exact tangent if the state is one of rest. About a moving state, inertia forces change with the pose: the
+//! The stiffness is the exact tangent if the state is an equilibrium. About a moving state, inertia forces change with the pose: the
 //! derivative is then computed by sixth-order differences of the residual without its elastic part, accurate to 1e-11 of its terms. Mass
 //! and damping are always exact: the residual is linear in the accelerations and quadratic in the rates. NOTATION eqs. (L10)–(L12).
 
@@ -34,34 +34,34 @@ pub enum Argument {
     Acceleration,
 }
 
-/// A place beside the present state.
+/// A state near the present one.
 #[derive(Debug, Clone, Copy)]
 pub enum Beside<'f> {
     /// The present state itself.
     Nothing,
-    /// A freedom changed by an amount, in its unit.
+    /// A degree of freedom changed by an amount, in its unit.
     Position(&'f Freedom, f64),
-    /// Its rate.
+    /// The rate of a degree of freedom, changed by an amount.
     Rate(&'f Freedom, f64),
-    /// A lag state of the air, by its place in linear models, in its unit.
+    /// An aerodynamic lag state, by its index in linear models, changed by an amount in its unit.
     Lag(usize, f64),
 }
 
-/// Rates of the states at an instant, and the outputs.
+/// Rates of the states at an instant, with the outputs.
 #[derive(Debug, Clone)]
 pub struct InstantRates {
     /// Rates of all coordinates.
     pub rates: Vec<f64>,
     /// Their accelerations.
     pub accelerations: Vec<f64>,
-    /// Rates of the lag states of the air in their units per s, in the order of linear models.
+    /// Rates of the aerodynamic lag states in their units per s, in the order of linear models.
     pub of_lags: Vec<f64>,
     /// Outputs.
     pub outputs: Outputs,
 }
 
 impl Study<'_> {
-    /// Mass, damping and stiffness about the present state and its accelerations, over [`System::freedoms`].
+    /// Mass, damping and stiffness about the present state with its accelerations, over [`System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
         let freedoms = self.system.freedoms();
         let mut unused = vec![0.0; self.system.coordinates()];
@@ -84,7 +84,7 @@ impl Study<'_> {
         Ok(SecondOrder { mass: self.mass_matrix(&freedoms), damping: self.damping_matrix(&freedoms), stiffness })
     }
 
-    /// `BᵀMB`: residual of unit accelerations alone.
+    /// `BᵀMB`: residual due to unit accelerations alone.
     pub(super) fn mass_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::without_stiffness(self.system);
         let columns = freedoms.iter().map(|freedom| {
@@ -95,7 +95,7 @@ impl Study<'_> {
         (&matrix + matrix.transpose()) * 0.5
     }
 
-    /// Change of the residual with the rates: central differences are exact for quadratic functions.
+    /// Derivative of the residual with respect to the rates: central differences are exact for quadratic functions.
     fn damping_matrix(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::new(self.system);
         let now = &self.system.state.now;
@@ -134,7 +134,7 @@ impl Study<'_> {
         matrix
     }
 
-    /// Change of the residual with the coordinates about a moving state.
+    /// Derivative of the residual with respect to the coordinates about a moving state.
     pub(super) fn moving_stiffness(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
         let mut bare = Bare::new(self.system);
         let now = &self.system.state.now;
@@ -163,7 +163,8 @@ impl Study<'_> {
         matrix
     }
 
-    /// Change of the coordinates that a unit of a freedom makes, of the rates by its rate, of the accelerations by its acceleration.
+    /// Change of the coordinates due to a unit of a degree of freedom; also of the rates due to its rate, and of the accelerations due to
+    /// its acceleration.
     pub fn direction(&self, freedom: &Freedom) -> Vec<f64> {
         let mut unit = vec![0.0; self.system.coordinates()];
         unit[freedom.index] = 1.0;
@@ -171,7 +172,7 @@ impl Study<'_> {
         unit
     }
 
-    /// The coordinates with a freedom changed by `amount`, in its unit.
+    /// The coordinates with a degree of freedom changed by `amount`, in its unit.
     pub fn displaced(&self, freedom: &Freedom, amount: f64) -> Vec<f64> {
         let mut q = self.system.state.now.q.clone();
         q.iter_mut().zip(self.direction(freedom)).for_each(|(q, unit)| *q += amount * unit);
@@ -181,7 +182,7 @@ impl Study<'_> {
     }
 
     /// Residual over [`System::freedoms`] at the present state with the present inputs. A change of a command moves the motor's neutral
-    /// angle immediately: rate limits do not act on small changes.
+    /// angle immediately: rate limits do not affect infinitesimal changes.
     pub fn residual_of_inputs(&mut self) -> DVector<f64> {
         self.with_present_inputs();
         let mut residual = vec![0.0; self.system.coordinates()];
@@ -208,7 +209,7 @@ impl Study<'_> {
         self.outputs_at(there)
     }
 
-    /// The same with the accelerations of all coordinates changed.
+    /// Outputs at the present state with changed accelerations of all coordinates.
     pub(super) fn outputs_pulled(&mut self, change: &[f64]) -> Outputs {
         let mut there = self.system.state.now.clone();
         there.a.iter_mut().zip(change).for_each(|(a, change)| *a += change);
@@ -226,12 +227,12 @@ impl Study<'_> {
         beside
     }
 
-    /// Calls `take` with the state of an instant: with the set inputs, and with accelerations and loads of strips and rotors that belong to
-    /// coordinates, rates, lag states and inputs, NOTATION eq. (L10), instead of those of the integrator, which have its tolerance. A state
-    /// of rest stays one, with the residual of the search for the equilibrium, unless its inputs have changed since.
+    /// Calls `take` with the state of an instant: with the set inputs, and with accelerations and loads of strips and rotors that are
+    /// consistent with coordinates, rates, lag states and inputs, NOTATION eq. (L10), instead of those of the integrator, which are
+    /// accurate to its tolerance. An equilibrium remains one, with the residual of the search for it, unless its inputs have changed since.
     ///
     /// # Errors
-    /// If there are no accelerations, and those of `take`.
+    /// If the accelerations cannot be computed, and any error of `take`.
     pub(super) fn at_instant<T>(
         &mut self,
         take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
@@ -251,7 +252,7 @@ impl Study<'_> {
         })
     }
 
-    /// Calls `act` with the state and the set inputs, and restores the state.
+    /// Calls `act` with the state and the set inputs, and restores the state afterwards.
     fn restoring<T>(&mut self, act: impl FnOnce(&mut Self) -> Result<T, PlantError>) -> Result<T, PlantError> {
         let (kept, branch_s) = (self.system.state.clone(), self.system.equations.branch_s);
         self.take_inputs();
@@ -264,13 +265,13 @@ impl Study<'_> {
         done
     }
 
-    /// Rates of the states of a linear model, and the outputs, at the present state with the set inputs, or near it: by the equations of
-    /// the machine themselves, with the loads of strips and rotors at the instant. Loads of lattices are constant. For comparisons with
+    /// Rates of the states of a linear model, and the outputs, at the present state with the set inputs, or near it: by the nonlinear
+    /// equations of the machine, with the loads of strips and rotors at the instant. Loads of lattices are constant. For comparisons with
     /// linear models; strips with apparent mass need their rates to jump with the wind, as in [`Study::state_space`]. The state is
     /// unchanged.
     ///
     /// # Errors
-    /// If there are no accelerations, or no loads of the air.
+    /// If the accelerations or aerodynamic loads cannot be computed.
     pub fn rates_beside(&mut self, change: Beside) -> Result<InstantRates, PlantError> {
         self.restoring(|study| {
             let mut lags = None;
@@ -301,9 +302,9 @@ impl Study<'_> {
         })
     }
 
-    /// Calls `take` with the forces of joints on their tangents at the present state, with the present inputs: a motor at its limit stays
-    /// there, one exactly at the limit is not limited, a generator at a row of its table continues towards higher speeds, contacts of end
-    /// stops and latches are constant, NOTATION eq. (L10). Accelerations are those of the instant.
+    /// Calls `take` with linearised forces of joints at the present state, with the present inputs: a motor at its limit stays there, one
+    /// exactly at the limit is not limited, a generator at a row of its table continues towards higher speeds, contacts of end stops and
+    /// latches are constant, NOTATION eq. (L10). Accelerations are those of the instant.
     pub(super) fn on_tangents<T>(
         &mut self,
         take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
@@ -319,9 +320,9 @@ impl Study<'_> {
         })
     }
 
-    /// Derivative of a function of the outputs by an argument along a freedom: sixth-order differences in the coordinates (error 1e-12 of
-    /// the outputs' scale), exact ones in rates and accelerations, of which the outputs are polynomials of second and first degree if
-    /// forces are on their tangents (`Study::on_tangents`).
+    /// Derivative of a function of the outputs with respect to an argument along a degree of freedom: by sixth-order differences in the
+    /// coordinates (error 1e-12 of the outputs' scale), and exactly in rates and accelerations, of which the outputs are polynomials of
+    /// second and first degree if forces are linearised (`Study::on_tangents`).
     pub fn output_slope(
         &mut self,
         argument: Argument,
@@ -336,7 +337,7 @@ impl Study<'_> {
         (at(1.0) - at(-1.0)) * 0.5
     }
 
-    /// The equations with inputs that have been set but not stepped with; the state stays as it is.
+    /// Updates the equations to inputs that have been set since the last step; the state is unchanged.
     fn with_present_inputs(&mut self) {
         let state = &self.system.state;
         let (inputs, from_s) = (state.applied_inputs.clone(), state.applied_from_s);
@@ -349,7 +350,7 @@ impl Study<'_> {
     }
 
     /// Applies the set inputs to the state's step. A change of a command moves the motor's neutral angle immediately: rate limits do not
-    /// act on small changes.
+    /// affect infinitesimal changes.
     fn take_inputs(&mut self) {
         let state = &mut self.system.state;
         let now_s = state.now.time_s;
@@ -370,28 +371,28 @@ impl Study<'_> {
     }
 }
 
-/// The tree without its elastic forces: the rest is smooth in all arguments and of one scale.
+/// The tree without its elastic forces: the remaining terms are smooth in all arguments and of similar magnitude.
 pub(super) struct Bare {
     pub model: Model,
     work: Workspace,
 }
 
 impl Bare {
-    /// Residual of loads on the stations alone.
+    /// Residual due to loads on the stations alone.
     pub fn of_loads(&mut self, q: &[f64], zero: &[f64], stations: &[Wrench]) -> Vec<f64> {
         let still = vec![Damping::default(); self.model.bodies.len()];
         let environment = Environment { root: &RootMotion::default(), damping: &still, stations };
         self.residual(Motion { q, v: zero, a: zero }, environment)
     }
 
-    /// Residual of accelerations alone.
+    /// Residual due to accelerations alone.
     pub fn of_accelerations(&mut self, q: &[f64], accelerations: &[f64]) -> Vec<f64> {
         let still = vec![Damping::default(); self.model.bodies.len()];
         let environment = Environment { root: &RootMotion::default(), damping: &still, stations: &[] };
         self.residual(Motion { q, v: &vec![0.0; q.len()], a: accelerations }, environment)
     }
 
-    /// Also without the stiffness of closed loops: only rates, accelerations and loads remain.
+    /// Also omits the stiffness of closed loops: only rates, accelerations and loads remain.
     pub fn without_stiffness(system: &System) -> Self {
         let mut bare = Self::new(system);
         for closure in &mut bare.model.closures {
@@ -421,7 +422,7 @@ impl Bare {
     }
 }
 
-/// Sign of the determinant; `None` if it is round-off.
+/// Whether the determinant is positive; `None` if it is round-off.
 pub(super) fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
     let n = matrix.nrows();
     let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].abs().sqrt()).collect();
@@ -447,7 +448,7 @@ fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize, 
     }
 }
 
-/// The same of a body.
+/// Adds the elastic stiffness of the elements of a body, weighted.
 fn add_elastic_of<const N: usize>(
     matrix: &mut DMatrix<f64>,
     model: &Model,

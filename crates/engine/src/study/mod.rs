@@ -44,9 +44,9 @@ use statics::Quest;
 /// Analyses of the present state of a system. Equilibria replace the state; all others restore it.
 pub struct Study<'a> {
     system: &'a mut System,
-    /// The current search for an equilibrium.
+    /// Settings and results of the current search for an equilibrium.
     quest: Quest,
-    /// The state is that of an instant, [`Study::at_instant`].
+    /// Whether the state is that of an instant, [`Study::at_instant`].
     instant: bool,
 }
 

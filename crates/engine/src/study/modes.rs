@@ -1,4 +1,4 @@
-//! Modes of the machine about its present state, with the air that is linearised and their shapes on the stations.
+//! Modes of the machine about its present state, with linearised aerodynamics, and their shapes.
 
 use crate::math::strain::{EDGE, FLAP, SHEARED, STRAINS, Strain};
 use crate::multibody::model::Body;
@@ -13,19 +13,19 @@ use crate::system::freedoms::Freedom;
 use crate::system::shape::{ENERGY_SHARES, JOINT_SHARE, ModeShape, NodeMotion, SHEAR_SHARE};
 use nalgebra::{Complex, Vector3};
 
-/// Coordinates of a mode, and how the nodes move: displacement in m, rotation in rad.
+/// Coordinates of a mode, and motions of the nodes: displacement in m, rotation in rad.
 type Shape = (Vec<f64>, Vec<(Vector3<f64>, Vector3<f64>)>);
 
 impl Study<'_> {
-    /// Modes of lowest frequency about the present state, with shapes. They include the loads of strips and
-    /// of rotors; other loads of the air are constant.
+    /// Modes of lowest frequency about the present state, with shapes. They include the loads of strips and of rotors; other aerodynamic
+    /// loads are constant.
     pub fn modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         let (mut modes, _) = self.modes_and_rest(count)?;
         modes.truncate(count);
         Ok(modes)
     }
 
-    /// The same with constant loads of the air: modes of the structure alone, for instance after [`Study::undeformed`].
+    /// Modes of lowest frequency with constant aerodynamic loads: modes of the structure alone, for instance after [`Study::undeformed`].
     pub fn bare_modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         let system = Lagged::without(self.at_instant(Self::second_order)?);
         let mut list = system.modes(count).map_err(|error| self.no_modes(&error))?;
@@ -39,8 +39,8 @@ impl Study<'_> {
         PlantError::Linearization { time_s: self.system.state.now.time_s, cause: error.to_string() }
     }
 
-    /// The `count` modes of lowest frequency in air and every mode that grows, with the sign of the determinant of the static stiffness in the established flow, which changes at
-    /// divergence; `None` if a motion is free.
+    /// The `count` aeroelastic modes of lowest frequency and every growing mode, with the sign of the determinant of the static stiffness
+    /// in the established flow, which changes at divergence; `None` if there is a rigid-body mode.
     pub fn modes_and_rest(&mut self, count: usize) -> Result<(Vec<ModeShape>, Option<bool>), PlantError> {
         let (system, _) = self.at_instant(|study| study.lagged(false))?;
         let list = system.modes(count).map_err(|error| self.no_modes(&error))?;
@@ -50,7 +50,7 @@ impl Study<'_> {
         if self.system.air_is_linearised() {
             tell_lateral_apart(&mut shapes);
         } else {
-            // with constant loads of the air there are no flight modes
+            // with constant aerodynamic loads there are no flight modes
             shapes.iter_mut().for_each(|mode| mode.flight = None);
         }
         Ok((shapes, sign))
@@ -112,7 +112,7 @@ impl Study<'_> {
         shape
     }
 
-    /// Shares of the strains and of joints in the elastic energy of a motion.
+    /// Fractions of the strains and of joint springs in the elastic energy of a motion.
     fn energy_shares(&self, parts: &[&Vec<f64>; 2]) -> [f64; ENERGY_SHARES] {
         let mut shares = [0.0; ENERGY_SHARES];
         for x in parts {

@@ -1,5 +1,5 @@
-//! Equilibria with strips along the path from still air: the dynamic pressure is increased step by step, and Newton's iteration with the
-//! exact tangent of structure and air corrects each step, NOTATION eq. (Q12).
+//! Equilibria with strips along the path from still air: the dynamic pressure is increased in steps, and Newton's method with the exact
+//! aeroelastic tangent corrects each step, NOTATION eq. (Q12).
 
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
@@ -9,31 +9,31 @@ use crate::study::{Holding, Study};
 use crate::system::PlantError;
 use nalgebra::{DMatrix, DVector};
 
-/// Correction in the kinematic norm at which an equilibrium is found. Newton's iteration is quadratic down to the 1e-9 to which the
-/// slopes of the air are known.
+/// Correction in the kinematic norm at which an equilibrium has converged. Newton's method is quadratic down to the accuracy of the
+/// aerodynamic derivatives, 1e-9.
 const TOLERANCE: f64 = 1e-9;
-/// Longest first correction, which is the step along the tangent: loads that turn with a section change little over it.
+/// Maximum of the first correction, which is the step along the tangent: follower loads change little over it.
 const LONGEST: f64 = 0.25;
-/// Part of that which the next step is to have.
+/// Fraction of the maximum at which the next step aims.
 const GOAL: f64 = 0.7;
-/// Largest ratio of a correction to the one before. A longer one leads to another branch, or diverges.
+/// Largest ratio of a correction to the previous one. A larger one leads to another branch, or diverges.
 const CONTRACTION: f64 = 0.5;
 /// Maximum number of corrections of one step.
 const MAXIMUM_CORRECTIONS: usize = 12;
-/// Smallest step of the share of the dynamic pressure. Near a limit point the stiffness falls with the root of the distance: to a
-/// hundredth.
+/// Smallest step of the fraction of the dynamic pressure. Near a limit point the stiffness decreases with the square root of the distance:
+/// to one hundredth here.
 const SMALLEST_STEP: f64 = 1e-4;
-/// Determinant of the stiffness over that in still air below which the path ends at a limit point.
+/// Determinant of the stiffness, relative to that in still air, below which the path ends at a limit point.
 const SINGULAR: f64 = 0.1;
 
-/// Newton's step towards an equilibrium, and the stiffness that it was found with.
+/// Newton's step towards an equilibrium, and the stiffness from which it was computed.
 struct Correction {
     change: Vec<f64>,
     size: f64,
     determinant: Determinant,
 }
 
-/// A determinant that is not too large or small for a number.
+/// A determinant stored as sign and logarithm, so that it does not overflow or underflow.
 #[derive(Clone, Copy)]
 struct Determinant {
     logarithm: f64,
@@ -51,7 +51,7 @@ impl Determinant {
         }
     }
 
-    /// Ratio to another one.
+    /// Ratio to another determinant.
     fn over(&self, other: &Self) -> f64 {
         let size = (self.logarithm - other.logarithm).exp();
         if self.negative == other.negative { size } else { -size }
@@ -59,19 +59,19 @@ impl Determinant {
 }
 
 impl Study<'_> {
-    /// Whether the path in air can be followed: that of strips in an established flow, which has an exact tangent.
+    /// Whether the path from still air can be followed: with strips in an established flow, which have an exact tangent.
     pub(super) fn has_path_in_air(&self, holding: Holding) -> bool {
         let Some(air) = &self.system.air else { return false };
         air.continuous.is_some()
             && air.settings.established
-            // hinges that the air restores are outer unknowns, eq. (Q6)
+            // hinges with only aerodynamic stiffness are outer unknowns, eq. (Q6)
             && (holding == Holding::Stopped || self.free_hinges().is_empty())
     }
 
-    /// Finds the equilibrium along the path from still air, from the start coordinates in the state, NOTATION eq. (Q12).
+    /// Finds the equilibrium along the path from still air, from the initial coordinates in the state, NOTATION eq. (Q12).
     ///
     /// # Errors
-    /// If the path ends before the whole dynamic pressure, with the wind at its end. The state is then invalid.
+    /// If the path ends before the whole dynamic pressure; the error contains the wind speed at its end. The state is then invalid.
     pub(super) fn follow_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let density_kg_m3 = self.system.state.applied_parameters.air_density_kg_m3();
         let followed = self.raise_pressure(time_s, holding, density_kg_m3);
@@ -99,7 +99,7 @@ impl Study<'_> {
                     if reached == 1.0 {
                         return Ok(effort);
                     }
-                    // the first correction is proportional to the step; a length that has just failed is not tried again immediately
+                    // the first correction is proportional to the step; a step that has just failed is not tried again immediately
                     step *= if failed { 1.0 } else { (GOAL * LONGEST / first).clamp(0.5, 2.0) };
                     failed = false;
                 }
@@ -116,7 +116,7 @@ impl Study<'_> {
         }
     }
 
-    /// Newton's iteration in air of a density from the present state; the determinant of its stiffness and the size of the first
+    /// Newton's method with a given air density from the present state; returns the determinant of the stiffness and the size of the first
     /// correction, or `None` if it diverges.
     fn correct_in_air(
         &mut self,
@@ -190,7 +190,7 @@ impl Study<'_> {
         Ok(Correction { change, size, determinant: Determinant::of(&stiffness) })
     }
 
-    /// Error for a path of equilibria that ends at a share of the dynamic pressure.
+    /// Error for a path of equilibria that ends at a fraction of the dynamic pressure.
     fn end_of_path(&self, time_s: f64, [reached, tried]: [f64; 2], determinant: f64) -> PlantError {
         let wind_m_s = self.system.state.wind_at_m_s(time_s).norm();
         let at_m_s = wind_m_s * reached.sqrt();
@@ -222,8 +222,7 @@ mod tests {
     use crate::run::Plant;
     use std::sync::Arc;
 
-    /// Ratios of determinants, with their signs, are those of the determinants, independent of the rows exchanged in the factorisation: the
-    /// order of the unknowns has no effect.
+    /// Ratios of determinants have the correct sign for any row exchanges in the factorisation: the order of the unknowns has no effect.
     #[test]
     fn ratios_of_determinants_have_their_signs() {
         let mut random = fastrand::Rng::with_seed(7);
@@ -233,7 +232,7 @@ mod tests {
                 let [a, b] = [0, 1].map(|_| DMatrix::from_fn(size, size, |_, _| random.f64() - 0.5));
                 let expected = a.determinant() / b.determinant();
                 let ratio = Determinant::of(&a).over(&Determinant::of(&b));
-                // round-off times the condition of matrices that are not near singular
+                // round-off times the condition number of matrices that are far from singular
                 assert!((ratio / expected - 1.0).abs() < 1e-9, "{size}: {ratio} for {expected}");
                 negative += usize::from(ratio < 0.0);
             }
@@ -241,9 +240,9 @@ mod tests {
         }
     }
 
-    /// A vane behind a shaft of 4.5 N·m/rad with an aerodynamic moment `m(θ)`, from a piecewise linear polar, has equilibria at `θ = m(θ)`:
-    /// 0.095 rad on a plateau, and 0.42 rad behind a steep rise. The tangent at 0 points to 0.2 rad, beyond the rise, from where the next
-    /// correction has the same length and leads to the far one. The path from still air ends on the plateau.
+    /// A vane on a shaft of 4.5 N·m/rad with an aerodynamic moment `m(θ)`, from a piecewise linear polar, has equilibria at `θ = m(θ)`:
+    /// 0.095 rad on a plateau, and 0.42 rad after a steep rise. The tangent at 0 points to 0.2 rad, beyond the rise, from where the next
+    /// correction has the same length and leads to the distant equilibrium. The path from still air ends on the plateau.
     #[test]
     fn the_path_does_not_jump_to_another_rest() {
         let corners =
@@ -252,7 +251,7 @@ mod tests {
         let profile = Profile { polar: Some(Polar { rows: corners.map(row).to_vec() }), ..Profile::THIN };
         let material = Material { youngs_modulus_pa: 7e10, shear_modulus_pa: 3e10, density_kg_m3: 500.0 };
         let shaft = Solid::rectangle(0.1, 0.1, material).with_torsional_rigidity_n_m2(4.5);
-        // dynamic pressure of 50 Pa on 0.09 m² times m of chord and 1 m of span: 4.5 N·m
+        // dynamic pressure of 50 Pa, 0.09 m² times m of chord and 1 m of span: 4.5 N·m
         let machine = Machine::builder("Vane")
             .body(Body::beam("shaft", 1.0, shaft).elements(1), Joint::clamped("wall"))
             .body(
@@ -267,7 +266,7 @@ mod tests {
         plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
         plant.study().follow_in_air(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
         let twist_rad = plant.system_mut().state.now.q[1];
-        // the vane itself twists by 1e-5
+        // the elastic twist of the vane is 1e-5
         assert!((twist_rad - 0.095).abs() < 1e-4, "{twist_rad} rad");
     }
 }

@@ -1,4 +1,4 @@
-//! Moving parts of a motion about a periodic state, in the ground frame, and the averaged model over the turn.
+//! Moving parts of a perturbation of a periodic motion, in the ground frame, and the model averaged over the revolution.
 
 use crate::solve::linearize::SecondOrder;
 use crate::solve::modes::{Mode, modes_beyond};
@@ -9,7 +9,7 @@ use crate::system::freedoms::Freedom;
 use crate::system::shape::WhirlShare;
 use nalgebra::{Complex, DVector};
 
-/// Transformation of the coordinates of a machine with a turning rotor to the ground frame.
+/// Transformation of the coordinates of a machine with a spinning rotor to the ground frame.
 #[derive(Debug, Clone)]
 pub struct GroundView {
     freedoms: Vec<Freedom>,
@@ -18,27 +18,28 @@ pub struct GroundView {
     /// Masses of the transformed coordinates, the diagonal of the transformed mass.
     mass: nalgebra::DMatrix<f64>,
     speed_rad_s: f64,
-    /// Sum of the equations so far, and their number.
+    /// Sum of the equations added so far, and their number.
     sum: Option<(SecondOrder, usize)>,
     first: Option<SecondOrder>,
     spread: f64,
 }
 
-/// Modes of the equations averaged over a turn, eq. (L36).
+/// Modes of the equations averaged over a revolution, eq. (L36).
 #[derive(Debug, Clone, PartialEq)]
 pub struct AveragedModes {
     /// Eigenvalues in 1/s with positive imaginary part, or real, lowest frequency first.
     pub eigenvalues_1_s: Vec<Complex<f64>>,
-    /// Largest change of an entry of the transformed stiffness over the turn, relative to the two coordinates' own: neglected by averaging.
+    /// Largest change of an entry of the transformed stiffness over the revolution, relative to the diagonal entries of its two
+    /// coordinates, which averaging neglects.
     pub spread: f64,
 }
 
 impl Study<'_> {
-    /// The transformation to the ground frame for a machine in its present state, at the start of a turn of the shaft of `rotor`; without a
-    /// rotor of equal blades (`None`) the coordinates are those of the machine.
+    /// Transformation to the ground frame for a machine in its present state, at the start of a revolution of the shaft of `rotor`; without
+    /// a rotor of equal blades (`None`) the coordinates are those of the machine.
     ///
     /// # Errors
-    /// If blades of the rotor differ in their freedoms.
+    /// If blades of the rotor have different degrees of freedom.
     pub fn ground_view(&self, shaft: usize, rotor: Option<&Rotor>, speed_rad_s: f64) -> Result<GroundView, PlantError> {
         let freedoms = self.system.freedoms();
         let rotor = rotor.cloned().unwrap_or(Rotor { shaft, blades: vec![Vec::new()] });
@@ -52,10 +53,10 @@ impl Study<'_> {
         Ok(GroundView { freedoms, rotor, blades, mass, speed_rad_s, sum: None, first: None, spread: 0.0 })
     }
 
-    /// Adds the equations about the present state, at an azimuth from the start of the turn, to the average.
+    /// Adds the equations about the present state, at an azimuth from the start of the revolution, to the average.
     ///
     /// # Errors
-    /// As [`Study::second_order`].
+    /// As for [`Study::second_order`].
     pub fn see(&mut self, view: &mut GroundView, azimuth_rad: f64) -> Result<(), PlantError> {
         let seen = view.blades.transform(&self.second_order()?, azimuth_rad, view.speed_rad_s);
         let first = view.first.get_or_insert_with(|| seen.clone());
@@ -78,7 +79,7 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// Names of the moving parts of a motion in transformed coordinates, largest share first, eq. (L26).
+    /// Names of the moving parts of a motion in transformed coordinates, largest participation first, eq. (L26).
     pub fn moving_parts(&self, view: &GroundView, shape: &DVector<Complex<f64>>) -> Vec<WhirlShare> {
         let shares = view.blades.shares(shape, &view.mass, view.speed_rad_s);
         self.named(&view.freedoms, &view.rotor, &shares)
@@ -91,7 +92,7 @@ impl GroundView {
         self.blades.components(coordinates, azimuth_rad)
     }
 
-    /// The machine's own coordinates of components in the ground frame: the inverse of [`GroundView::components`].
+    /// Coordinates of the machine, from components in the ground frame: the inverse of [`GroundView::components`].
     pub fn coordinates(&self, components: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
         self.blades.coordinates(components, azimuth_rad)
     }
@@ -101,7 +102,7 @@ impl GroundView {
         self.mass.diagonal()
     }
 
-    /// Modes of the averaged equations added by [`Study::see`]; `None` before, and if the average has none.
+    /// Modes of the average of the equations added by [`Study::see`]; `None` before the first one, and if the average has no modes.
     pub fn averaged(&self) -> Option<AveragedModes> {
         let (sum, count) = self.sum.as_ref()?;
         let share = 1.0 / *count as f64;

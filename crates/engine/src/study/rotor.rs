@@ -1,4 +1,4 @@
-//! Identification of the rotor of a machine: a shaft, a hub and equal blades, evenly spaced around the shaft.
+//! Identification of the rotor of a machine: a shaft, a hub and equal blades with even spacing around the shaft.
 
 use crate::machine::{JointKind, Machine, OneFreedom, Parent};
 use crate::study::Study;
@@ -6,15 +6,15 @@ use crate::system::PlantError;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
-/// Turn in rad by which a blade may be off its place.
+/// Angle in rad by which the azimuth of a blade may deviate.
 const PLACE_RAD: f64 = 1e-6;
 
 /// A rotor of equal blades.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotor {
-    /// Body behind the joint that is the shaft.
+    /// Body attached by the joint that is the shaft.
     pub(crate) shaft: usize,
-    /// Bodies of every blade, inner ones first; each blade is ahead of the one before it.
+    /// Bodies of every blade, inner ones first; each blade leads the previous one in azimuth.
     pub(crate) blades: Vec<Vec<usize>>,
 }
 
@@ -30,14 +30,14 @@ impl Rotor {
     }
 }
 
-/// Bodies that a body carries.
+/// Children of a body.
 fn children(machine: &Machine, of: usize) -> Vec<usize> {
     let carried =
         |body: &usize| matches!(machine.bodies[*body].joint.parent, Parent::Body { index, .. } if index == of);
     (0..machine.bodies.len()).filter(carried).collect()
 }
 
-/// A body and all bodies that it carries, inner ones first.
+/// A body and all bodies attached to it, directly or indirectly, inner ones first.
 fn tree(machine: &Machine, of: usize) -> Vec<usize> {
     let mut list = vec![of];
     let mut next = 0;
@@ -48,8 +48,8 @@ fn tree(machine: &Machine, of: usize) -> Vec<usize> {
     list
 }
 
-/// Bodies carried by a body, without those that are part of it: rigid ones clamped to it without children, such as a spinner. All blades
-/// may be such bodies.
+/// Bodies attached to a body, except those that are part of it: rigid ones clamped to it without children, such as a spinner. If all are
+/// such bodies, they may be the blades.
 fn carried(machine: &Machine, of: usize) -> Vec<usize> {
     let all = children(machine, of);
     let moves = |body: &usize| {
@@ -62,7 +62,7 @@ fn carried(machine: &Machine, of: usize) -> Vec<usize> {
     if moving.is_empty() { all } else { moving }
 }
 
-/// The first body outward from a shaft that carries several: the hub.
+/// The first body outward from a shaft that has several bodies attached: the hub.
 fn hub(machine: &Machine, shaft: usize) -> Option<usize> {
     let mut body = shaft;
     loop {
@@ -74,7 +74,7 @@ fn hub(machine: &Machine, shaft: usize) -> Option<usize> {
     }
 }
 
-/// Whether a joint can turn without limit: a shaft, if it carries a hub.
+/// Whether a joint can rotate without limit: it is a shaft if it carries a hub.
 fn turns(joint: &JointKind) -> bool {
     let free = |joint: &OneFreedom| {
         joint.spring.is_none()
@@ -85,7 +85,7 @@ fn turns(joint: &JointKind) -> bool {
     matches!(joint, JointKind::Revolute(joint) if free(joint))
 }
 
-/// The body behind the shaft: of the named joint, or of the only possible one.
+/// The body attached by the shaft: by the named joint, or by the only possible one.
 pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, String> {
     if let Some(name) = named {
         let body = machine.bodies.iter().position(|body| body.joint.name == name);
@@ -112,11 +112,11 @@ pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, 
 }
 
 impl Study<'_> {
-    /// The rotor of the machine by its start angles; state, loads and wind are unchanged. `shaft` names its joint; by default the only
-    /// joint that turns without limit and carries a hub, a body with several others attached to it.
+    /// Identifies the rotor of the machine from its initial angles; state, loads and wind are unchanged. `shaft` names its joint; by
+    /// default it is the only joint that rotates without limit and carries a hub, a body with several others attached.
     ///
     /// # Errors
-    /// If there is no rotor, or its blades are not copies of one rotated by equal angles around the shaft.
+    /// If there is no rotor, or if its blades are not copies of one blade rotated by equal angles around the shaft.
     pub fn rotor(&mut self, time_s: f64, shaft: Option<&str>) -> Result<Rotor, PlantError> {
         let kept = self.system.state.clone();
         let found = self.undeformed(time_s).map(|()| self.find_rotor(shaft));
@@ -157,7 +157,7 @@ impl Study<'_> {
             }
             placed.push((angle_rad.rem_euclid(TAU), tree(machine, root)));
         }
-        // round-off below a whole turn is none
+        // an angle less than a whole revolution by round-off counts as zero
         placed
             .iter_mut()
             .filter(|(angle_rad, _)| TAU - *angle_rad < PLACE_RAD)

@@ -1,4 +1,4 @@
-//! Quality of an equilibrium: whether it is stable, in which direction it is left, and whether the mesh resolves it.
+//! Quality of an equilibrium: whether it is stable, the direction of the instability, and whether the mesh resolves it.
 
 use crate::math::strain::TWIST;
 use crate::multibody::kinematics::sweep_poses;
@@ -9,7 +9,7 @@ use crate::system::PlantError;
 use crate::system::shape::ModeShape;
 use nalgebra::{Complex, Vector3};
 
-/// Asymmetry of a tangent up to which it is treated as round-off, so that its loads have a potential.
+/// Asymmetry of a tangent up to which it counts as round-off, so that the loads have a potential.
 pub(crate) const SYMMETRIC: f64 = 1e-8;
 
 /// Number of modes examined.
@@ -17,47 +17,48 @@ const MODES: usize = 10;
 /// Number of modes by which the stability with a lattice is assessed: the number that `flutter` tracks by default.
 pub const JUDGED_MODES: usize = 6;
 
-/// Number of coordinates beyond which motions are not examined, because the matrices are dense.
+/// Number of coordinates above which modes are not examined, because the matrices are dense.
 const MAXIMUM_COORDINATES: usize = 1200;
 
-/// Change of a beam's turn from element to element, in rad, beyond which the mesh is called coarse.
+/// Change of a beam's rotation from element to element, in rad, above which the mesh is reported as coarse.
 const COARSE_RAD: f64 = 0.5;
 
-/// Stability of a state of rest under the present inputs.
+/// Stability of an equilibrium under the present inputs.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Stability {
-    /// Negative pivots of the static tangent: directions in which the forces push away, eq. (L16). This is exact if the
+    /// Number of negative pivots of the static tangent: directions in which the forces are destabilising, eq. (L16). It is exact if the
     /// loads have a potential.
     pub negative_directions: usize,
-    /// The loads have a potential: the tangent is symmetric. Loads that follow their sections have none, nor has air.
+    /// Whether the loads have a potential, so that the tangent is symmetric. Follower loads and aerodynamic loads have none.
     pub potential: bool,
-    /// A motion has no stiffness: the tangent is singular, and stability follows from the modes only.
+    /// Whether there is a motion without stiffness: the tangent is singular, and stability follows from the modes only.
     pub neutral: bool,
-    /// Growing motions, fastest first, including the response of the air.
+    /// Growing modes, fastest first, including the aerodynamic response.
     pub growing: Vec<Growth>,
-    /// Assessed in discrete time with a lattice, by its slowest motions, up to the [`JUDGED_MODES`]-th frequency of the structure.
+    /// Whether stability was assessed in discrete time with a lattice, by its slowest modes, up to the [`JUDGED_MODES`]-th frequency of the
+    /// structure.
     pub in_lattice: bool,
-    /// Reason why the stability of the state is not assessed; `None` if it is.
+    /// Reason why stability is not assessed; `None` if it is.
     pub not_judged: Option<String>,
 }
 
 impl Stability {
-    /// A state whose stability is not assessed, with the cause.
+    /// Result for an equilibrium whose stability is not assessed, with the reason.
     fn not_judged(cause: String) -> Self {
         Self { not_judged: Some(cause), ..Self::default() }
     }
 
-    /// Number of unstable directions: negative pivots, or without a potential growing motions; 0 if the stability is not assessed.
+    /// Number of unstable directions: negative pivots or, without a potential, growing modes; 0 if stability is not assessed.
     pub fn unstable_directions(&self) -> usize {
         if self.potential && !self.neutral { self.negative_directions } else { self.growing.len() }
     }
 
-    /// Whether there are none; false if stability is not assessed.
+    /// Whether there are no unstable directions; false if stability is not assessed.
     pub fn is_stable(&self) -> bool {
         self.not_judged.is_none() && self.unstable_directions() == 0
     }
 
-    /// Number of unstable directions without oscillation: another equilibrium is downhill.
+    /// Number of unstable directions without oscillation, which lead to another equilibrium.
     pub fn static_directions(&self) -> usize {
         let leaves = |growth: &&Growth| growth.eigenvalue_1_s.im.abs() <= 1e-9 * growth.eigenvalue_1_s.norm();
         match self.potential && !self.neutral {
@@ -67,16 +68,16 @@ impl Stability {
     }
 }
 
-/// A motion that grows.
+/// A growing mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Growth {
     /// Eigenvalue in 1/s; real if the motion does not oscillate.
     pub eigenvalue_1_s: Complex<f64>,
     /// Body with the largest motion.
     pub body: usize,
-    /// Its section with the largest motion: distance from the body's inner end in m.
+    /// Section with the largest motion: distance from the body's inner end in m.
     pub place_m: f64,
-    /// Direction of that motion, root frame, of length 1; zero for a pure rotation.
+    /// Direction of that motion as a unit vector, root frame; zero for a pure rotation.
     pub direction: Vector3<f64>,
 }
 
@@ -87,23 +88,24 @@ pub struct Coarseness {
     pub body: usize,
     /// Distance from its inner end in m.
     pub place_m: f64,
-    /// Change of the turn there in rad.
+    /// Change of the rotation there in rad.
     pub turn_rad: f64,
 }
 
 impl Coarseness {
-    /// The mesh is too coarse for a reliable result.
+    /// Whether the mesh is too coarse for a reliable result.
     pub fn is_coarse(&self) -> bool {
         self.turn_rad > COARSE_RAD
     }
 }
 
 impl Study<'_> {
-    /// Stability of the present state, which must be one of rest, under the present inputs, including the response of the air. It is not
-    /// assessed if that air has no linear model, or if the loads have no potential and there are too many coordinates for modes.
+    /// Stability of the present state, which must be an equilibrium, under the present inputs, including the aerodynamic response. It is
+    /// not assessed if the aerodynamic model has no linear model, or if the loads have no potential and there are too many coordinates for
+    /// modes.
     ///
     /// # Errors
-    /// If the modes are not found.
+    /// If the modes cannot be computed.
     pub fn stability(&mut self) -> Result<Stability, PlantError> {
         if self.system.has_linear_lattice() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0 {
             return match self.growing_in_air_of_lattice(JUDGED_MODES) {
@@ -120,7 +122,7 @@ impl Study<'_> {
         let model = &self.system.equations.model;
         let neutral = tangent.factorize(model).is_err();
         let negative_directions = if neutral { 0 } else { tangent.negative_directions() };
-        // air that responds to motion has no potential
+        // aerodynamic loads that respond to motion have no potential
         let blown = self.system.air_is_linearised() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0;
         let potential = tangent.asymmetry(model) < SYMMETRIC && !blown;
         let by_pivots = potential && !neutral;
@@ -133,14 +135,14 @@ impl Study<'_> {
         Ok(Stability { negative_directions, potential, neutral, growing, in_lattice: false, not_judged })
     }
 
-    /// The same with a lattice, assessed by its `modes` of lowest frequency: those of [`Study::lattice_modes_and_rest`].
+    /// Stability with a lattice, assessed by its `modes` of lowest frequency from [`Study::lattice_modes_and_rest`].
     pub fn stability_in_lattice(&self, modes: &[ModeShape]) -> Stability {
         Stability { growing: self.growing_of(modes), in_lattice: true, ..Stability::default() }
     }
 
-    /// Eigenvalues in 1/s of the motions that grow about the present state, fastest first, one of each pair, NOTATION eq. (L22). They
-    /// include the loads of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice, whose loads
-    /// are constant in a model in continuous time.
+    /// Eigenvalues in 1/s of the growing modes about the present state, fastest first, one of each pair, NOTATION eq. (L22). They include
+    /// the loads of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice, whose loads are
+    /// constant in a continuous-time model.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         if self.system.coordinates() > MAXIMUM_COORDINATES || self.system.has_linear_lattice() {
             return Ok(None);
@@ -148,14 +150,14 @@ impl Study<'_> {
         Ok(Some(self.growing()?.iter().map(|growth| growth.eigenvalue_1_s).collect()))
     }
 
-    /// Eigenvalues in 1/s of the motions that grow about the present state of rest with a lattice, fastest first, one of each
-    /// pair: those of [`Study::stability`]. `None` where the stability is not judged.
+    /// Eigenvalues in 1/s of the growing modes about the present equilibrium with a lattice, fastest first, one of each pair, as found by
+    /// [`Study::stability`]. `None` if stability is not assessed.
     ///
     /// # Errors
-    /// Where the modes are not found.
+    /// If the modes cannot be computed.
     pub fn growing_in_lattice_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         let stability = self.stability()?;
-        // by its pivots a large machine can be unstable without modes
+        // the pivots may show that a large machine is unstable without its modes being computed
         let judged = stability.not_judged.is_none() && (stability.is_stable() || !stability.growing.is_empty());
         Ok(judged.then(|| stability.growing.iter().map(|growth| growth.eigenvalue_1_s).collect()))
     }
@@ -189,7 +191,7 @@ impl Study<'_> {
         growth
     }
 
-    /// Position of the largest change of curvature from element to element of the present shape.
+    /// Position of the largest change of curvature from element to element in the present shape.
     pub fn coarseness(&self) -> Coarseness {
         let (q, model) = (&self.system.state.now.q, &self.system.equations.model);
         let mut worst = Coarseness { body: 0, place_m: 0.0, turn_rad: 0.0 };

@@ -10,19 +10,19 @@ use crate::system::PlantError;
 use crate::system::freedoms::Freedom;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// A real input as the linearisation needs it.
+/// A real input to be linearised.
 pub struct InputSlope<'a> {
     /// Adds an amount to the input.
     pub add: &'a dyn Fn(&mut Inputs, f64),
-    /// Step of the central difference. Forces are quadratic in the root's rates and, on their tangents, linear in all other
-    /// inputs, so any step serves.
+    /// Step of the central difference. Forces are quadratic in the root's rates and, when linearised, linear in all other inputs, so any
+    /// step is exact.
     pub step: f64,
-    /// Gust with the same velocity everywhere added by a unit of the input, root frame, in m/s: gusts are not inputs of the machine, so
-    /// `add` then has no effect. Only strips respond to it, with Küssner's lag.
+    /// Uniform gust velocity in m/s, root frame, added per unit of the input: gusts are not inputs of the machine, so `add` then has no
+    /// effect. Only strips respond to it, with Küssner's lag.
     pub gust_m_s: Vector3<f64>,
 }
 
-/// Variables of the air that an input changes per unit, in the order of `AirSlopes::air`.
+/// Change of the aerodynamic variables per unit of an input, in the order of `AirSlopes::air`.
 pub(super) fn air_of(input: &InputSlope, inputs: &Inputs) -> Vec<f64> {
     let mut ends = [inputs.clone(), inputs.clone()];
     (input.add)(&mut ends[0], input.step);
@@ -42,9 +42,9 @@ impl Study<'_> {
     /// `A`, `B`, `C`, `D` about the present state with the present inputs, over [`crate::system::System::freedoms`] and
     /// their rates, and over the lag states of strips and rotors.
     ///
-    /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the response of the air,
+    /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the aerodynamic response,
     /// which is computed by differences accurate to about 1e-9. `C` and `D` are differences of the instantaneous outputs
-    /// ([`Study::output_slope`]). All four use the same tangents of the forces of joints, on one side of a kink (`Study::on_tangents`);
+    /// ([`Study::output_slope`]). All four use the same tangents of the joint forces, on one side of a kink (`Study::on_tangents`);
     /// discrete states are constant. The loads of lattices are constant. Outputs of accelerations and forces do not include the effect of
     /// the rate of the wind through the apparent mass.
     pub fn state_space(
@@ -128,8 +128,7 @@ impl Study<'_> {
         })
     }
 
-    /// Changes of the outputs with the response of the air, column by column: they are linear in loads and
-    /// circulations.
+    /// Changes of the outputs due to the aerodynamic response, column by column: they are linear in loads and circulations.
     pub(super) fn outputs_of_air(
         &mut self,
         answers: &DMatrix<f64>,
@@ -160,10 +159,10 @@ impl Study<'_> {
 struct AlongTree<'s, 'a, 'r> {
     study: &'s mut Study<'a>,
     bare: Bare,
-    /// Accelerations of the coordinates by those of the freedoms.
+    /// Derivatives of the coordinates' accelerations with respect to those of the degrees of freedom.
     directions: DMatrix<f64>,
     freedoms: Vec<Freedom>,
-    /// Apparent mass, and the response of the air to accelerations.
+    /// Apparent mass, and the aerodynamic response to accelerations.
     apparent: Option<(DMatrix<f64>, DMatrix<f64>)>,
     count: usize,
     read: &'r dyn Fn(&Outputs) -> DVector<f64>,
@@ -190,7 +189,7 @@ impl Accelerations for AlongTree<'_, '_, '_> {
             let along = &self.directions * column;
             let size = along.amax();
             if size > 0.0 {
-                // outputs are linear in it: of the size of the present value at least, so that the change is not lost beside it
+                // outputs are linear in it: at least as large as the present value, so that the change is not lost in round-off
                 let scale = (present / size).max(1.0);
                 let mut at = |sign: f64| {
                     let shift: Vec<f64> = along.iter().map(|a| sign * scale * a).collect();

@@ -1,4 +1,4 @@
-//! Equilibrium of the machine at rest under its loads.
+//! Static equilibrium of the machine under its loads.
 
 use crate::force::set::Forces;
 use crate::load::{RootMotion, Wrench};
@@ -17,26 +17,26 @@ use nalgebra::Matrix3;
 
 /// Maximum number of searches for equilibrium if contacts open and close alternately.
 const MAXIMUM_SEARCHES: usize = 100;
-/// Gap of a closed loop at equilibrium over the machine's length above which the loop is torn.
+/// Gap of a closed loop at equilibrium, relative to the machine's length, above which the loop counts as torn.
 const TORN: f64 = 0.01;
-/// Distance in rad, or travel over the machine's length, from an unstable equilibrium at which the search for a stable one near it starts:
-/// within it the linear part of the torque is destabilising.
+/// Distance in rad, or displacement divided by the machine's length, from an unstable equilibrium at which the search for a stable one near
+/// it starts: within it the linear part of the torque is destabilising.
 const BESIDE_RAD: f64 = 0.05;
 
 /// Constraint of the joints in the search for equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holding {
-    /// By their release inputs: a released joint turns until its motor and latch balance the loads. If its enabled latch is in between, it
-    /// closes.
+    /// According to their release inputs: a released joint moves until its motor and latch balance the loads. If its enabled latch is in
+    /// between, it closes.
     AsReleased,
-    /// Locks hold all joints at their start angles, except those with a closed latch.
+    /// Locks hold all joints at their initial angles, except those with a closed latch.
     Stopped,
 }
 
 /// Method to apply the loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LoadPath {
-    /// The whole load in one step, or in several if that fails, eq. (L9).
+    /// The whole load in one step, or in several steps if that fails, eq. (L9).
     #[default]
     Load,
     /// Along the path of equilibria, through its limit points, eq. (L17).
@@ -46,10 +46,10 @@ pub enum LoadPath {
 /// Choice of the equilibrium if the one on the path is unstable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Branch {
-    /// The one on the path.
+    /// The equilibrium on the path.
     #[default]
     Path,
-    /// A stable one downhill from it, eq. (L15), assessed with the air.
+    /// A stable equilibrium downhill from it, eq. (L15), assessed with the aerodynamics.
     Stable,
 }
 
@@ -58,7 +58,7 @@ pub enum Branch {
 pub struct Search {
     /// Method to apply the loads.
     pub path: LoadPath,
-    /// Whether an unstable equilibrium is accepted.
+    /// Whether an unstable equilibrium is accepted, or a stable one sought.
     pub branch: Branch,
 }
 
@@ -69,23 +69,22 @@ pub enum Departure {
     Unstable(usize),
     /// The path ends, or turns back, at this load factor.
     PathEnds(f64),
-    /// The path from still air ends at this share of the dynamic pressure, eq. (Q12).
+    /// The path from still air ends at this fraction of the dynamic pressure, eq. (Q12).
     PathInAirEnds(f64),
 }
 
-/// A state of rest and how it was found.
+/// An equilibrium, and how it was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rest {
     /// Load steps and iterations.
     pub effort: Effort,
     /// Reason why the search left the path.
     pub departure: Option<Departure>,
-    /// The path by arc length, point by point; empty otherwise.
+    /// Points of the path by arc length; empty for other load paths.
     pub path: Vec<PathPoint>,
-    /// Stability of the state, if the search has assessed it: with [`Branch::Stable`].
+    /// Stability of the equilibrium, if the search has assessed it: with [`Branch::Stable`].
     pub stability: Option<Stability>,
-    /// Largest correction in rad, iteration by iteration, of the hinges without stiffness except that of the air; empty without such
-    /// hinges.
+    /// Largest correction in rad in each iteration of the hinges with only aerodynamic stiffness; empty without such hinges.
     pub corrections_rad: Vec<f64>,
 }
 
@@ -98,7 +97,7 @@ pub(crate) struct Quest {
     pub(super) corrections_rad: Vec<f64>,
 }
 
-/// Loads and joints of the requested case; the search scales them.
+/// Loads and joint states of the requested case, which the search scales.
 struct Target {
     root: RootMotion,
     stations: Vec<Wrench>,
@@ -108,7 +107,7 @@ struct Target {
 }
 
 impl Target {
-    /// The case of the present equations, from the coordinates `start`.
+    /// Target given by the present equations, from the coordinates `start`.
     fn of(equations: &Equations, start: &[f64]) -> Self {
         Self {
             root: equations.root,
@@ -120,14 +119,14 @@ impl Target {
     }
 }
 
-/// The equations of motion at rest, eq. (L1), with loads that can be scaled, eq. (L8).
+/// The static equations of motion, eq. (L1), with loads that can be scaled, eq. (L8).
 struct AtRest<'a> {
     equations: &'a mut Equations,
     tangent: Tangent,
     target: Target,
     time_s: f64,
     zero: Vec<f64>,
-    /// Weight of each coordinate in the length of a path.
+    /// Weight of each coordinate in the arc length of a path.
     weights: Vec<f64>,
 }
 
@@ -175,15 +174,15 @@ impl<'a> AtRest<'a> {
         }
     }
 
-    /// Number of unstable directions of the equilibrium `q`; zero for loads without a potential, for which the pivots are not conclusive.
+    /// Number of unstable directions of the equilibrium `q`; zero for loads without a potential, for which the pivots are inconclusive.
     fn unstable_directions(&mut self, q: &[f64]) -> usize {
         let directions = self.factorize(q, 0.0).unwrap_or(0);
         if directions > 0 && self.tangent.asymmetry(&self.equations.model) < SYMMETRIC { directions } else { 0 }
     }
 }
 
-/// Weights of the coordinates in the length of a path: `∫κ² ds` times the length of the machine, strains over the element's share of it,
-/// angles in rad, offsets over its length.
+/// Weights of the coordinates in the arc length of a path: `∫κ² ds` times the length of the machine, strains multiplied by the element's
+/// fraction of that length, angles in rad, displacements divided by the length.
 fn path_weights(model: &Model) -> Vec<f64> {
     let length_m = model.reference_length_m;
     let mut weights = vec![1.0; model.coordinates];
@@ -257,12 +256,12 @@ impl StaticEquations for AtRest<'_> {
 }
 
 impl Equations {
-    /// Exact tangent at rest about `q`, the configuration of the last residual.
+    /// Computes the exact static tangent about `q`, the configuration of the last residual.
     pub(crate) fn linearize_at_rest(&self, tangent: &mut Tangent, q: &[f64]) {
         self.linearize_shifted(tangent, q, 0.0);
     }
 
-    /// The same with a multiple of the mass added, eq. (L15).
+    /// Computes the static tangent with a multiple of the mass added, eq. (L15).
     fn linearize_shifted(&self, tangent: &mut Tangent, q: &[f64], shift_1_s2: f64) {
         let joints = self.joint_tangents();
         let stations: &[Wrench] = if self.loaded { &self.stations } else { &[] };
@@ -289,9 +288,9 @@ impl Equations {
 
 impl Study<'_> {
     /// Initialises at `time_s` and finds the static equilibrium under the present inputs: gravity, root motion, station loads, motors and
-    /// latches. Rates and accelerations are zero afterwards, and the outputs are those of the equilibrium.
+    /// latches. Afterwards, rates and accelerations are zero, and the outputs are those of the equilibrium.
     ///
-    /// Starts from the unstrained machine at its start angles; prescribed joints keep their angle of `time_s`. A rotating root loads the
+    /// Starts from the unstrained machine at its initial angles; prescribed joints keep their angle at `time_s`. A rotating root loads the
     /// wing by centrifugal and Euler forces.
     ///
     /// The equilibrium is the one at the end of the load path, stable or not: see [`Study::stability`].
@@ -299,7 +298,7 @@ impl Study<'_> {
         self.rest(time_s, holding, Search::default()).map(|rest| rest.effort)
     }
 
-    /// [`Study::equilibrium`] with a choice of the path and of the treatment of an unstable state.
+    /// Finds an equilibrium like [`Study::equilibrium`], with a choice of the path and of the treatment of an unstable state.
     pub fn rest(&mut self, time_s: f64, holding: Holding, search: Search) -> Result<Rest, PlantError> {
         self.quest = Quest { search, ..Quest::default() };
         let effort = self.come_to_rest(time_s, holding);
@@ -319,8 +318,8 @@ impl Study<'_> {
         Ok(Rest { effort, departure, path, stability, corrections_rad })
     }
 
-    /// Continues from the present state, which is statically unstable, to a stable one downhill: hinges with aerodynamic stiffness only
-    /// leave their angle to either side in steps proportional to the torques, eq. (Q6).
+    /// Continues from the present equilibrium, which is statically unstable, to a stable one downhill: hinges with only aerodynamic
+    /// stiffness leave their angle to either side in steps proportional to the torques, eq. (Q6).
     ///
     /// # Errors
     /// If no stable equilibrium is found on either side.
@@ -376,7 +375,7 @@ impl Study<'_> {
         Ok(effort)
     }
 
-    /// Starts without the start rates: the loads of the air are those of rest from the first search on.
+    /// Starts without initial rates: the aerodynamic loads are static ones from the first search on.
     fn start_at_rest(&mut self, time_s: f64) {
         self.system.start(time_s);
         self.system.state.now.v.fill(0.0);
@@ -386,13 +385,13 @@ impl Study<'_> {
         self.system.state.now.v.fill(0.0);
         self.system.state.now.a.fill(0.0);
         self.system.conclude_start(time_s)?;
-        // the remaining accelerations are round-off times stiffness
+        // the remaining accelerations are round-off multiplied by the stiffness
         self.stand_still();
         Ok(())
     }
 
-    /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, at rest at the start angles: the state for
-    /// modes of the bare structure.
+    /// Initialises at `time_s` without loads, gravity and root motion, which are set to zero, with zero rates at the initial angles: the
+    /// state for modes of the bare structure.
     pub fn undeformed(&mut self, time_s: f64) -> Result<(), PlantError> {
         *self.system.state.inputs.root_mut() = RootMotion::default();
         self.system.state.inputs.stations_mut().fill(Wrench::default());
@@ -412,10 +411,10 @@ impl Study<'_> {
         self.system.evaluate();
     }
 
-    /// Replaces the start coordinates by those of the equilibrium.
+    /// Replaces the initial coordinates by those of the equilibrium.
     ///
     /// A joint whose equilibrium would be at the angle of its enabled latch or beyond cannot reach it: the latch closes, and the search is
-    /// repeated with it. A rigid one then holds the joint at the edge of its capture range.
+    /// repeated with the closed latch. A rigid latch then holds the joint at the edge of its capture range.
     pub(crate) fn settle_at_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let mut start = self.system.state.now.q.clone();
         for _ in 0..MAXIMUM_SEARCHES {
@@ -435,7 +434,7 @@ impl Study<'_> {
         Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause, diverges_m_s: None })
     }
 
-    /// The equilibrium on the path from the start coordinates, with the latches as they are.
+    /// Finds the equilibrium on the path from the initial coordinates, with the latches in their present state.
     fn search(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let now = &mut self.system.state.now;
         let equations = &mut self.system.equations;
@@ -446,7 +445,7 @@ impl Study<'_> {
                 joint.held = true;
             }
         }
-        // free bodies are held: their balance is found by the trim, eq. (Q8)
+        // free bodies are held: their balance is found by trimming, eq. (Q8)
         for joint in &mut equations.spatial {
             joint.held = joint.flies;
         }
@@ -476,7 +475,7 @@ impl Study<'_> {
     }
 
     /// Returns an error for an equilibrium supported only by stretched penalty springs of closed loops; the search finds such a state for a
-    /// linkage that is free to turn.
+    /// linkage that can move freely.
     fn check_loops(&self, time_s: f64) -> Result<(), PlantError> {
         let limit_m = TORN * self.system.equations.model.reference_length_m;
         for (closure, described) in self.system.equations.model.closures.iter().zip(&self.system.machine.closures) {

@@ -1,4 +1,4 @@
-//! Steady state of a machine with a turning rotor: its loads are the same at every azimuth, so that only the shaft moves.
+//! Steady state of a machine with a spinning rotor whose loads are the same at every azimuth, so that only the shaft moves.
 
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
@@ -8,24 +8,25 @@ use crate::system::PlantError;
 use crate::system::freedoms::Freedom;
 use nalgebra::DVector;
 
-/// Azimuths in rad beside the first at which the state must be the same; no symmetry of a rotor has these angles.
+/// Further azimuths in rad at which the state must be the same; no symmetry of a rotor has these angles.
 const AZIMUTHS_RAD: [f64; 2] = [0.7, 1.9];
-/// Correction over the machine's length, or in rad, at which the state is found: loads of the air are balanced to 1e-10 of themselves.
+/// Correction divided by the machine's length, or in rad, at which the state has converged: aerodynamic loads are balanced to 1e-10 of
+/// their magnitude.
 const FOUND: f64 = 1e-9;
-/// Longest correction.
+/// Largest correction.
 const LONGEST: f64 = 0.3;
 /// Maximum number of corrections.
 const MAXIMUM_CORRECTIONS: usize = 100;
 
 impl Study<'_> {
-    /// Finds the state of a machine with a shaft (its body) of given speed in which no other part moves, under gravity, loads and an
-    /// established flow at its present azimuth, NOTATION eq. (L40). Returns the difference from the states at other azimuths: over the
-    /// machine's length, or in rad. If it is zero the state turns with the rotor and is steady; otherwise it is the initial guess of a
-    /// periodic motion.
+    /// Finds the state of a machine with a shaft (given by its body) of given speed in which no other part moves, under gravity, loads and
+    /// an established flow at its present azimuth, NOTATION eq. (L40). Returns the difference from the states at other azimuths, divided by
+    /// the machine's length, or in rad. If it is zero, the state rotates with the rotor and is steady; otherwise it is the initial guess of
+    /// a periodic motion.
     ///
     /// # Errors
-    /// [`PlantError::Periodic`] if no such state is found: a joint without stiffness, or a coupling of air and structure that does not
-    /// converge. The machine is then in the last state of the search.
+    /// [`PlantError::Periodic`] if no such state is found: a joint without stiffness, or an aeroelastic coupling that does not converge.
+    /// The machine is then in the last state of the search.
     pub(crate) fn turn_in_balance(&mut self, shaft: usize, speed_rad_s: f64) -> Result<f64, PlantError> {
         let time_s = self.system.state.now.time_s;
         let refused = |cause: String| PlantError::Periodic { time_s, cause };
@@ -56,7 +57,7 @@ impl Study<'_> {
         )))
     }
 
-    /// Newton's step towards the balance under the loads of the air on the present state, and its size.
+    /// Newton's step towards equilibrium under the aerodynamic loads of the present state, and its size.
     fn correction(&mut self, time_s: f64, freedoms: &[Freedom]) -> Result<(Vec<f64>, f64), String> {
         self.system.start_air(time_s).map_err(|error| error.to_string())?;
         let now = &self.system.state.now;
@@ -77,7 +78,7 @@ impl Study<'_> {
         Ok((change, size))
     }
 
-    /// Largest correction at other azimuths. The state is kept, with the loads of its own azimuth.
+    /// Largest correction at other azimuths. The state is restored, with the loads at its azimuth.
     fn swing(&mut self, time_s: f64, shaft: usize, freedoms: &[Freedom]) -> Result<f64, String> {
         let kept = self.system.state.now.q.clone();
         let mut swing = 0.0f64;

@@ -15,30 +15,30 @@ use nalgebra::{DMatrix, DVector};
 
 /// Further azimuths in rad at which the transformed equations must be the same; no symmetry of a rotor has these angles.
 const AZIMUTHS_RAD: [f64; 2] = [0.7, 1.9];
-/// Difference of these, relative to the mass, damping and stiffness of the two coordinates. Rounded angles of a model file make
-/// 1e-7, a blade that is lighter by a hundredth 1e-2.
+/// Allowed difference between the equations at these azimuths, relative to the mass, damping and stiffness of the two coordinates. Rounded
+/// angles of a model file cause 1e-7, a blade that is lighter by one per cent 1e-2.
 const ISOTROPIC: f64 = 1e-6;
-/// Round-off of the stiffness over its largest entry, eq. (L10).
+/// Round-off of the stiffness relative to its largest entry, eq. (L10).
 const ROUND_OFF: f64 = 1e-10;
-/// Correction of the steady state over the machine's length, or in rad, at which it is found.
+/// Correction of the steady state divided by the machine's length, or in rad, at which it has converged.
 const STEADY: f64 = 1e-10;
-/// Longest step towards it.
+/// Largest step towards the steady state.
 const LONGEST: f64 = 0.3;
 /// Maximum number of iterations.
 const MAXIMUM_ITERATIONS: usize = 50;
 
 impl Study<'_> {
-    /// The `count` modes of lowest frequency of the machine whose rotor turns at `speed_rad_s`, without loads, gravity, root motion and
-    /// air, NOTATION eqs. (L25) and (L26). Frequencies are those in the ground frame; shapes are those at the start angles.
+    /// The `count` modes of lowest frequency of the machine whose rotor rotates at `speed_rad_s`, without loads, gravity, root motion and
+    /// aerodynamics, NOTATION eqs. (L25) and (L26). Frequencies are in the ground frame; shapes are those at the initial angles.
     ///
-    /// The state is the steady one: deformed by centrifugal forces, with the torque on the shaft that balances it. A free shaft keeps its
-    /// freedom in the modes.
+    /// The state is the steady one: deformed by centrifugal forces, with the torque on the shaft that balances them. A free shaft keeps its
+    /// degree of freedom in the modes.
     ///
     /// # Errors
-    /// If there is no steady state, or if the equations in the ground frame change as the rotor turns: the rotor is not isotropic, or has
-    /// two blades on a support that is not. The message names the coordinates.
+    /// If there is no steady state, or if the equations in the ground frame change as the rotor rotates: the rotor is not isotropic, or it
+    /// has two blades on an anisotropic support. The message names the coordinates.
     ///
-    /// The machine is left in the state of [`Study::undeformed`], also after an error.
+    /// Afterwards the machine is in the state of [`Study::undeformed`], also after an error.
     pub fn whirl_modes(
         &mut self,
         time_s: f64,
@@ -52,7 +52,7 @@ impl Study<'_> {
         found
     }
 
-    /// The same, and leaves the machine in the steady state.
+    /// Computes the modes of [`Study::whirl_modes`], and leaves the machine in the steady state.
     fn turning_modes(
         &mut self,
         time_s: f64,
@@ -90,7 +90,7 @@ impl Study<'_> {
         Ok(modes.collect())
     }
 
-    /// Places of the blades' coordinates among the freedoms.
+    /// Indices of the blades' coordinates among the degrees of freedom.
     pub(super) fn blades(&self, rotor: &Rotor, freedoms: &[Freedom]) -> Result<Multiblade, String> {
         let of = |bodies: &Vec<usize>| -> Vec<usize> {
             (0..freedoms.len()).filter(|&i| bodies.contains(&self.body_of(&freedoms[i]))).collect()
@@ -111,13 +111,13 @@ impl Study<'_> {
         Ok(Multiblade { blades })
     }
 
-    /// Body to which a freedom belongs, by its strains, shapes or joint.
+    /// Body to which a degree of freedom belongs, by its strains, shapes or joint.
     fn body_of(&self, freedom: &Freedom) -> usize {
         let bodies = &self.system.equations.model.bodies;
         bodies.iter().rposition(|body| body.joint.coordinate <= freedom.index).unwrap_or(0)
     }
 
-    /// Finds the state in which the shaft turns at a speed and its parts have no other motion, by Newton's method.
+    /// Finds the state in which the shaft rotates at a speed and its parts have no other motion, by Newton's method.
     fn turn_steadily(&mut self, shaft: usize, speed_rad_s: f64, freedoms: &[Freedom]) -> Result<(), String> {
         let others: Vec<Freedom> = freedoms.iter().filter(|freedom| freedom.index != shaft).cloned().collect();
         let now = &mut self.system.state.now;
@@ -156,7 +156,7 @@ impl Study<'_> {
         ))
     }
 
-    /// The equations in the ground frame with the rotor rotated by an angle, eq. (L25). The state is kept.
+    /// The equations in the ground frame with the rotor rotated by an angle, eq. (L25). The state is restored.
     fn seen(
         &mut self,
         blades: &Multiblade,
@@ -171,7 +171,7 @@ impl Study<'_> {
         Ok(blades.transform(&system?, azimuth_rad, speed_rad_s))
     }
 
-    /// Returns an error for equations that change as the rotor turns.
+    /// Returns an error for equations that change as the rotor rotates.
     fn check_isotropy(
         &self,
         freedoms: &[Freedom],
@@ -191,7 +191,7 @@ impl Study<'_> {
             let excess = |i: usize, j: usize| {
                 let change = (a[(i, j)] - b[(i, j)]).abs() / (root(i) * root(j));
                 if change == 0.0 {
-                    return 0.0; // of a machine at rest without damping, over zero
+                    return 0.0; // without rotation and damping both terms are zero
                 }
                 change / ((own(i) * own(j)).sqrt() + ROUND_OFF / ISOTROPIC * largest)
             };
@@ -210,7 +210,7 @@ impl Study<'_> {
         Ok(())
     }
 
-    /// Names of the moving parts of a mode with shares, largest first: those of a blade without its number.
+    /// Names of the moving parts of a mode with participations, largest first; parts of a blade are named without its number.
     pub(super) fn named(
         &self,
         freedoms: &[Freedom],
@@ -230,7 +230,7 @@ impl Study<'_> {
         list
     }
 
-    /// Name of the part moved by a freedom: the shape or strain of a body, or a joint.
+    /// Name of the part moved by a degree of freedom: the shape or strain of a body, or a joint.
     fn part(&self, freedom: &Freedom, body: usize, of_blade: bool) -> String {
         let described = &self.system.machine.bodies[body];
         let plain = |name: &str| match of_blade {

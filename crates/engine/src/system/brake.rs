@@ -1,4 +1,4 @@
-//! Instantaneous stop of a joint by lock, brake or rigid latch: one impulse with its energy account, NOTATION eq. (A6).
+//! Instantaneous stop of a joint by a lock, brake or rigid latch: an impulse and the energy it dissipates, NOTATION eq. (A6).
 
 use crate::force::joint::JointForces;
 use crate::solve::point::Point;
@@ -10,19 +10,19 @@ use crate::system::state::State;
 /// Impulse and energy that stop a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stop {
-    /// Impulse on the outer body about `+θ` in N·m·s.
+    /// Impulse on the outer body in the direction of `+θ` in N·m·s.
     pub impulse_n_m_s: f64,
     /// Kinetic energy lost in J.
     pub energy_j: f64,
 }
 
-/// Scale in 1/s at which a jump of rates is treated as accelerations: far above the actual ones.
+/// Factor in 1/s by which a jump of the rates is converted to accelerations, which are then far above the actual ones.
 const JUMP_1_S: f64 = 1e6;
 /// Inertia of a loop's penalty in an impulse, relative to the machine's mass: the rate of its gap jumps by a millionth of the other rates,
 /// and its impulse is accurate to 1e-10.
 const LOOP_INERTIA: f64 = 1e6;
 
-/// Energy account of stopping joints.
+/// Energies of stopping joints.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stopped {
     /// Kinetic energy lost in J.
@@ -32,7 +32,7 @@ pub(crate) struct Stopped {
 }
 
 impl System {
-    /// Stops the joints that move at `start` and that are held in the new state.
+    /// Stops the joints that move at `start` and are held in the new state.
     ///
     /// Overwrites `before` and `scratch[1]`. Allocates nothing.
     pub(crate) fn stop_held_joints(&mut self) -> Result<Stopped, Singular> {
@@ -60,7 +60,7 @@ impl System {
             self.find_impulses();
         }
         self.part_loops();
-        // without loops and prescribed joints the losses of the single stops add up to the whole
+        // without loops and prescribed joints the losses of the individual stops add up to the total
         let others = !self.equations.model.closures.is_empty()
             || self.equations.forces.joints().iter().any(|joint| joint.law().is_some());
         if jumps && others {
@@ -73,7 +73,7 @@ impl System {
     fn join_loops(&mut self) {
         if !self.equations.model.closures.is_empty() {
             let inertia_kg = LOOP_INERTIA * self.mass_kg();
-            // those that are open have no stiffness
+            // open loops have no stiffness
             for closure in
                 self.equations.model.closures.iter_mut().filter(|closure| closure.penalty.stiffness_n_m > 0.0)
             {
@@ -82,7 +82,7 @@ impl System {
         }
     }
 
-    /// Restores the penalties of loops.
+    /// Restores the penalties of the loops.
     fn part_loops(&mut self) {
         for (closure, described) in self.equations.model.closures.iter_mut().zip(&self.machine.closures) {
             closure.penalty.inertia_kg = described.inertia_kg;
@@ -91,7 +91,7 @@ impl System {
     }
 
     /// Computes the impulses of the forces that store them (rigid latches that close now): their rows of `M Δv`, NOTATION eq. (A7). Latches
-    /// that close at the same instant share the impulse, so the impulses of the single stops cannot be used.
+    /// that close at the same instant share the impulse, so the impulses of the individual stops cannot be used.
     fn find_impulses(&mut self) {
         for sign in [-1.0, 1.0] {
             self.residual_of_jump(sign > 0.0);
@@ -104,8 +104,8 @@ impl System {
         }
     }
 
-    /// Energies of the jump of the rates from `before` to `start`, from all rows of `M Δv`: also those of loops that are not quite closed,
-    /// and the work of prescribed joints.
+    /// Energies of the jump of the rates from `before` to `start`, from all rows of `M Δv`, including those of loops that are not quite
+    /// closed, and the work of prescribed joints.
     fn account_for_jump(&mut self) -> Stopped {
         let mut stopped = Stopped::default();
         for sign in [-1.0, 1.0] {
@@ -125,8 +125,8 @@ impl System {
         stopped
     }
 
-    /// Residual in `scratch[1]` at the configuration and the rates of `before` with the jump of the rates, times
-    /// [`JUMP_1_S`], as accelerations, or with none.
+    /// Computes the residual in `scratch[1]` at the configuration and the rates of `before`, with the jump of the rates times [`JUMP_1_S`]
+    /// as accelerations, or with zero accelerations.
     fn residual_of_jump(&mut self, jump: bool) {
         let State { before, start, .. } = &mut self.state;
         let scale_1_s = if jump { JUMP_1_S } else { 0.0 };
@@ -140,7 +140,7 @@ impl Equations {
     /// Stops a revolute joint at the configuration of the last residual: its rate becomes zero, all other rates follow through the mass
     /// matrix, and the joint is held afterwards.
     ///
-    /// Joints that are already held stay at rest, so that joints stopped in sequence end as if stopped simultaneously. `scratch` has one
+    /// Joints that are already held remain stopped, so that joints stopped in sequence end as if stopped simultaneously. `scratch` has one
     /// entry per coordinate. Allocates nothing.
     pub fn stop(&mut self, joint: usize, point: &mut Point, scratch: &mut [f64]) -> Result<Stop, Singular> {
         let JointForces { coordinate: c, body, .. } = self.forces.joints()[joint];

@@ -1,4 +1,4 @@
-//! Inputs within a communication step: held, or `u + u̇ (t − t_c)`, NOTATION eq. (A4).
+//! Inputs within a communication step: constant, or `u + u̇ (t − t_c)`, NOTATION eq. (A4).
 
 use crate::load::{RootMotion, Wrench};
 use crate::signal::Inputs;
@@ -6,7 +6,7 @@ use crate::system::state::State;
 use nalgebra::Vector3;
 
 impl RootMotion {
-    /// Adds `elapsed_s` times the rates of all quantities.
+    /// Advances all quantities linearly by `elapsed_s` times their rates.
     fn run_on(&mut self, rates: &Self, elapsed_s: f64) {
         self.gravity_m_s2 += rates.gravity_m_s2 * elapsed_s;
         self.acceleration_m_s2 += rates.acceleration_m_s2 * elapsed_s;
@@ -27,7 +27,7 @@ impl State {
             + self.applied_rates.root().angular_velocity_rad_s * (time_s - self.applied_from_s)
     }
 
-    /// Ends a communication step: rates hold for one step only, and the inputs keep their values at its end.
+    /// Ends a communication step: the rates apply to one step only, and the inputs keep their values at its end.
     pub fn arrive(&mut self) {
         self.rates.clear();
         if !self.applied_rates.is_still() {
@@ -37,10 +37,10 @@ impl State {
     }
 }
 
-/// The inputs of the present communication step as the equations follow them in time.
+/// Inputs of the present communication step as functions of time, for the equations.
 #[derive(Debug, Clone)]
 pub(crate) struct Course {
-    /// Some rate is not zero.
+    /// Whether some rate is nonzero.
     pub moves: bool,
     /// Time of `base` in s.
     pub from_s: f64,
@@ -51,7 +51,7 @@ pub(crate) struct Course {
 }
 
 impl Course {
-    /// Held inputs.
+    /// Inputs that are held constant.
     pub fn held(inputs: &Inputs) -> Self {
         Self { moves: false, from_s: 0.0, base: inputs.clone(), rates: inputs.no_rates() }
     }
@@ -64,7 +64,7 @@ impl Course {
         self.moves = !self.rates.is_still();
     }
 
-    /// Root motion at a time.
+    /// Motion of the root at a time.
     pub fn root(&self, time_s: f64) -> RootMotion {
         let mut root = *self.base.root();
         root.run_on(self.rates.root(), time_s - self.from_s);

@@ -23,7 +23,7 @@ use crate::system::failures;
 use crate::system::joint_forces;
 use crate::system::spatial::SpatialJoint;
 
-/// Equations of motion with their scratch.
+/// Equations of motion with their workspace.
 pub(crate) struct Equations {
     pub model: Model,
     pub work: Workspace,
@@ -32,34 +32,34 @@ pub(crate) struct Equations {
     pub course: Course,
     pub root: RootMotion,
     pub damping: Vec<Damping>,
-    /// Loads at the stations of the model: the caller's first, then those of the air on its sections.
+    /// Loads at the stations of the model: first the caller's loads, then the aerodynamic loads on the sections.
     pub stations: Vec<Wrench>,
-    /// Number of stations whose loads are the caller's.
+    /// Number of stations with loads of the caller.
     pub load_stations: usize,
-    /// Loads of the air, of machines that have any.
+    /// Aerodynamic loads; `None` for machines without aerodynamics.
     pub air: Option<StepLoads>,
-    /// Some station carries a load.
+    /// Whether some station carries a load.
     pub loaded: bool,
     /// Forces on the joints.
     pub forces: Forces,
-    /// Joints with several freedoms.
+    /// Joints with several degrees of freedom.
     pub spatial: Vec<SpatialJoint>,
-    /// Time whose branch of slews and prescribed motions holds, in s: the middle of a step, or the present.
+    /// Time in s that selects the branch of slews and prescribed motions: the middle of a step, or the present.
     pub branch_s: f64,
-    /// Energies are booked; trial marches are undone, and their accounts with them.
+    /// Whether energies are booked; not during trial marches, which are undone.
     pub booked: bool,
     pub tangents: Vec<FreedomTangent>,
-    /// Time of the next failure that is known in advance, in s; infinite without one.
+    /// Time of the next failure known in advance, in s; infinite if there is none.
     pub failure_s: f64,
-    /// Elements without failures, for machines whose bodies may weaken.
+    /// Elements before any failure, for machines with bodies that may be weakened.
     pub sound: Vec<Element>,
-    /// Places whose internal loads are outputs.
+    /// Positions of the internal loads that are outputs.
     pub sections: Vec<SectionPlace>,
     scratch: Vec<f64>,
 }
 
 impl Equations {
-    /// Equations of a machine with the fixed factors of `parameters`; inputs and tunable parameters are set later.
+    /// Creates the equations of a machine with the fixed factors of `parameters`; inputs and tunable parameters are set later.
     pub fn new(machine: &Machine, parameters: &Parameters) -> Self {
         let descriptions: Vec<BodyDescription> = machine
             .bodies
@@ -152,7 +152,7 @@ impl Equations {
         }
     }
 
-    /// Loads of the air, and inputs that run, at a time.
+    /// Updates the aerodynamic loads, and the inputs that vary in time, to a time.
     pub(crate) fn bring_loads_to(&mut self, time_s: f64) {
         if let Some(air) = &self.air {
             air.write(&mut self.stations[self.load_stations..]);
@@ -168,7 +168,7 @@ impl Equations {
         }
     }
 
-    /// Motion and wrenches of all nodes, as after a residual.
+    /// Computes motion and wrenches of all nodes like a residual evaluation.
     pub fn wrenches(&mut self, time_s: f64, motion: Motion, scratch: &mut [f64]) {
         self.bring_loads_to(time_s);
         let environment = Environment {
@@ -190,12 +190,12 @@ impl Equations {
         Potentials { elastic: stored.elastic, gravity, drive: stored.drive }
     }
 
-    /// Whether a known kink is exactly at `time_s`: prescribed rates or accelerations may jump there.
+    /// Whether a known kink is exactly at `time_s`, so that prescribed rates or accelerations may jump there.
     pub fn kink_at(&self, time_s: f64) -> bool {
         self.forces.kink_at(time_s) || self.failure_s <= time_s
     }
 
-    /// Next time after `time_s` of a known kink: end of a slew, knot of a prescribed motion, end of an aerodynamic step.
+    /// Time of the next known kink after `time_s`: end of a slew, knot of a prescribed motion, end of an aerodynamic step.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
         let mut next = self.forces.next_kink_s(time_s);
         if self.failure_s > time_s {
@@ -211,16 +211,16 @@ impl Equations {
 /// Potential energies in J.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Potentials {
-    /// Beams, springs of fold joints, closed latches and closed loops.
+    /// Strain energy of beams, springs of fold joints, closed latches and closed loops.
     pub elastic: f64,
-    /// Apparent gravity, zero at the origin.
+    /// Potential of the apparent gravity, zero at the origin.
     pub gravity: f64,
-    /// Springs and constant torques of the motors.
+    /// Potential of springs and constant torques of the motors.
     pub drive: f64,
 }
 
 impl Potentials {
-    /// Sum in J.
+    /// Sum of the potentials in J.
     pub fn total(&self) -> f64 {
         self.elastic + self.gravity + self.drive
     }
@@ -288,7 +288,7 @@ impl EquationsOfMotion for Equations {
             return powers;
         }
         if self.forces.joints().iter().any(|joint| joint.law().is_some()) {
-            // the torque that holds a prescribed joint must be that of these accelerations, not of the last iterate's
+            // the torque that holds a prescribed joint must correspond to these accelerations, not to those of the last iterate
             let mut residual = std::mem::take(&mut self.scratch);
             self.residual(time_s, q, v, a, &mut residual);
             self.scratch = residual;
@@ -306,7 +306,7 @@ impl EquationsOfMotion for Equations {
             powers.dissipated += closure.dissipation_w(&self.work);
         }
         if self.course.moves {
-            // a field that changes in time does work on the potential, eq. (A4)
+            // a gravity field that varies in time does work on the potential, eq. (A4)
             let field = self.course.rates.root().apparent_gravity_m_s2();
             powers.work -= field.dot(&energy::first_moment_kg_m(&self.model, &self.work));
         }

@@ -10,16 +10,16 @@ pub enum PlantError {
     NoConvergence {
         /// Last good time in s.
         time_s: f64,
-        /// Internal step at which the integrator stopped, below the smallest allowed, in s.
+        /// Internal step in s at which the integrator stopped, below the smallest allowed one.
         step_s: f64,
-        /// Element or joint with the largest motion in the remainder.
+        /// Element or joint with the largest contribution to the remaining error.
         place: String,
         /// Cause of the failure.
         cause: String,
         /// Suggested remedy.
         advice: &'static str,
     },
-    /// Numbers that grew too large.
+    /// Outputs that are not finite.
     #[error("outputs at t = {time_s} s are not finite; {cause}; check the inputs and parameters until then")]
     NotFinite {
         /// End of the step in s.
@@ -27,35 +27,35 @@ pub enum PlantError {
         /// The largest input.
         cause: String,
     },
-    /// More work than one communication step may cost.
+    /// The maximum computational effort of one communication step was exceeded.
     #[error(
         "reached only t = {time_s} s after {most} iterations, with a last internal step of {step_s:.1e} s; {cause}; use shorter communication steps, or allow a larger solver.tolerance"
     )]
     TooMuchWork {
         /// Last good time in s.
         time_s: f64,
-        /// Newton iterations of one communication step at most, trial marches with the air included.
+        /// Maximum number of Newton iterations in one communication step, including trial marches of the aeroelastic coupling.
         most: u64,
         /// Next internal step in s.
         step_s: f64,
         /// The largest input.
         cause: String,
     },
-    /// Accelerations that no aerodynamic step can follow.
+    /// Accelerations that are too large for the aerodynamic step.
     #[error(
         "the accelerations at t = {time_s} s move the wing by {lengths:.1e} times its length within an aerodynamic step of {step_s} s; {cause}; reduce it, or use a smaller aerodynamics.step_s"
     )]
     Leap {
         /// Time in s.
         time_s: f64,
-        /// Displacement in an aerodynamic step over the machine's length.
+        /// Displacement within an aerodynamic step divided by the machine's length.
         lengths: f64,
         /// Aerodynamic step in s.
         step_s: f64,
         /// The largest input.
         cause: String,
     },
-    /// The time is so large that a step is lost in its round-off.
+    /// The time is so large that adding a step is lost in round-off.
     #[error("a step of {step_s:.1e} s does not advance the time t = {time_s} s; start nearer to 0 s")]
     Clock {
         /// Last good time in s.
@@ -71,16 +71,16 @@ pub enum PlantError {
         /// Largest internal step in s.
         max_step_s: f64,
     },
-    /// States of an external integrator that are impossible for a structure.
+    /// States set by an external integrator that are physically impossible.
     #[error(
         "at t = {time_s} s {place} is compressed through zero length: longitudinal strain {strain:.3e}, allowed is more than -1"
     )]
     Crushed {
         /// Time in s.
         time_s: f64,
-        /// The element.
+        /// Name of the element.
         place: String,
-        /// Its strain.
+        /// Longitudinal strain of the element.
         strain: f64,
     },
     /// The initial accelerations could not be found.
@@ -91,7 +91,7 @@ pub enum PlantError {
         /// Cause of the failure.
         cause: String,
     },
-    /// The air has no loads that agree with the motion.
+    /// No aerodynamic loads are consistent with the motion.
     #[error(
         "no aerodynamic loads at t = {time_s} s: {cause}; check wind and density, or try another aerodynamics.step_s"
     )]
@@ -106,7 +106,7 @@ pub enum PlantError {
     Surroundings {
         /// Time in s.
         time_s: f64,
-        /// Cause and cure.
+        /// Cause and remedy.
         cause: String,
     },
     /// Two lattices coincide.
@@ -121,9 +121,9 @@ pub enum PlantError {
         time_s: f64,
         /// Bodies that carry them.
         bodies: [String; 2],
-        /// Distance at the widest place in m.
+        /// Largest distance in m.
         gap_m: f64,
-        /// The same over the size of a panel.
+        /// Largest distance divided by the panel size.
         gap_panels: f64,
     },
     /// One lattice passes through another.
@@ -140,7 +140,7 @@ pub enum PlantError {
         /// Depth in m.
         depth_m: f64,
     },
-    /// No state of rest was found.
+    /// No static equilibrium was found.
     #[error(
         "no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}; reduce the load, or start the simulation unstrained"
     )]
@@ -149,14 +149,14 @@ pub enum PlantError {
         time_s: f64,
         /// Largest load factor with an equilibrium.
         reached: f64,
-        /// Load factor that failed.
+        /// Load factor at which the search failed.
         tried: f64,
-        /// Cause.
+        /// Cause of the failure.
         cause: String,
-        /// Wind speed in m/s at which the path of equilibria ends for lack of stiffness, if that is known.
+        /// Wind speed in m/s at which the path of equilibria ends because the stiffness becomes singular, if known.
         diverges_m_s: Option<f64>,
     },
-    /// A free joint without stiffness in the equilibrium found.
+    /// The equilibrium found requires a load on a free joint, so that it is not a steady flight.
     #[error(
         "no steady flight at t = {time_s} s: {force_n:.3e} N and {moment_n_m:.3e} N m remain on the free joint {joint:?}; trim the \
          machine and set the values found"
@@ -164,36 +164,36 @@ pub enum PlantError {
     Flight {
         /// Time in s.
         time_s: f64,
-        /// Its name.
+        /// Name of the joint.
         joint: String,
-        /// Magnitude of the force that would have to hold it in N.
+        /// Magnitude of the force in N that would be needed to hold it.
         force_n: f64,
-        /// Magnitude of the moment about it that would have to hold it in N·m.
+        /// Magnitude of the moment in N·m about the joint that would be needed to hold it.
         moment_n_m: f64,
     },
-    /// No linear model of the present state.
+    /// The present state has no linear model.
     #[error("no linearisation at t = {time_s} s: {cause}")]
     Linearization {
         /// Time in s.
         time_s: f64,
-        /// Cause.
+        /// Cause of the failure.
         cause: String,
     },
-    /// No periodic motion of a rotor that turns.
+    /// No periodic motion of a spinning rotor was found.
     #[error("no periodic motion at t = {time_s} s: {cause}")]
     Periodic {
         /// Time in s.
         time_s: f64,
-        /// Cause and cure.
+        /// Cause and remedy.
         cause: String,
     },
-    /// A snapshot of another model.
+    /// The snapshot belongs to another model.
     #[error("the state does not fit this model: {0}; save one with this instance")]
     Snapshot(String),
 }
 
 impl PlantError {
-    /// The error at states set by the caller: without the advice on inputs and parameters, which are not the cause there.
+    /// Text of an error at states set by the caller: without the advice on inputs and parameters, which are not the cause in this case.
     pub fn at_set_states(&self) -> String {
         match self {
             Self::NotFinite { time_s, .. } => format!("outputs at t = {time_s} s are not finite"),

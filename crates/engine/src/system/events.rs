@@ -13,10 +13,10 @@ use crate::system::joint_forces;
 use crate::system::state::State;
 use std::sync::Arc;
 
-/// Share of the step before a crossing that the first step after it may have.
+/// Maximum length of the first step after a crossing, as a fraction of the step before it.
 const STEP_SHARE_AFTER_CROSSING: f64 = 0.1;
-/// Way over the machine's length, or turn of a section in rad, that a jump of the accelerations may make within an
-/// aerodynamic step: light wings in a wind that is suddenly there make 1, by the twist of their sections.
+/// Limit of the displacement relative to the machine's length, or of the rotation of a section in rad, that a jump of the accelerations may
+/// cause within an aerodynamic step: a light wing in a suddenly applied wind reaches 1, by the twist of its sections.
 const MAXIMUM_LENGTHS: f64 = 100.0;
 
 impl System {
@@ -28,7 +28,7 @@ impl System {
         self.configure();
     }
 
-    /// Updates the equations to the applied inputs and parameters and the joints' states.
+    /// Updates the equations to the applied inputs and parameters and to the states of the joints.
     pub(crate) fn configure(&mut self) {
         let State { applied_inputs: inputs, applied_parameters: parameters, joints, air, .. } = &self.state;
         let equations = &mut self.equations;
@@ -46,7 +46,7 @@ impl System {
         let bodies = equations.model.bodies.iter().zip(parameters.bodies());
         for (damping, (body, parameters)) in equations.damping.iter_mut().zip(bodies) {
             *damping = match body.modal {
-                // its shapes have damping ratios
+                // modal damping ratios apply instead
                 Some(_) => Damping::default(),
                 None => Damping { mass_1_s: parameters.mass_damping_1_s, stiffness_s: parameters.stiffness_damping_s },
             };
@@ -69,7 +69,7 @@ impl System {
     pub(crate) fn apply_inputs(&mut self) -> Result<(), PlantError> {
         let State { start, now, .. } = &mut self.state;
         start.copy_from(now);
-        // interpolation violates the constraints of joint parameters by its error
+        // interpolation errors violate the constraints of the joint parameters
         self.equations.project(&mut start.q, &mut start.v, &mut start.a);
         self.cut_step();
         let machine = Arc::clone(&self.machine);
@@ -112,7 +112,7 @@ impl System {
             return Ok(());
         }
         self.make_transitions()?;
-        // an impulse changes the rates of other joints, and with them the state of their forces
+        // an impulse changes the rates of other joints, and thereby the state of their forces
         for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
             forces.mark_overdue(&self.state.start, memory);
         }
@@ -135,8 +135,8 @@ impl System {
     /// Changes the equations at `start` as [`System::discontinuity`] does, and shortens the next step by the jump.
     pub(crate) fn event(&mut self, change: impl FnOnce(&mut State, &Equations) -> Outcome) -> Result<(), PlantError> {
         let jump = self.discontinuity(change)?;
-        // the accelerations after an impulse act at the rates before it: the stiffest modes ring, but this has no far-reaching effect,
-        // however large the accelerations are
+        // after an impulse, the accelerations are computed with the rates before it: the stiffest modes ring, but without large
+        // displacements, however large the accelerations are
         if !jump.by_impulse {
             self.refuse_leap(Place::Start, jump.norm_1_s2)?;
         }
@@ -144,9 +144,9 @@ impl System {
         Ok(())
     }
 
-    /// Returns an error for accelerations that are too large for an aerodynamic step, with the probable input as the cause: within the step
-    /// they would move a part of the wing by many times its length. Stiff motions go no farther than their springs and dampers let them,
-    /// however large their accelerations are: an implicit step counts.
+    /// Returns an error, with the probable input as the cause, if the accelerations are too large for an aerodynamic step: within the step
+    /// they would move a part of the wing by many times its length. Displacements of stiff modes are limited by their springs and dampers,
+    /// however large the accelerations are, so the displacement in an implicit step is decisive.
     pub(crate) fn refuse_leap(&mut self, at: Place, jump_norm_1_s2: f64) -> Result<(), PlantError> {
         let Some(air) = &self.machine.air else { return Ok(()) };
         let step_s = air.step_s;
@@ -177,7 +177,7 @@ impl System {
 
     /// Changes the equations at `start` and solves again for the accelerations; the present step then has zero length.
     ///
-    /// `change` returns the energy that it dissipates and counts its events; the rest of the jump of the potentials is booked as work.
+    /// `change` returns the energy that it dissipates and counts its events; the remainder of the jump of the potentials is booked as work.
     /// Joints that are held after the change stop instantaneously, eq. (A6), and the energy lost is booked as dissipated. The accelerations
     /// change by the solution for the change of the residual, so that interpolation errors in stiff modes are not multiplied by the
     /// stiffness.
@@ -209,7 +209,7 @@ impl System {
         let after = self.equations.potentials(time_s, &start.q).total();
         new_residual.iter_mut().zip(old.iter()).for_each(|(new, old)| *new -= old);
         if failed {
-            // a failure does no work: the energy stored in springs and loops is lost
+            // a failure does no work: the energy stored in springs and loops is dissipated
             dissipated_j += (before - after - dissipated_j).max(0.0);
             stopped.lost_j += of_loops_j - self.equations.loop_kinetic_j();
         }
@@ -261,12 +261,12 @@ impl System {
     }
 }
 
-/// State of a point of the system.
+/// Point of the system's state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Place {
-    /// That of the outputs.
+    /// The point of the outputs.
     Now,
-    /// That of the next step's start.
+    /// The point at the start of the next step.
     Start,
 }
 
@@ -275,7 +275,7 @@ pub(crate) enum Place {
 pub(crate) struct Jump {
     /// Kinematic norm of the jump in 1/s².
     pub(crate) norm_1_s2: f64,
-    /// A joint that moved was stopped, which changed the rates too.
+    /// Whether a moving joint was stopped, which changed the rates too.
     pub(crate) by_impulse: bool,
 }
 
@@ -286,7 +286,7 @@ pub(crate) fn settle(equations: &mut Equations, residual: &mut [f64], point: &mu
     Ok(settle_by(equations, residual, point))
 }
 
-/// The same by factors of the mass matrix that the equations hold.
+/// Computes [`settle`] with the factors of the mass matrix that the equations hold.
 pub(crate) fn settle_by(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> f64 {
     let jump = equations.solve(residual);
     if !jump.is_finite() {

@@ -1,5 +1,5 @@
-//! The machine under an external integrator as in Model Exchange: time, states and inputs are set one by one, and dependent quantities are
-//! evaluated on request.
+//! The machine under an external integrator, for example in FMI Model Exchange: time, states and inputs are set one by one, and dependent
+//! quantities are evaluated on request.
 
 use crate::machine::Travel;
 use crate::math::strain::{CURVATURES, NAMES};
@@ -7,10 +7,10 @@ use crate::system::hybrid::NotHybrid;
 use crate::system::{PlantError, System};
 use serde::{Deserialize, Serialize};
 
-/// Drift of redundant parameters (of order 1) from their constraints beyond which a step requests an event that projects the states.
-/// Derivatives do not depend on the drift: the projection only keeps the meaning of the states.
+/// Constraint violation of the redundant parameters (of order 1) above which a step requests an event that projects the states. Derivatives
+/// do not depend on the violation: the projection only keeps the states meaningful.
 const DRIFT: f64 = 1e-4;
-/// Accounts that are states: work of the inputs, energy dissipated.
+/// Number of energy accounts that are states: work of the inputs, dissipated energy.
 const ACCOUNTS: usize = 2;
 
 /// Values set by an external integrator.
@@ -18,13 +18,13 @@ const ACCOUNTS: usize = 2;
 pub(crate) struct Outside {
     /// Time in s.
     time_s: f64,
-    /// Coordinates that move, their rates, lag states of strips, the accounts.
+    /// Moving coordinates, their rates, lag states of strips, energy accounts.
     states: Vec<f64>,
-    /// In Event Mode, before the transitions of the crossed indicators.
+    /// Whether the integrator is in Event Mode, before the transitions of the crossed indicators.
     entered: bool,
 }
 
-/// By hand, because a derived `clone_from` allocates and events copy the state.
+/// Implemented by hand, because a derived `clone_from` allocates, and events copy the state.
 impl Clone for Outside {
     fn clone(&self) -> Self {
         Self { time_s: self.time_s, states: self.states.clone(), entered: self.entered }
@@ -37,27 +37,27 @@ impl Clone for Outside {
 }
 
 impl Outside {
-    /// Whether a run of a machine with this number of states can have set these values.
+    /// Whether these values can have been set in a run of a machine with this number of states.
     pub fn fits(&self, initialized: bool, states: usize) -> bool {
         initialized && self.states.len() == states
     }
 }
 
-/// Quantities that follow from the set states, as far as they have been evaluated.
+/// Quantities computed from the set states, if they have been evaluated.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Told {
-    /// The present is that of the states, and these are its derivatives.
+    /// Whether the present point and the derivatives correspond to the set states.
     found: bool,
     derivatives: Vec<f64>,
     indicators: Vec<f64>,
-    /// Drift of the redundant parameters from their constraints.
+    /// Violation of the constraints by the redundant parameters.
     drift: f64,
-    /// Indicators that the event crosses.
+    /// Indicators crossed in the event.
     crossed: Vec<usize>,
 }
 
 impl Told {
-    /// Allocates for these numbers of states and indicators.
+    /// Allocates memory for these numbers of states and indicators.
     fn make_room(&mut self, states: usize, indicators: usize) {
         self.derivatives.resize(states, 0.0);
         self.indicators.resize(indicators, 1.0);
@@ -65,7 +65,7 @@ impl Told {
         self.crossed.reserve(indicators);
     }
 
-    /// States, time or inputs have changed.
+    /// Marks the quantities as out of date, because states, time or inputs have changed.
     pub fn forget(&mut self) {
         self.found = false;
     }
@@ -74,9 +74,9 @@ impl Told {
 /// Name of a coordinate that is a state of an external integrator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoordinateName {
-    /// Name, as `fold.angle` or `inner.element[2].kappa_y`.
+    /// Name, for example `fold.angle` or `inner.element[2].kappa_y`.
     pub name: String,
-    /// Index of its body, or of the body that its joint carries.
+    /// Index of its body, or of the body attached by its joint.
     pub body: usize,
     /// Quantity of the coordinate.
     pub quantity: CoordinateQuantity,
@@ -91,7 +91,7 @@ pub enum CoordinateQuantity {
     Angle,
     /// Displacement in m.
     Position,
-    /// Redundant parameter without unit: of a quaternion or a rotation.
+    /// Redundant parameter without unit, of a quaternion or a rotation matrix.
     Parameter,
     /// Strain without unit.
     Strain,
@@ -99,13 +99,14 @@ pub enum CoordinateQuantity {
     Curvature,
 }
 
-/// Nominal magnitudes of coordinates, and of rates divided by them in 1/s, for the error weights of integrators.
+/// Nominal magnitudes of coordinates, and ratio in 1/s of the nominal rates to them, for the error weights of integrators.
 const NOMINAL: f64 = 1.0;
 const NOMINAL_STRAIN: f64 = 1e-2;
 const NOMINAL_RATE_1_S: f64 = 10.0;
 
 impl System {
-    /// Passes control of the initialised machine to an external integrator, in its first event. An error with a lattice or a rotor.
+    /// Passes control of the initialised machine to an external integrator, which starts in event mode. Returns an error with a lattice or
+    /// a rotor.
     pub fn begin_exchange(&mut self) -> Result<(), NotHybrid> {
         let hybrid = self.hybrid()?;
         let moved = hybrid.states();
@@ -115,12 +116,12 @@ impl System {
         self.state.outside = Some(Outside { time_s: self.state.now.time_s, states, entered: true });
         self.told.forget();
         self.told.make_room(moved + ACCOUNTS, self.exchange_indicator_count());
-        // memory for rolling back a failed event
+        // for rolling back a failed event
         self.begin.clone_from(&self.state);
         Ok(())
     }
 
-    /// Number of continuous states: coordinates that move, their rates, lag states of strips, work and dissipation.
+    /// Number of continuous states: moving coordinates, their rates, lag states of strips, work and dissipation.
     pub fn exchange_state_count(&self) -> usize {
         2 * self.moving.len() + self.lag_count() + ACCOUNTS
     }
@@ -131,7 +132,7 @@ impl System {
         continuous.map_or(Vec::new(), |air| self.lag_names(air.gusts))
     }
 
-    /// Number of event indicators: those of forces, then two for each motor.
+    /// Number of event indicators: those of the forces, then two for each motor.
     pub fn exchange_indicator_count(&self) -> usize {
         let motors = self.equations.forces.joints().iter().filter(|joint| joint.motor().is_some()).count();
         self.equations.forces.indicators().count() + 2 * motors
@@ -185,7 +186,7 @@ impl System {
         self.moving.iter().map(|&c| names[c].take().unwrap_or_else(|| unnamed(c))).collect()
     }
 
-    /// Returns a continuous state: the value set by the external integrator, or that of the machine's own motion.
+    /// Returns a continuous state: the value set by the external integrator, or the value of the internal integrator.
     pub fn exchange_state(&self, state: usize) -> f64 {
         let (now, n) = (&self.state.now, self.moving.len());
         let lags = 2 * n + self.lag_count();
@@ -199,7 +200,7 @@ impl System {
         }
     }
 
-    /// The derivative of a continuous state in time, as [`System::update_exchange`] has found it, or of the machine's own motion.
+    /// Returns the time derivative of a continuous state from the last [`System::update_exchange`], or from the internal integrator.
     pub fn exchange_derivative(&self, state: usize) -> f64 {
         let (now, n) = (&self.state.now, self.moving.len());
         let lags = 2 * n + self.lag_count();
@@ -213,12 +214,12 @@ impl System {
         }
     }
 
-    /// Continuous states as they are set; none before [`System::begin_exchange`].
+    /// Continuous states as set by the external integrator; empty before [`System::begin_exchange`].
     pub fn exchange_states(&self) -> &[f64] {
         self.state.outside.as_ref().map_or(&[], |outside| &outside.states)
     }
 
-    /// Sets the continuous states, [`System::exchange_state_count`] in number.
+    /// Sets the [`System::exchange_state_count`] continuous states.
     pub fn set_exchange_states(&mut self, states: &[f64]) {
         if let Some(outside) = &mut self.state.outside {
             outside.states.copy_from_slice(states);
@@ -226,7 +227,7 @@ impl System {
         }
     }
 
-    /// Sets one continuous state and leaves the others.
+    /// Sets one continuous state; the others are unchanged.
     pub fn set_exchange_state(&mut self, state: usize, value: f64) {
         if let Some(outside) = &mut self.state.outside {
             outside.states[state] = value;
@@ -234,7 +235,7 @@ impl System {
         }
     }
 
-    /// Time as it is set, in s.
+    /// Time as set by the external integrator, in s.
     pub fn exchange_time_s(&self) -> f64 {
         self.state.outside.as_ref().map_or(self.state.now.time_s, |outside| outside.time_s)
     }
@@ -247,7 +248,7 @@ impl System {
         }
     }
 
-    /// Inputs or parameters have been set.
+    /// Notes that inputs or parameters have been set.
     pub fn exchange_inputs_set(&mut self) {
         self.inputs_may_differ = true;
         self.told.forget();
@@ -266,7 +267,7 @@ impl System {
         let (moved, accounts) = outside.states.split_at(outside.states.len() - ACCOUNTS);
         told.drift = hybrid.set(outside.time_s, moved);
         hybrid.set_accounts_j([accounts[0], accounts[1]]);
-        // in an event they act through its transition
+        // during an event, they are applied by its transition
         if !outside.entered {
             hybrid.follow_inputs();
         }
@@ -288,7 +289,7 @@ impl System {
         rates.map(|_| ())
     }
 
-    /// Derivatives of the states, as [`System::update_exchange`] has found them.
+    /// Derivatives of the states from the last [`System::update_exchange`].
     pub fn exchange_derivatives(&self) -> &[f64] {
         &self.told.derivatives
     }
@@ -300,7 +301,7 @@ impl System {
     }
 
     /// Ends a step of the external integrator. Returns true if an event is due: an indicator was crossed, redundant parameters have
-    /// drifted, or a command waits at a rate limit.
+    /// drifted, or a command is subject to a rate limit.
     pub fn complete_exchange_step(&mut self) -> Result<bool, PlantError> {
         self.update_exchange()?;
         let due = self.as_hybrid().arrived(|_| {});
@@ -324,7 +325,7 @@ impl System {
         Ok(())
     }
 
-    /// Performs the transitions of the event: for crossed indicators, a kink, changed inputs and parameters; redundant parameters are
+    /// Performs the transitions of the event: for crossed indicators, a kink, and changed inputs and parameters; redundant parameters are
     /// projected onto their constraints. Returns true if the states have changed. After an error the states are those before the event.
     pub fn make_exchange_event(&mut self) -> Result<bool, PlantError> {
         self.update_exchange()?;
@@ -337,7 +338,7 @@ impl System {
         self.told.forget();
         made?;
         let Some(mut outside) = self.state.outside.take() else { return Ok(false) };
-        // in the memory of the derivatives, which are evaluated again
+        // in the memory of the derivatives, which will be evaluated again
         let mut before = std::mem::take(&mut self.told.derivatives);
         before.copy_from_slice(&outside.states);
         let hybrid = self.as_hybrid();
@@ -358,7 +359,7 @@ impl System {
         }
     }
 
-    /// Time of the next event that is known in advance, in s; infinite without one.
+    /// Time of the next event known in advance, in s; infinite if there is none.
     pub fn next_exchange_event_s(&mut self) -> f64 {
         self.as_hybrid().next_kink_s()
     }
@@ -398,8 +399,8 @@ mod tests {
         plant
     }
 
-    /// The two indicators of a motor are positive within its limits, and either changes its sign when the motor reaches its limit: at 0.25
-    /// rad to either side.
+    /// The two indicators of a motor are positive within its limits, and one of them changes its sign when the motor reaches a limit: at
+    /// ±0.25 rad.
     #[test]
     fn indicators_of_motors_change_their_sign_at_the_limits() {
         let mut plant = arm(0.5);

@@ -1,20 +1,21 @@
-//! Advice if Newton's iteration, and not the tolerance, limits the step length.
+//! Advice if the convergence of Newton's method, and not the tolerance, limits the step size.
 
 use crate::system::Statistics;
 
-/// Number of failed steps below which no advice is given: releases and latches cost some.
+/// Number of failed steps below which no advice is given: releases and latches cause some.
 const FEW: u64 = 100;
-/// Share of failed steps above which advice is given. If the iteration fails at every length that the tolerance allows, steps are cut to a
-/// quarter and grow by three: about 0.8 of them fail. A run with steps limited by the tolerance loses one in a hundred.
+/// Fraction of failed steps above which advice is given. If Newton's method fails at every step size within the tolerance, steps are cut to
+/// a quarter and then grow by a factor of three: about 0.8 of them fail. In a run with steps limited by the tolerance one in a hundred
+/// fails.
 const SHARE: f64 = 0.2;
 
 impl Statistics {
-    /// Whether Newton's iteration has failed so often that it limits the step length.
+    /// Whether Newton's method has failed so often that it limits the step size.
     pub fn newton_decides(&self) -> bool {
         self.failures >= FEW && self.failures as f64 >= SHARE * self.steps as f64
     }
 
-    /// Returns the advice if [`Self::newton_decides`].
+    /// Returns the advice if [`Self::newton_decides`] is true.
     pub fn advice_on_failures(&self) -> Option<String> {
         let Self { failures, steps, .. } = self;
         self.newton_decides().then(|| {

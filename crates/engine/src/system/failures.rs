@@ -1,5 +1,5 @@
-//! Failures: their triggers and effects. A failure replaces inputs and parameters of the forces on a joint, or reduces a stiffness; events,
-//! impulses and accounts are those of all other events, NOTATION eq. (A10).
+//! Failures: their triggers and effects. A failure replaces inputs and parameters of the forces on a joint, or reduces a stiffness; its
+//! events, impulses and energy accounts are treated like those of other events, NOTATION eq. (A10).
 
 use crate::force::Force;
 use crate::force::Outcome;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub(crate) struct FailureMemory {
     /// Time of its trigger in s.
     pub brought_s: Option<f64>,
-    /// Time at which it happened in s.
+    /// Time in s at which the failure occurred.
     pub failed_s: Option<f64>,
 }
 
@@ -37,7 +37,7 @@ pub(crate) fn weaken_bodies(machine: &Machine) -> bool {
     machine.failures.iter().any(|failure| matches!(failure.effect, Effect::BodyWeakens { .. }))
 }
 
-/// Forces added to a joint by failures: brakes that are still off, and monitored bounds.
+/// Forces added to a joint for its failures: brakes, which are initially off, and monitored bounds.
 pub(crate) fn forces_on(machine: &Machine, body: usize) -> impl Iterator<Item = Force> {
     let brakes = machine.failures.iter().enumerate().filter_map(move |(index, failure)| match failure.effect {
         Effect::BrakeComesOn { body: on, brake } if on == body => {
@@ -61,7 +61,8 @@ pub(crate) fn forces_on(machine: &Machine, body: usize) -> impl Iterator<Item = 
     brakes.chain(watches)
 }
 
-/// Failures that are due at the start: by their inputs, or by a time that has passed. Motions follow when the start is known.
+/// Triggers the failures that are due at the start, by their inputs or by a time that has passed. Triggers by the motion follow when the
+/// start state is known.
 pub(crate) fn begin(failures: &[Failure], inputs: &Inputs, time_s: f64, memories: &mut [FailureMemory]) {
     let on = |index: usize| inputs.failures()[index].is_on();
     bring_about(failures, memories, time_s, on, |_| false);
@@ -102,7 +103,7 @@ fn bring_about(
     any
 }
 
-/// Time of the next failure that is known before, in s.
+/// Time in s of the next failure known in advance.
 fn next_s(failures: &[Failure], memories: &[FailureMemory]) -> f64 {
     let waiting = failures.iter().zip(memories).filter(|(_, memory)| !memory.has_failed());
     let due = waiting.filter_map(|(failure, memory)| match (memory.brought_s, failure.at_time_s) {
@@ -113,7 +114,7 @@ fn next_s(failures: &[Failure], memories: &[FailureMemory]) -> f64 {
     due.fold(f64::INFINITY, f64::min)
 }
 
-/// Replaces inputs and parameters of the forces on the joint of `body` by those of the failures that have occurred.
+/// Replaces inputs and parameters of the forces on the joint of `body` according to the failures that have occurred.
 pub(crate) fn tell(
     failures: &[Failure],
     memories: &[FailureMemory],
@@ -146,7 +147,7 @@ pub(crate) fn tell(
     }
 }
 
-/// The memory of a joint at the start as failures have it that are there from the start on.
+/// Initial state of a joint, with the failures that exist from the start.
 pub(crate) fn begin_joint(
     failures: &[Failure],
     memories: &[FailureMemory],
@@ -154,7 +155,7 @@ pub(crate) fn begin_joint(
     told: &mut Told,
     memory: &mut JointMemory,
 ) {
-    // a latch that does not catch is open unless it is closed by the description
+    // a latch that fails to catch is open unless the model describes it as initially closed
     let catches = |failure: &Failure| !matches!(failure.effect, Effect::LatchDoesNotCatch { body: on } if on == body);
     let fails = |(failure, memory): (&Failure, &FailureMemory)| memory.has_failed() && !catches(failure);
     if !latched && failures.iter().zip(memories).any(fails) {
@@ -168,13 +169,13 @@ pub(crate) fn begin_joint(
 }
 
 impl System {
-    /// Performs the failures that are due at `start`, with their immediate consequences.
+    /// Performs the failures that are due at `start`, including those that they trigger.
     pub(crate) fn fail(&mut self) -> Result<(), PlantError> {
         if self.state.failures.is_empty() {
             return Ok(());
         }
         let machine = Arc::clone(&self.machine);
-        // an impulse of a failure may trigger another
+        // the impulse of a failure may trigger another
         for _ in 0..=machine.failures.len() {
             if !self.bring_failures_about(&machine) {
                 break;
@@ -211,7 +212,7 @@ impl System {
         let (failures, memories) = (&self.machine.failures, &self.state.failures);
         let equations = &mut self.equations;
         equations.failure_s = next_s(failures, memories);
-        // bounds that the start has passed
+        // limits that are already exceeded at the start
         let waits = |index: usize| failures[index].when.is_some() && memories[index].brought_s.is_none();
         let tripped = equations.forces.joints().iter().zip(&self.state.joints);
         if tripped.clone().any(|(joint, memory)| (0..memories.len()).any(|i| waits(i) && joint.has_tripped(i, memory)))
@@ -241,7 +242,7 @@ impl System {
         self.weaken_loops();
     }
 
-    /// Scales the penalties of closed loops by the product of the remaining shares of all failures that have occurred.
+    /// Scales the penalties of closed loops by the product of the remaining stiffness fractions of all failures that have occurred.
     pub(crate) fn weaken_loops(&mut self) {
         let (failures, memories) = (&self.machine.failures, &self.state.failures);
         let left = |failure: &Failure, memory: &FailureMemory| match failure.effect {
@@ -311,7 +312,7 @@ fn impose(effect: &Effect, equations: &mut Equations) {
                 }
             }
         }
-        // applied through inputs and parameters, or set for brakes and loops as a whole
+        // applied through inputs and parameters, or for all brakes and loops together
         Effect::DriveJams { .. }
         | Effect::LatchBreaks { .. }
         | Effect::LatchDoesNotCatch { .. }
@@ -362,7 +363,7 @@ impl Equations {
         self.model.closures.iter().map(|closure| closure.energy_j(&self.work).0).sum()
     }
 
-    /// The same at a motion.
+    /// Kinetic energy of [`Self::loop_kinetic_j`] at a given motion, in J.
     pub(crate) fn loop_kinetic_at_j(&mut self, time_s: f64, [q, v, a]: [&[f64]; 3], scratch: &mut [f64]) -> f64 {
         if self.model.closures.is_empty() {
             return 0.0;

@@ -1,29 +1,29 @@
-//! Highest frequency of the motion: the largest eigenvalue of the equations, which bounds the step of explicit integrators.
+//! Highest natural frequency: the largest eigenvalue of the equations, which limits the step of explicit integrators.
 
 use crate::system::{PlantError, System};
 
-/// Number of products with the Jacobian matrix, in pairs. Eigenvalues of pairs of motions in opposition are close together: the estimate
-/// converges to the largest from below, and is within a few per cent long before.
+/// Number of products with the Jacobian matrix, in pairs. Modes in which neighbouring elements move in opposition have close eigenvalues:
+/// the estimate converges to the largest from below, and is within a few per cent long before convergence.
 const PAIRS: usize = 60;
-/// Pairs at the end over which growth is averaged.
+/// Number of final pairs over which the growth is averaged.
 const AVERAGED: usize = 10;
-/// Size of the differences: of strains and angles, and of their rates in 1/s; forces are nearly linear over both.
+/// Step of the finite differences: of strains and angles, and of their rates in 1/s; forces are nearly linear over both.
 const STEP: f64 = 1e-7;
 const STEP_RATE_1_S: f64 = 1e-3;
 
 impl System {
-    /// Largest magnitude of an eigenvalue of the motion about the states set by [`System::begin_exchange`], in rad/s: by power iteration
-    /// with differences of the derivatives, in O(n) each. For beams this is the shortest axial or torsional wave of the mesh. Accurate to
-    /// about 5 % from below; 0 for a machine without restoring forces.
+    /// Largest magnitude in rad/s of an eigenvalue of the equations linearised at the states set by [`System::begin_exchange`], by power
+    /// iteration with finite differences of the derivatives, in O(n) each. For beams this is the shortest axial or torsional wave of the
+    /// mesh. Accurate to about 5 % from below; 0 for a machine without restoring forces.
     ///
     /// # Errors
-    /// If the accelerations cannot be found.
+    /// If the accelerations cannot be computed.
     pub fn fastest_rad_s(&mut self) -> Result<f64, PlantError> {
         let kept = self.exchange_states().to_vec();
         let n = self.moving.len();
         self.update_exchange()?;
         let base = self.exchange_derivatives().to_vec();
-        // aperiodic, so that every mode has a component
+        // not periodic, so that it has a component in every mode
         let mut v: Vec<f64> = (0..2 * n).map(|i| ((i * i) as f64 * 0.7 + i as f64).sin()).collect();
         let mut growth = Vec::new();
         for _ in 0..PAIRS {
@@ -39,13 +39,13 @@ impl System {
         }
         self.set_exchange_states(&kept);
         let last = &growth[growth.len().saturating_sub(AVERAGED)..];
-        // the square of an eigenvalue for each pair
+        // estimate of the squared eigenvalue from each pair
         let mean = last.iter().map(|growth| growth.ln()).sum::<f64>() / (2 * last.len().max(1)) as f64;
         let fastest_rad_s = mean.exp();
         Ok(if last.is_empty() || !fastest_rad_s.is_finite() { 0.0 } else { fastest_rad_s })
     }
 
-    /// The Jacobian matrix of coordinates and rates times `v`.
+    /// Product of the Jacobian matrix of coordinates and rates with `v`.
     fn by_jacobian(&mut self, v: &[f64], about: &[f64], base: &[f64]) -> Result<Vec<f64>, PlantError> {
         let n = self.moving.len();
         let largest = |part: &[f64]| part.iter().fold(f64::MIN_POSITIVE, |max, entry| max.max(entry.abs()));

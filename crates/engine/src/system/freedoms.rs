@@ -1,20 +1,21 @@
-//! Free coordinates at the present state.
+//! Degrees of freedom at the present state.
 
 use crate::machine::Travel;
 use crate::math::strain::{CURVATURES, NAMES};
 use crate::system::System;
 
-/// Difference step of a link or joint in rad.
+/// Step of the finite difference for a link or joint in rad.
 const STEP_RAD: f64 = 2e-3;
-/// Difference step of the amplitude of a mode of a modal body, over the body's length: high modes rotate the end by tens of times as much.
+/// Step of the finite difference for the amplitude of a mode of a modal body, relative to the body's length: high modes rotate the end by
+/// tens of times as much.
 const MODAL_STEP: f64 = 1e-4;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Free coordinates, and how they are called.
+/// A degree of freedom, with its name and units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Freedom {
-    /// Place in the vectors of the equations.
+    /// Index in the vectors of the equations.
     pub(crate) index: usize,
     /// Name, e.g. `fold.angle` or `inner.element[2].kappa_y`.
     pub name: String,
@@ -22,12 +23,12 @@ pub struct Freedom {
     pub unit: &'static str,
     /// Unit of its rate.
     pub rate_unit: &'static str,
-    /// Step of a difference.
+    /// Step of the finite difference.
     pub(crate) step: f64,
 }
 
 impl System {
-    /// Free coordinates at the present state: angles of joints that are not held, freedoms of universal, ball and free
+    /// Degrees of freedom at the present state: angles of joints that are not held, rotations and displacements of universal, ball and free
     /// joints, strains; body by body.
     pub fn freedoms(&self) -> Vec<Freedom> {
         let mut list = Vec::new();
@@ -69,8 +70,8 @@ impl System {
         list
     }
 
-    /// Present values of [`System::freedoms`] and of their rates. Freedoms of universal, ball and free joints have no coordinate: they are
-    /// measured from the present attitude, and are zero at the state of linearisation.
+    /// Present values of [`System::freedoms`] and of their rates. Degrees of freedom of universal, ball and free joints have no coordinate:
+    /// they are measured from the present attitude, and are zero at the state of linearisation.
     pub fn free_state(&self) -> (Vec<f64>, Vec<f64>) {
         let spatial = |index: usize| {
             let mut joints = self.equations.model.bodies.iter().map(|body| body.joint);
@@ -93,7 +94,8 @@ mod tests {
     use crate::run::Plant;
     use std::sync::Arc;
 
-    /// Every freedom has the unit of its quantity, and its rate that unit over seconds: joints of all kinds, strains and curvatures.
+    /// Every degree of freedom has the unit of its quantity, and its rate has that unit per second: joints of all kinds, strains and
+    /// curvatures.
     #[test]
     fn freedoms_have_the_units_of_their_quantities() {
         let plate = Solid::rectangle(0.1, 0.01, Material::isotropic(7e10, 0.3, 2700.0));
@@ -109,7 +111,7 @@ mod tests {
         let mut plant = Plant::new(Arc::new(machine));
         plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
         let freedoms = plant.freedoms();
-        // of the joints in their order; the strains of the two halves of two elements of each body
+        // joints in their order; strains of the two halves of two elements of each body
         assert_eq!(freedoms.len(), 6 + 1 + 1 + 2 + 3 + 5 * 2 * 2 * STRAINS);
         for Freedom { name, unit, rate_unit, .. } in freedoms {
             let quantity = name.rsplit('.').find(|part| part.len() > 1).expect("a quantity");

@@ -1,5 +1,5 @@
 //! The machine as a hybrid system: continuous states with derivatives, event indicators, transitions. Interface for external integrators
-//! (Model Exchange, the solver of another program, a study).
+//! (FMI Model Exchange, the solver of another program, a study).
 
 use crate::force::latch::CROSSING_S;
 use crate::math::strain::{STRAINS, STRETCH};
@@ -14,25 +14,26 @@ use crate::system::outputs::Outputs;
 use crate::system::state::State;
 use crate::system::{OutputSet, System};
 
-/// An initialised machine without air or with strips, under an external integrator.
+/// An initialised machine, without aerodynamics or with strip theory, under an external integrator.
 ///
-/// The states are the coordinates that forces may move, then their rates, then the lag states of strips; their number is constant, also
+/// The states are the coordinates that forces can move, then their rates, then the lag states of strips; their number is constant, even
 /// while joints are held. Coordinates of universal, ball and free joints are redundant parameters: [`Hybrid::complete`] projects them onto
-/// their constraints. Between events derivatives are smooth in states and time, except at the limits of motors, which have no indicator.
+/// their constraints. Between events, derivatives are smooth in states and time, except at the torque limits of motors, which have no event
+/// indicator here.
 pub struct Hybrid<'a> {
     system: &'a mut System,
 }
 
-/// Energies booked by a transition, J.
+/// Energies booked by a transition in J.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Jump {
-    /// Energy dissipated.
+    /// Dissipated energy.
     pub dissipated_j: f64,
     /// Work of the inputs.
     pub work_j: f64,
 }
 
-/// Rates of the energy accounts, W.
+/// Rates of the energy accounts in W.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AccountRates {
     /// Power dissipated by damping.
@@ -56,8 +57,8 @@ pub enum NotHybrid {
 }
 
 impl System {
-    /// The machine as a hybrid system at the present time. An error before `Plant::initialize` and with a lattice or a rotor, whose states
-    /// are advanced only by the machine's own steps.
+    /// The machine as a hybrid system at the present time. Returns an error before `Plant::initialize`, and with a lattice or a rotor,
+    /// whose states are advanced only by the internal integrator.
     pub fn hybrid(&mut self) -> Result<Hybrid<'_>, NotHybrid> {
         if !self.state.initialized {
             return Err(NotHybrid::Uninitialized);
@@ -65,7 +66,7 @@ impl System {
         if !self.air_is_continuous() {
             return Err(NotHybrid::Air);
         }
-        // crossings that the machine's own steps have found ahead are not the integrator's
+        // crossings located ahead by the internal integrator do not apply to the external one
         self.state.joints.iter_mut().for_each(|joint| joint.crossed = 0);
         self.hand_air_over();
         let mut hybrid = self.as_hybrid();
@@ -73,12 +74,12 @@ impl System {
         Ok(hybrid)
     }
 
-    /// The same in the middle of a step of the integrator's.
+    /// The machine as a hybrid system, without the checks of [`System::hybrid`], within a step of the external integrator.
     pub(super) fn as_hybrid(&mut self) -> Hybrid<'_> {
         Hybrid { system: self }
     }
 
-    /// Coordinates that are states of [`System::hybrid`]: all but those that are prescribed or locked for good.
+    /// Coordinates that are states of [`System::hybrid`]: all except those that are prescribed or permanently locked.
     pub(super) fn moving_coordinates(equations: &Equations) -> Vec<usize> {
         let given = |c: usize| equations.forces.joints().iter().any(|joint| joint.coordinate == c && !joint.driven);
         (0..equations.model.coordinates).filter(|&c| !given(c)).collect()
@@ -91,8 +92,8 @@ impl Hybrid<'_> {
         2 * self.system.moving.len() + self.system.lag_count()
     }
 
-    /// Coordinates that are states, in their order, by their places in the vectors of the equations; their rates follow in the same
-    /// order.
+    /// Indices in the vectors of the equations of the coordinates that are states, in the order of the states; their rates follow in the
+    /// same order.
     pub fn coordinates(&self) -> &[usize] {
         &self.system.moving
     }
@@ -110,7 +111,7 @@ impl Hybrid<'_> {
         lags.copy_from_slice(self.air().map_or(&[], |air| &air.lags_m_s));
     }
 
-    /// Coordinates that move and their rates, or rates and accelerations.
+    /// Copies coordinates that move and their rates, or rates and accelerations.
     fn copy_to(&self, states: &mut [f64], of_coordinates: &[f64], of_rates: &[f64]) {
         let moving = &self.system.moving;
         for (i, &c) in moving.iter().enumerate() {
@@ -122,8 +123,8 @@ impl Hybrid<'_> {
         self.system.air.as_ref()?.continuous.as_ref()
     }
 
-    /// Sets time and states, and returns the drift of the redundant parameters from their constraints. Allocates nothing, like the other
-    /// functions of this type.
+    /// Sets time and states, and returns the constraint violation of the redundant parameters. Allocates nothing, like the other functions
+    /// of this type.
     pub fn set(&mut self, time_s: f64, states: &[f64]) -> f64 {
         self.system.set_lags(&states[2 * self.system.moving.len()..]);
         let System { state, equations, moving, .. } = &mut *self.system;
@@ -135,7 +136,7 @@ impl Hybrid<'_> {
         now.time_s = time_s;
         now.a.fill(0.0);
         now.auxiliary.fill(0.0);
-        // a step that ends at a kink uses the values before it
+        // at a kink, a step that ends there uses the values before it
         equations.branch_s = if time_s > state.start.time_s { 0.5 * (state.start.time_s + time_s) } else { time_s };
         equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
         equations.project(&mut now.q, &mut now.v, &mut now.a);
@@ -144,8 +145,8 @@ impl Hybrid<'_> {
         off
     }
 
-    /// Error for an element that the states compress through zero length. If the steps of an integrator are too long for the axial modes,
-    /// the fastest of a machine, this is the first symptom; it never occurs in a structure.
+    /// Error for an element that the states compress through zero length, which is physically impossible. It is the first symptom of
+    /// integration steps that are too long for the axial modes, the fastest ones of a machine.
     pub(super) fn crushed(&self) -> Option<PlantError> {
         let System { state, equations, .. } = &*self.system;
         let strain = |element: &Element| element.strains::<STRAINS>(&state.now.q)[STRETCH];
@@ -154,7 +155,7 @@ impl Hybrid<'_> {
         Some(PlantError::Crushed { time_s, place, strain: strain(element) })
     }
 
-    /// Work of the inputs and energy dissipated until now, J.
+    /// Work of the inputs and dissipated energy until the present in J.
     pub fn accounts_j(&self) -> [f64; 2] {
         let now = &self.system.state.now;
         [now.work, now.dissipated]
@@ -166,12 +167,12 @@ impl Hybrid<'_> {
         (now.work, now.dissipated) = (work, dissipated);
     }
 
-    /// Derivatives of the states at the present, in O(n) by the mass matrix, with the rates of the energy accounts.
+    /// Computes the derivatives of the states at the present time, in O(n) by the mass matrix, and the rates of the energy accounts.
     pub fn derivatives(&mut self, derivatives: &mut [f64]) -> Result<AccountRates, PlantError> {
         let in_air = self.system.air.is_some();
         let System { equations, state, scratch, .. } = &mut *self.system;
         let now = &mut state.now;
-        // starts from zero: repeated calls must give identical bits
+        // starts from zero, so that repeated calls give identical bits
         now.a.fill(0.0);
         now.auxiliary.fill(0.0);
         equations.prescribe(now.time_s, &mut now.q, &mut now.v, &mut now.a);
@@ -195,7 +196,7 @@ impl Hybrid<'_> {
         self.system.equations.forces.indicators().count()
     }
 
-    /// Reads the event indicators at the present time, in rad or m: an event occurs where one falls through zero. Indicators that cannot be
+    /// Reads the event indicators at the present time, in rad or m: an event occurs when one falls through zero. Indicators that cannot be
     /// crossed are 1.
     pub fn read_indicators(&self, indicators: &mut [f64]) {
         let State { start, now, joints, .. } = &self.system.state;
@@ -208,7 +209,7 @@ impl Hybrid<'_> {
     }
 
     /// Whether some indicator has fallen to zero at the present time, to the accuracy of the location of crossings; `crossed` is called
-    /// with the number of each.
+    /// with the index of each.
     pub fn arrived(&self, mut crossed: impl FnMut(usize)) -> bool {
         let State { start, now, joints, .. } = &self.system.state;
         let forces = &self.system.equations.forces;
@@ -223,8 +224,8 @@ impl Hybrid<'_> {
         any
     }
 
-    /// Number of limits: two for each motor. A motor within its limits has positive distances from both, N·m; at a limit its torque has a
-    /// kink, without a jump or a discrete state.
+    /// Number of limits: two for each motor. A motor within its limits has a positive distance from both, in N·m; at a limit its torque has
+    /// a kink, but neither a jump nor a discrete state.
     pub fn limits(&self) -> usize {
         2 * self.system.equations.forces.joints().iter().filter(|joint| joint.motor().is_some()).count()
     }
@@ -239,9 +240,9 @@ impl Hybrid<'_> {
         }
     }
 
-    /// Applies the continuous inputs and tunable parameters from the present time on. Switches, rate limits, and commands behind a rate
-    /// limit, are applied by [`Hybrid::transition`]: they change discrete states. The work of moving commands and gravity on potentials, and
-    /// of changed stiffness, is not booked.
+    /// Applies the continuous inputs and tunable parameters from the present time on. Switches, rate limits, and commands subject to a rate
+    /// limit are applied by [`Hybrid::transition`], because they change discrete states. The work of moving commands and gravity on
+    /// potentials, and of changed stiffness, is not booked.
     pub fn follow_inputs(&mut self) {
         let system = &mut *self.system;
         if !system.inputs_may_differ {
@@ -273,21 +274,21 @@ impl Hybrid<'_> {
         system.forget_outputs();
     }
 
-    /// Next time event after the present in s: end of a slew, knot of a prescribed motion.
+    /// Time of the next time event after the present in s: end of a slew, knot of a prescribed motion.
     pub fn next_kink_s(&self) -> f64 {
         self.system.equations.next_kink_s(self.time_s())
     }
 
-    /// Ends a step of the integrator at the present time: redundant parameters are projected onto their constraints, and motions of
-    /// indicators are measured from here.
+    /// Ends a step of the external integrator at the present time: redundant parameters are projected onto their constraints, and the
+    /// motion of indicators is measured from here.
     pub fn complete(&mut self) {
         let State { before, start, ahead, now, .. } = &mut self.system.state;
         [before, start, ahead].into_iter().for_each(|point| point.copy_from(now));
         self.system.remember_attitudes();
     }
 
-    /// Performs the transitions at the present time of the indicators that the caller has found crossed, passes a kink at this time, and
-    /// applies changed inputs and parameters. The states may jump: read them again.
+    /// Performs the transitions of the indicators that the caller has found crossed at the present time, passes a kink at this time, and
+    /// applies changed inputs and parameters. The states may jump, so the caller must read them again.
     pub fn transition(&mut self, crossed: &[usize]) -> Result<Jump, PlantError> {
         let system = &mut *self.system;
         for joint in &mut system.state.joints {
@@ -322,7 +323,7 @@ impl Hybrid<'_> {
         &self.system.outputs
     }
 
-    /// The system, for its inputs and parameters.
+    /// The underlying system, for access to its inputs and parameters.
     pub fn system_mut(&mut self) -> &mut System {
         self.system
     }
@@ -335,8 +336,8 @@ mod tests {
     use nalgebra::Matrix3;
     use std::sync::Arc;
 
-    /// Attitudes are stored at the end of each step of an external integrator: over two turns of a hinge no quaternion changes its sign
-    /// from one step to the next, and the last one is that of the present time.
+    /// Attitudes are stored at the end of each step of an external integrator: over two revolutions of a hinge no quaternion changes its
+    /// sign from one step to the next, and the last one is at the present time.
     #[test]
     fn attitudes_are_remembered_at_the_end_of_each_step() {
         let mass = AttachedMass { inertia_kg_m2: Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };
@@ -357,7 +358,7 @@ mod tests {
             hybrid.derivatives(&mut derivatives).unwrap_or_else(|error| panic!("{error}"));
             hybrid.complete();
             let now = hybrid.system_mut().state.tip_rotations[0];
-            // half the rotation of a step is between the two in the space of quaternions
+            // the angle between the two quaternions is half the rotation of the step
             let cosine = now.coords.dot(&last.coords);
             assert!((cosine - 0.25_f64.cos()).abs() < 1e-12, "at {angle_rad} rad: {cosine}");
             last = now;

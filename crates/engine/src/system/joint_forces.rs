@@ -1,4 +1,4 @@
-//! The forces on the joints of a machine, as the machine describes them and as inputs and parameters set them.
+//! Forces on the joints of a machine, from its description, its inputs and its parameters.
 
 use crate::force::Force;
 use crate::force::attitude::AttitudeSpring;
@@ -33,7 +33,7 @@ pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
     Forces::new(joints.collect(), spatial.collect())
 }
 
-/// In the order in which their torques add up.
+/// Forces on a joint, in the order in which their torques are added.
 fn of_joint(own: &OneFreedom) -> Vec<Force> {
     let mut forces = match &own.motion {
         JointMotion::Free => vec![
@@ -48,7 +48,7 @@ fn of_joint(own: &OneFreedom) -> Vec<Force> {
     if let (Some(law), JointMotion::Free) = (&own.generator, &own.motion) {
         forces.push(Force::Generator(Generator { law: law.clone(), connected: law.connected, about_rad_s: None }));
     }
-    // before the latch, which a joint at rest on a stop may not reach
+    // before the latch, which a joint resting on a stop might not reach
     if let Some(stops) = own.end_stops {
         forces.push(Force::EndStops(TwoSidedStops { stops, contact: Contact::default() }));
     }

@@ -1,4 +1,4 @@
-//! Checks against overflow: a check of the inputs avoids one of all outputs.
+//! Checks against overflow: a check of the inputs replaces a check of all outputs.
 
 use crate::beam::modal::{ModalElement, ShapesAt};
 use crate::multibody::Model;
@@ -9,15 +9,15 @@ use crate::solve::point::Point;
 use crate::system::System;
 use crate::system::state::State;
 
-/// Largest magnitude in SI units of coordinates, their derivatives, inputs and parameters with which no output overflows, for a model with
+/// Largest magnitude in SI units of coordinates, their derivatives, inputs and parameters for which no output overflows, in a model with
 /// moderate parameters: outputs are products of at most ten of them.
 const LARGEST: f64 = 1e20;
-/// Largest magnitude of a moderate model's own numbers, and inverse of the smallest stiffness.
+/// Largest magnitude of a moderate model's numbers, and of the inverse of its smallest stiffness.
 const LARGEST_OF_MODEL: f64 = 1e30;
 /// Largest magnitude of the energy accounts.
 const LARGEST_ACCOUNT: f64 = 1e200;
 
-/// Not for NaN.
+/// Whether the magnitude of a value is at most `limit`; false for NaN.
 fn within(value: f64, limit: f64) -> bool {
     value.abs() <= limit
 }
@@ -27,14 +27,14 @@ fn all_within(values: &[f64], limit: f64) -> bool {
 }
 
 impl System {
-    /// Whether all outputs at the present time must be finite, by the magnitudes of the quantities that enter them; always false for
-    /// machines with air.
+    /// Whether all outputs at the present time are certain to be finite, by the magnitudes of the quantities that they depend on; always
+    /// false for machines with aerodynamics.
     pub(crate) fn is_moderate(&self) -> bool {
         self.air.is_none() && self.rest_is_moderate() && coordinates_are_moderate(&self.state.now)
     }
 
-    /// The same for the present time and all times until the end of the integrator's step, without the loads of the air, which are checked
-    /// with the step.
+    /// Like [`Self::is_moderate`], for the present time and all times until the end of the integrator's step, without the aerodynamic
+    /// loads, which are checked in the step.
     pub(crate) fn stays_moderate(&self) -> bool {
         let State { now, ahead, .. } = &self.state;
         self.rest_is_moderate() && [now, ahead].into_iter().all(coordinates_are_moderate)
@@ -60,13 +60,13 @@ fn coordinates_are_moderate(at: &Point) -> bool {
         && [at.work, at.dissipated].into_iter().all(|account| within(account, LARGEST_ACCOUNT))
 }
 
-/// Whether inputs are so small that they cannot overflow an output.
+/// Whether the inputs are too small to make an output overflow.
 pub(crate) fn inputs_are_moderate(inputs: &Inputs) -> bool {
     all_within(inputs.values(), LARGEST)
 }
 
 fn parameters_are_moderate(parameters: &Parameters) -> bool {
-    // limits may be infinite: they only make the torque smaller
+    // limits may be infinite: they can only reduce the torque
     let joint = |joint: &JointParameters| {
         let others = [JointParameters { torque_limit_n_m: 0.0, rate_limit_rad_s: 0.0, ..*joint }];
         all_within(bytemuck::cast_slice(&others), LARGEST)
@@ -101,7 +101,7 @@ pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
         && within(model.reference_length_m, LARGEST_OF_MODEL)
 }
 
-/// The same for the elasticity of an element.
+/// Whether the parameters of an element's elasticity are moderate.
 fn is_moderate<const N: usize>(elastic: &Elastic<N>) -> bool {
     let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
     let flexibility = elastic.section_stiffness[0].diagonal().map(|stiffness| 1.0 / stiffness);
@@ -112,7 +112,7 @@ fn is_moderate<const N: usize>(elastic: &Elastic<N>) -> bool {
         && all(elastic.coupling.as_slice())
 }
 
-/// The same for a modal body.
+/// Whether the parameters of a modal body are moderate.
 fn modal_is_moderate(element: &ModalElement) -> bool {
     let all = |values: &[f64]| all_within(values, LARGEST_OF_MODEL);
     let shapes = |at: &ShapesAt| {

@@ -1,6 +1,6 @@
 //! The machine as a hybrid system: a state, equations that give its derivatives, events that change both, and outputs.
 //!
-//! Time advances in runs (module `run`); a study evaluates a single state.
+//! Runs (module `run`) advance it in time; studies evaluate it at a single state.
 
 pub(crate) mod air;
 pub(crate) mod brake;
@@ -74,25 +74,25 @@ pub struct System {
     pub(crate) equations: Equations,
     /// Fixed parameters that `equations` was built with.
     built_with: Parameters,
-    /// Interpolation of states within the integrator's step from its stages.
+    /// Interpolation of states within the integrator's step, from its stages.
     pub(crate) continuation: Continuation,
     pub(crate) air: Option<Box<AirCoupling>>,
     pub(crate) scratch: [Vec<f64>; 2],
     pub(crate) outputs: Outputs,
-    /// Outputs that a step is to find.
+    /// Outputs that each step evaluates.
     pub(crate) watched: OutputSet,
-    /// Outputs found at the present time.
+    /// Outputs that are up to date at the present time.
     found: OutputSet,
-    /// Inputs may have been set since the last step, so that they differ from those of the present.
+    /// Whether inputs may have been set since the last step, so that they differ from those of the present step.
     pub(crate) inputs_may_differ: bool,
-    /// Some gauge reads a strain that is recovered from forces.
+    /// Whether some gauge reads a strain that is recovered from forces.
     gauges_need_forces: bool,
-    /// The parameters of the model are so moderate that outputs overflow only for extreme states or inputs.
+    /// Whether the parameters of the model are so moderate that outputs overflow only for extreme states or inputs.
     model_is_moderate: bool,
 }
 
 impl System {
-    /// A system of a validated machine, with the inputs and parameters that the machine states; not yet started.
+    /// Creates the system of a validated machine, with the inputs and parameters of the machine; not yet started.
     pub(crate) fn new(machine: Arc<Machine>, continuation: Continuation) -> Self {
         let state = State::of_model(&machine);
         let equations = Equations::new(&machine, &state.parameters);
@@ -143,7 +143,8 @@ impl System {
         &self.tip_bodies
     }
 
-    /// Joint variables and Lagrange multipliers of a body's joint in our form: `N_J` and `N_L` of Otsuka et al., Table 2.
+    /// Numbers of joint variables and Lagrange multipliers of a body's joint in this formulation: `N_J` and `N_L` of Otsuka et al., Table
+    /// 2.
     pub fn joint_size(&self, body: usize) -> (usize, usize) {
         let kind = &self.equations.model.bodies[body].joint.kind;
         (kind.coordinates(), kind.constraints())
@@ -159,32 +160,32 @@ impl System {
         crate::multibody::energy::mass_kg(&self.equations.model)
     }
 
-    /// Name of a joint with one freedom, by its index among those.
+    /// Name of a joint with one degree of freedom, by its index among those.
     pub(crate) fn joint_name(&self, joint: usize) -> &str {
         &self.machine.bodies[self.equations.forces.joints()[joint].body].joint.name
     }
 
-    /// Names of the free joints that are the only connection to the root of the bodies that they carry.
+    /// Names of the free joints that are the only connection between the root and the bodies attached by them.
     pub fn flying_joints(&self) -> Vec<&str> {
         let flying = self.equations.spatial.iter().filter(|joint| joint.flies);
         flying.map(|joint| self.machine.bodies[joint.body].joint.name.as_str()).collect()
     }
 
-    /// Inputs of the coming step.
+    /// Inputs of the next step.
     pub fn inputs(&self) -> &Inputs {
         &self.state.inputs
     }
 
-    /// Inputs of the coming step, to be changed. The motion follows from the next `Plant::step` on; outputs with direct feedthrough follow
-    /// when [`System::provide`] evaluates them.
+    /// Mutable access to the inputs of the next step. They affect the motion from the next `Plant::step` on; outputs with direct
+    /// feedthrough are updated when [`System::provide`] evaluates them.
     pub fn inputs_mut(&mut self) -> &mut Inputs {
         self.found = OutputSet::NONE;
         self.inputs_may_differ = true;
         &mut self.state.inputs
     }
 
-    /// Rates of the real inputs per second in the coming step, to be changed: the inputs then vary linearly from their present values,
-    /// NOTATION eq. (A4), and keep their values at its end. They hold for one step only.
+    /// Mutable access to the rates per second of the real inputs in the next step: the inputs then vary linearly from their present values,
+    /// NOTATION eq. (A4), and keep their values at its end. The rates apply to one step only.
     pub fn input_rates_mut(&mut self) -> &mut Inputs {
         &mut self.state.rates
     }
@@ -194,7 +195,7 @@ impl System {
         &self.state.parameters
     }
 
-    /// Mutable parameters: fixed ones before `Plant::initialize`, tunable ones at any time.
+    /// Mutable access to the parameters: fixed ones may be changed before `Plant::initialize`, tunable ones at any time.
     pub fn parameters_mut(&mut self) -> &mut Parameters {
         &mut self.state.parameters
     }
@@ -204,7 +205,7 @@ impl System {
         self.state.now.time_s
     }
 
-    /// Outputs at the present time, with the inputs of the step that led here: all, or those of [`System::watch`].
+    /// Outputs at the present time, with the inputs of the last step: all outputs, or those selected by [`System::watch`].
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
     }
@@ -225,12 +226,12 @@ impl System {
         self.state.statistics
     }
 
-    /// Copies the state for a rollback.
+    /// Copies the state for rollback.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot::of(&self.state)
     }
 
-    /// Restores a snapshot of the same model; outputs included, bit-identical.
+    /// Restores a snapshot of the same model, including the outputs, with identical bits.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), PlantError> {
         let air = self.air.as_ref().map(|air| &air.blank);
         let stages = self.continuation.inner_stages();
@@ -245,7 +246,7 @@ impl System {
         self.inputs_may_differ = true;
         self.told.forget();
         self.adopt_state();
-        // a saved trial state of an external integrator is restored even if it is extreme: its evaluation fails again
+        // a saved trial state of an external integrator is restored even if it is extreme; its evaluation then fails again
         if self.state.initialized && !snapshot.is_outside() && !self.is_moderate() {
             self.evaluate();
             if !self.outputs.are_finite() {
@@ -258,7 +259,7 @@ impl System {
         Ok(())
     }
 
-    /// Restores a state of this system, with its inputs, after a study.
+    /// Restores a state of this system, including its inputs, after a study.
     pub(crate) fn put_back(&mut self, state: State) {
         self.state = state;
         self.inputs_may_differ = true;
@@ -267,7 +268,7 @@ impl System {
         self.show_set_inputs();
     }
 
-    /// Updates equations and outputs to a state that was set.
+    /// Updates equations and outputs to a newly set state.
     fn adopt_state(&mut self) {
         self.rebuild();
         if self.state.initialized {
@@ -277,7 +278,7 @@ impl System {
         }
     }
 
-    /// Builds the equations again if a fixed parameter has changed since.
+    /// Rebuilds the equations if a fixed parameter has changed.
     pub(crate) fn rebuild(&mut self) {
         if self.built_with != self.state.parameters {
             self.equations = Equations::new(&self.machine, &self.state.parameters);

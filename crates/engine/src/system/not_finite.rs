@@ -1,5 +1,5 @@
-//! First number of a value that is not finite, with its path: a walk over everything that is serialised, so that new fields of a state are
-//! checked without being listed here.
+//! First number of a value that is not finite, with its path: visits everything that is serialised, so that new fields of a state are
+//! checked automatically.
 
 use serde::Serialize;
 use serde::ser::{
@@ -8,8 +8,8 @@ use serde::ser::{
 };
 use std::fmt::{self, Display, Formatter, Write as _};
 
-/// Name and value of the first number in `value` that is NaN or infinite, as `air.before.lags[3] is NaN`. Fields called as in
-/// `left_out` are left out, with all that they hold.
+/// Path and value of the first number in `value` that is NaN or infinite, for example `air.before.lags[3] is NaN`. Fields with a name in
+/// `left_out` are skipped, with all their contents.
 pub(crate) fn not_finite(value: &impl Serialize, left_out: &[&str]) -> Option<String> {
     value.serialize(&mut Walk { path: Vec::new(), left_out }).err().map(|found| found.0)
 }
@@ -26,7 +26,7 @@ struct Walk<'a> {
     left_out: &'a [&'a str],
 }
 
-/// A number that is not finite has been found, which ends the walk.
+/// Marks that a number that is not finite has been found, which ends the walk.
 #[derive(Debug)]
 struct Found(String);
 
@@ -75,7 +75,7 @@ impl Walk<'_> {
     }
 }
 
-/// Entries of a sequence, counted from 0, or fields.
+/// Entries of a sequence, counted from 0, or fields of a struct.
 struct Inside<'w, 'a> {
     walk: &'w mut Walk<'a>,
     index: usize,
@@ -88,7 +88,7 @@ impl Inside<'_, '_> {
     }
 }
 
-/// Values without numbers in them.
+/// Values that contain no numbers.
 macro_rules! no_number {
     ($($name:ident($type:ty)),*) => { $(fn $name(self, _: $type) -> Result<(), Found> { Ok(()) })* };
 }
@@ -291,7 +291,7 @@ mod tests {
         Outer { count: 3, inner: Inner { position_m: Vector3::zeros(), list, kinds, limit: 5.0 } }
     }
 
-    /// Numbers in vectors, options and variants of enums are all found, with their paths.
+    /// All numbers in vectors, options and enum variants are found, with their paths.
     #[test]
     fn finds_every_number() {
         assert_eq!(not_finite(&sound(), &[]), None);

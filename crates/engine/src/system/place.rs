@@ -9,10 +9,10 @@ use crate::system::PlantError;
 use crate::system::System;
 use crate::system::magnitude::inputs_are_moderate;
 
-/// Inputs by which a partner closes a loop over the root.
+/// Inputs through which a coupled model may close an algebraic loop via the root.
 const ROOT_ACCELERATION: &str = "root.acceleration";
 const ROOT_ANGULAR_ACCELERATION: &str = "root.angular_acceleration";
-/// Advice if the motion is lost in real-time mode.
+/// Advice if the iteration diverges in real-time mode.
 const REAL_TIME_ADVICE: &str =
     "shorten solver.fixed_step_s, allow more solver.max_iterations, or use mode = \"accurate\"";
 
@@ -27,16 +27,16 @@ pub(crate) enum Failure {
     },
     /// The equations of a stage were not solved.
     Newton(NewtonError),
-    /// A stage is so far from its solution after the bounded iterations that the motion is lost.
+    /// After the limited number of iterations, a stage is too far from its solution to continue.
     Unsolved {
-        /// Kinematic norm of the last correction: rotation in rad, or displacement over the machine's length.
+        /// Kinematic norm of the last correction: rotation in rad, or displacement divided by the machine's length.
         rest: f64,
     },
-    /// A joint turns by more than half a turn within a step of given length, so that its direction is ambiguous.
+    /// A joint rotates by more than half a revolution within a step of given length, so that the direction of rotation is ambiguous.
     Turned {
         /// Coordinate of its angle.
         coordinate: usize,
-        /// Turn in rad.
+        /// Rotation in rad.
         turn_rad: f64,
     },
 }
@@ -59,7 +59,7 @@ impl System {
                 format!("error estimate {error:.1e} exceeds tolerance {tolerance:.1e}"),
                 "allow a larger solver.tolerance or a smaller solver.min_step",
             ),
-            // whether the iteration overflows or only runs away is a matter of round-off
+            // whether the iteration overflows or merely diverges depends on round-off
             Failure::Newton(error) if !inputs_are_moderate(&self.state.applied_inputs) => (
                 format!("{error}; {}", self.largest_input()),
                 "check inputs and parameters far beyond the structure's strength",
@@ -83,12 +83,12 @@ impl System {
         PlantError::NoConvergence { time_s, step_s, place, cause, advice }
     }
 
-    /// Name of the element or joint with the largest part in a change of the coordinates.
+    /// Name of the element or joint with the largest contribution to a change of the coordinates.
     fn place_of_largest(&self, change: &[f64]) -> String {
         self.place_of(norm::largest_share(&self.equations.model, &self.equations.work, change))
     }
 
-    /// Whether a coordinate is that of a joint.
+    /// Whether a coordinate belongs to a joint.
     pub(crate) fn is_joint(&self, coordinate: usize) -> bool {
         self.equations.model.bodies.iter().any(|body| body.joint.range().contains(&coordinate))
     }
@@ -115,8 +115,8 @@ impl System {
         "no joint and no element".to_owned()
     }
 
-    /// The largest of the present loads, torques, commands and motions, by the name of its variable, with the probable cause of such an
-    /// acceleration of the root.
+    /// Name of the largest input among the present loads, torques, commands and motions, with the probable cause if it is an acceleration
+    /// of the root.
     pub(crate) fn largest_input(&self) -> String {
         let inputs = &self.state.applied_inputs;
         let mut largest = (0.0, "all inputs are 0".to_owned());

@@ -2,7 +2,7 @@
 
 use crate::system::System;
 
-/// Accelerations (rad/s², 1/(m·s²), m/s²) below which only round-off of the solution for them is left.
+/// Accelerations (rad/s², 1/(m·s²), m/s²) below which only round-off of their solution remains.
 const ROUND_OFF: f64 = 1e-9;
 
 impl System {

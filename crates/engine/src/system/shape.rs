@@ -1,4 +1,4 @@
-//! Shapes along the bodies: of the present state and of modes.
+//! Shapes along the bodies, at the present state and of modes.
 
 use crate::beam::element::ElementKind;
 use crate::beam::recovery::axial_row;
@@ -44,11 +44,12 @@ pub struct NodeMotion {
     pub rotation_rad: Vector3<f64>,
 }
 
-/// Number of parts of the elastic energy: one per strain without shear, in their order, both shears, then the springs of joints.
+/// Number of parts of the elastic energy: one per strain without shear, in their order, one for both shears, and one for the springs of
+/// joints.
 pub const ENERGY_SHARES: usize = STRAINS + 2;
-/// Index of the share of both shears, which only bodies with shear have.
+/// Index of the energy fraction of both shears, which only bodies with shear have.
 pub const SHEAR_SHARE: usize = STRAINS;
-/// Index of the share of joints.
+/// Index of the energy fraction of the joint springs.
 pub(crate) const JOINT_SHARE: usize = STRAINS + 1;
 
 /// Names of [`ModeShape::shares`].
@@ -60,8 +61,8 @@ pub fn energy_share_names() -> [&'static str; ENERGY_SHARES] {
     })
 }
 
-/// A mode with its shape: per body, the motion of the sections of [`System::shape`]. The largest rotation in rad, or
-/// displacement over the machine's length, is 1.
+/// A mode with its shape: per body, the motion of the sections of [`System::shape`]. Normalised so that the largest rotation in rad, or
+/// displacement divided by the machine's length, is 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeShape {
     /// `|λ|/2π` in Hz.
@@ -70,55 +71,55 @@ pub struct ModeShape {
     pub damping_ratio: f64,
     /// `λ` in 1/s.
     pub eigenvalue_1_s: Complex<f64>,
-    /// Shares of the strains and of joint springs in the elastic energy ([`energy_share_names`]); zero for free motions.
+    /// Fractions of the elastic energy in the strains and in joint springs ([`energy_share_names`]); zero for rigid-body modes.
     pub shares: [f64; ENERGY_SHARES],
     /// Real part of the shape.
     pub real: Vec<Vec<NodeMotion>>,
     /// Imaginary part; zero without damping and gyroscopic forces.
     pub imaginary: Vec<Vec<NodeMotion>>,
-    /// Changes of the free coordinates, in the order of [`System::freedoms`], of the size of `real` and `imaginary`:
-    /// [`System::section_changes`] has their sections. Empty for modes about a periodic motion, whose coordinates change over the turn.
+    /// Changes of the degrees of freedom, in the order of [`System::freedoms`], scaled like `real` and `imaginary`;
+    /// [`System::section_changes`] gives the changes of sections. Empty for modes about a periodic motion, whose coordinates vary over the
+    /// revolution.
     pub coordinates: Vec<Complex<f64>>,
     /// Length of the machine in m, by which displacements are divided.
     pub length_m: f64,
-    /// Moving parts of a machine with a turning rotor, largest share first; empty for other machines.
+    /// Moving parts of a machine with a spinning rotor, largest participation first; empty for other machines.
     pub whirl: Vec<WhirlShare>,
-    /// Name of the mode as a flight mode of the whole machine; `None` for other modes.
+    /// Flight mode of the whole machine that this mode represents; `None` for other modes.
     pub flight: Option<FlightMode>,
 }
 
-/// Part of a mode of a rotor that turns.
+/// Part of a mode of a spinning rotor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WhirlShare {
     /// Moving part, e.g. `blade flap 1` or `tower edge 1`.
     pub part: String,
-    /// Relative motion of the blades; `None` for parts that are no blades.
+    /// Relative motion of the blades; `None` for parts other than blades.
     pub whirl: Option<Whirl>,
-    /// Its share; all add up to 1.
+    /// Participation; the sum over all parts is 1.
     pub share: f64,
 }
 
-/// Flight mode of a free-flying machine, by its motion relative to the steady flight, NOTATION eq. (Q10).
+/// Flight mode of a free-flying machine, identified by its motion relative to the steady flight, NOTATION eq. (Q10).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FlightMode {
-    /// Height and speed in turn, at nearly the same angle of attack.
+    /// Exchange between height and speed, at nearly constant angle of attack.
     Phugoid,
-    /// The angle of attack and the pitch in turn, at nearly the same speed.
+    /// Oscillation of angle of attack and pitch, at nearly constant speed.
     ShortPeriod,
-    /// The angle of attack decays without oscillating, mainly by pitching: of a short period that is damped beyond oscillation, or
-    /// the like.
+    /// The angle of attack decays without oscillation, mainly by pitching, for example an overdamped short period.
     PitchSubsidence,
-    /// The angle of attack decays without oscillating, mainly by sinking.
+    /// The angle of attack decays without oscillation, mainly by heave.
     HeaveSubsidence,
-    /// The speed decays without oscillating.
+    /// The speed decays without oscillation.
     SpeedSubsidence,
-    /// Pitch, angle of attack or speed grow without oscillating.
+    /// Pitch, angle of attack or speed grow without oscillation.
     PitchDivergence,
-    /// Sideslip, yaw and roll in turn.
+    /// Oscillation of sideslip, yaw and roll.
     DutchRoll,
-    /// Roll alone, which the wing damps.
+    /// Roll alone, damped by the wing.
     RollSubsidence,
-    /// Bank and heading together, slowly.
+    /// Slow change of bank and heading together.
     Spiral,
 }
 
@@ -148,17 +149,17 @@ impl std::fmt::Display for WhirlShare {
 }
 
 impl ModeShape {
-    /// The pole is real: the motion does not oscillate.
+    /// Whether the eigenvalue is real: the motion does not oscillate.
     pub fn is_real(&self) -> bool {
         self.eigenvalue_1_s.im.abs() <= 1e-9 * self.eigenvalue_1_s.norm()
     }
 
-    /// The motion has no stiffness.
+    /// Whether the motion has no stiffness.
     pub fn is_free(&self) -> bool {
         self.eigenvalue_1_s.norm() == 0.0
     }
 
-    /// The motion grows.
+    /// Whether the motion grows.
     pub fn grows(&self) -> bool {
         grows(self.eigenvalue_1_s)
     }
@@ -169,8 +170,8 @@ impl Followed for ModeShape {
         self.eigenvalue_1_s
     }
 
-    /// `|aᴴb|²/(aᴴa bᴴb)` over displacements, over the machine's length, and rotations; 1 for different meshes. For modes about a periodic
-    /// motion, which have no shape, the common share of the moving parts.
+    /// Similarity `|aᴴb|²/(aᴴa bᴴb)` of two shapes over rotations and displacements divided by the machine's length; 1 for different
+    /// meshes. For modes about a periodic motion, which have no shape, the common participation of the moving parts.
     fn likeness(&self, other: &Self) -> f64 {
         if self.real.is_empty() && other.real.is_empty() && !self.whirl.is_empty() {
             return common_share(&self.whirl, &other.whirl);
@@ -182,7 +183,7 @@ impl Followed for ModeShape {
         }
     }
 
-    /// Over displacements, over the machine's length, and rotations; `None` of different meshes.
+    /// Inner product over rotations and displacements divided by the machine's length; `None` for different meshes.
     fn product(&self, other: &Self) -> Option<Complex<f64>> {
         let sections = |mode: &Self| mode.real.iter().map(Vec::len).collect::<Vec<_>>();
         if self.real.is_empty() || sections(self) != sections(other) {
@@ -200,7 +201,7 @@ impl Followed for ModeShape {
     }
 }
 
-/// Share that two modes have in common, part by part: 1 of the same motion, 0 of motions of different parts.
+/// Common participation of two modes, part by part: 1 if the participations are equal, 0 if different parts move.
 fn common_share(one: &[WhirlShare], other: &[WhirlShare]) -> f64 {
     let of = |part: &WhirlShare| {
         let same = other.iter().find(|known| known.part == part.part && known.whirl == part.whirl);
@@ -220,7 +221,7 @@ pub struct SectionState {
     pub angular_velocity_rad_s: Vector3<f64>,
     /// Root ← section.
     pub rotation: Matrix3<f64>,
-    /// Strain measures `(γ₁, k₁, k₂, k₃)` of the element: strains less the natural ones, NOTATION eq. (G7); –, 1/m.
+    /// Strain measures `(γ₁, k₁, k₂, k₃)` of the element: strains minus the natural strains, NOTATION eq. (G7); –, 1/m.
     pub measures: Strain,
 }
 
@@ -237,7 +238,7 @@ impl SectionState {
     }
 }
 
-/// Change of a section with the coordinates, root frame.
+/// Change of a section due to a change of the coordinates, root frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectionChange {
     /// Displacement in m.
@@ -249,8 +250,8 @@ pub struct SectionChange {
 }
 
 impl System {
-    /// Changes of sections with the free coordinates, linear about the present state: the displacement, the rotation and the strain
-    /// measures that a small `change` of [`System::freedoms`] causes. `places_m` are distances from the inner end in m, per body.
+    /// Changes of sections, linearised about the present state: displacement, rotation and strain measures due to a small `change` of
+    /// [`System::freedoms`]. `places_m` are distances from the inner end in m, per body.
     pub fn section_changes(&self, change: &[f64], places_m: &[Vec<f64>]) -> Vec<Vec<SectionChange>> {
         let (model, now) = (&self.equations.model, &self.state.now);
         let still = vec![0.0; model.coordinates];
@@ -278,7 +279,7 @@ impl System {
         places_m.iter().enumerate().map(of_body).collect()
     }
 
-    /// Mesh boundaries of a body: distances from its inner end in m, ascending; 0 alone on a rigid body.
+    /// Mesh boundaries of a body: distances from its inner end in m, ascending; only 0 for a rigid body.
     pub fn mesh_m(&self, body: usize) -> Vec<f64> {
         let model = &self.equations.model;
         let body = &model.bodies[body];

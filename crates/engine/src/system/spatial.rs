@@ -1,4 +1,4 @@
-//! Universal, ball and free joints in the plant: start, attitude, projection.
+//! Universal, ball and free joints in the system: start, attitude, projection.
 
 use crate::machine::{Machine, Parent, Spatial};
 use crate::multibody::joint::{Joint, RedundantWork};
@@ -8,13 +8,13 @@ use nalgebra::{Matrix3, Vector3};
 /// A universal, ball or free joint in the equations of motion.
 #[derive(Debug, Clone)]
 pub(crate) struct SpatialJoint {
-    /// Body that it holds.
+    /// Body attached by the joint.
     pub body: usize,
-    /// Its parameters.
+    /// Redundant parameters of the joint.
     joint: Joint,
-    /// Free joint that is the only connection of its bodies to the rest of the machine, without loops.
+    /// Whether it is a free joint that is the only connection of its bodies to the rest of the machine, without loops.
     pub flies: bool,
-    /// It is held in place while the other parts of the machine settle, eq. (Q8).
+    /// Whether it is held while the other parts of the machine settle, eq. (Q8).
     pub held: bool,
 }
 
@@ -30,7 +30,7 @@ impl SpatialJoint {
         machine.spatials().map(of).collect()
     }
 
-    /// Start rates of the parameters that agree with the start velocities; `q` holds the start attitude.
+    /// Sets the initial rates of the parameters consistent with the initial velocities; `q` holds the initial attitude.
     pub fn start(&self, spatial: &Spatial, q: &[f64], v: &mut [f64]) {
         let range = self.range();
         let rates = self.joint.kind.parameter_rates(&q[range.clone()], &spatial.start_angular_velocity_rad_s);
@@ -53,17 +53,17 @@ impl SpatialJoint {
         (parameters.pose.rotation, self.spin(parameters, v))
     }
 
-    /// Back to the constraints of the parameters.
+    /// Projects coordinates, rates and accelerations onto the constraints of the parameters.
     pub fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         self.joint.restore(q, v, a);
     }
 
-    /// Its parameters in the coordinates.
+    /// Range of its parameters in the coordinates.
     pub fn range(&self) -> std::ops::Range<usize> {
         self.joint.range()
     }
 
-    /// Force in N and moment in N·m about the joint that hold it, from a residual; root frame.
+    /// Force in N and moment in N·m about the joint required to hold it, from a residual; root frame.
     pub fn holding(&self, residual: &[f64]) -> [Vector3<f64>; 2] {
         let first = self.range().start;
         [0, 3].map(|part| Vector3::from_column_slice(&residual[first + part..first + part + 3]))
@@ -75,7 +75,7 @@ impl SpatialJoint {
     }
 }
 
-/// Whether `body` is `end` or between it and the root.
+/// Whether `body` is `end` or lies between `end` and the root.
 fn carries(machine: &Machine, body: usize, end: usize) -> bool {
     let mut at = end;
     loop {

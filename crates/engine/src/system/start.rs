@@ -29,7 +29,7 @@ impl System {
             let c = equations.coordinate;
             q[c] = parameters.start_angle_rad;
             let caught = equations.latch().is_some_and(|latch| latch.latch.catches(q[c]));
-            // by the description, wherever the joint is
+            // by the description, for any position of the joint
             let described = revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
             let mut told = Told {
                 time_s,
@@ -102,14 +102,14 @@ impl System {
         self.configure();
     }
 
-    /// Finds the accelerations and the outputs of the start state.
+    /// Computes the accelerations and the outputs of the start state.
     pub(crate) fn conclude_start(&mut self, time_s: f64) -> Result<(), PlantError> {
         let now = &mut self.state.now;
         self.equations.branch_s = time_s;
         self.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
         let mut changed = false;
         for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
-            // the rates may be others than when the start was made
+            // the rates may have been changed since the start state was set
             let (contact, tripped) = (memory.contact, memory.tripped);
             forces.begin(&self.state.now, memory);
             changed |= memory.contact != contact || memory.tripped != tripped;
@@ -131,7 +131,7 @@ impl System {
         self.state.stages = vec![stage; self.continuation.inner_stages()];
         self.state.initialized = true;
         self.remember_attitudes();
-        // memory for steps and outputs
+        // stored for steps and outputs
         self.begin.clone_from(&self.state);
         self.evaluate();
         if self.outputs.are_finite() {

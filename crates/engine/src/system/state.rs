@@ -1,4 +1,4 @@
-//! The plant's state: small, clonable, and all that an FMU state needs.
+//! The plant's state: small, clonable, and containing all that an FMU state needs.
 
 use crate::force::memory::JointMemory;
 use crate::machine::Machine;
@@ -12,28 +12,28 @@ use crate::system::{PlantError, Statistics};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
-/// Names of the fields that may be not finite: [`AirHistory::motion_tolerance`] and [`State::stages`].
+/// Names of the fields that may hold non-finite values: [`AirHistory::motion_tolerance`] and [`State::stages`].
 const TOLERANCE: &str = "motion_tolerance";
 const STAGES: &str = "stages";
 
-/// Everything that changes in time.
+/// All quantities that change in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
-    /// `Plant::initialize` has succeeded.
+    /// Whether `Plant::initialize` has succeeded.
     pub initialized: bool,
-    /// Inputs as the caller last set them.
+    /// Inputs as last set by the caller.
     pub inputs: Inputs,
-    /// Parameters as the caller last set them.
+    /// Parameters as last set by the caller.
     pub parameters: Parameters,
-    /// Rates of the real inputs in the coming step as the caller set them, per second.
+    /// Rates per second of the real inputs in the next step, as the caller set them.
     pub rates: Inputs,
-    /// Inputs that the present step runs with, at `applied_from_s`.
+    /// Inputs of the present step at `applied_from_s`.
     pub applied_inputs: Inputs,
-    /// Rates of the real inputs that the present step runs with, per second.
+    /// Rates per second of the real inputs in the present step.
     pub applied_rates: Inputs,
     /// Time of `applied_inputs` in s.
     pub applied_from_s: f64,
-    /// Parameters that the present step runs with.
+    /// Parameters of the present step.
     pub applied_parameters: Parameters,
     /// Start of the integrator's previous step; the same as `start` after an event and after a failed step.
     pub before: Point,
@@ -41,32 +41,32 @@ pub(crate) struct State {
     pub start: Point,
     /// End of the integrator's present step, at or ahead of the present time.
     pub ahead: Point,
-    /// Stages of [`State::present_step`] between its ends; meaningless without such a step.
+    /// Intermediate stages of [`State::present_step`]; meaningless without such a step.
     pub stages: Vec<Point>,
-    /// The present.
+    /// Present point.
     pub now: Point,
-    /// Next step to try in s.
+    /// Step size to try next in s.
     pub step_s: f64,
-    /// Per revolute joint.
+    /// State of each revolute or prismatic joint.
     pub joints: Vec<JointMemory>,
-    /// Per failure.
+    /// State of each failure.
     pub failures: Vec<FailureMemory>,
-    /// Last quaternions of universal, ball and free joints.
+    /// Previous quaternions of universal, ball and free joints, for continuous signs.
     pub spatial_rotations: Vec<UnitQuaternion<f64>>,
-    /// Last quaternions of the tips, for a continuous sign.
+    /// Previous quaternions of the tips, for continuous signs.
     pub tip_rotations: Vec<UnitQuaternion<f64>>,
-    /// Last quaternions of the stations.
+    /// Previous quaternions of the stations, for continuous signs.
     pub station_rotations: Vec<UnitQuaternion<f64>>,
-    /// Air, of machines that have any, from initialisation on.
+    /// Aerodynamic state; `None` without aerodynamics and before initialisation.
     pub air: Option<AirHistory>,
     /// Values set by an external integrator, if there is one.
     pub outside: Option<Outside>,
-    /// Counters.
+    /// Counters of the time integration.
     pub statistics: Statistics,
 }
 
 impl State {
-    /// Inputs and parameters that the model states; the rest is made by initialisation.
+    /// State with the inputs and parameters of the model; the rest is set by initialisation.
     pub fn of_model(machine: &Machine) -> Self {
         let (inputs, parameters) = (Inputs::of(machine), Parameters::of(machine));
         Self {
@@ -102,7 +102,7 @@ impl State {
         [[start, ahead], [before, start]].into_iter().find(|[begin, end]| begin.time_s < end.time_s)
     }
 
-    /// Copies a state of the same plant; allocates nothing if the sizes agree.
+    /// Copies a state of the same plant; allocates nothing if the sizes are equal.
     pub fn copy_from(&mut self, other: &Self) {
         self.initialized = other.initialized;
         let inputs = [&mut self.inputs, &mut self.rates, &mut self.applied_inputs, &mut self.applied_rates];
@@ -134,7 +134,7 @@ impl State {
     }
 }
 
-/// Everything that must survive rollback: inputs, parameters, integrator history, events, energies.
+/// All quantities that must survive rollback: inputs, parameters, integrator history, events, energies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot(Box<State>);
 
@@ -153,7 +153,7 @@ impl Snapshot {
     }
 
     /// Returns an error for a snapshot whose vectors do not have the lengths of this model: `coordinates`, numbers of continuous `states`,
-    /// of `tips` and of `stages` within a step. `air` is a history of the air with the sizes of this model's.
+    /// of `tips` and of `stages` within a step. `air` is an aerodynamic history with the sizes of this model.
     pub(crate) fn check(
         &self,
         own: &State,
@@ -206,10 +206,10 @@ impl Snapshot {
 }
 
 impl State {
-    /// Returns an error for values that cannot occur in a run: the bytes of a saved state can be arbitrary.
+    /// Returns an error for values that cannot occur in a run: the bytes of a saved state may be arbitrary.
     fn check_values(&self) -> Result<(), PlantError> {
         let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that cannot occur in a run")));
-        // without a step to the present time there are no stages; an infinite tolerance means that the air has not been solved yet
+        // without a step to the present time there are no stages; an infinite tolerance means that the aerodynamics has not been solved yet
         let left_out = if self.present_step().is_some() { &[TOLERANCE][..] } else { &[TOLERANCE, STAGES][..] };
         if let Some(found) = not_finite(self, left_out) {
             return Err(PlantError::Snapshot(format!("{found}, which cannot occur in a run")));
@@ -246,7 +246,7 @@ mod tests {
     use std::collections::BTreeMap;
     use std::sync::Arc;
 
-    /// The state of a wing with a tip on a ball joint after some steps: no part of it is empty.
+    /// The state of a wing with a tip on a ball joint after some steps, in which no part is empty.
     fn state(air: AirBuilder, exchanges: bool) -> State {
         let material = Material { youngs_modulus_pa: 7e9, shear_modulus_pa: 3e9, density_kg_m3: 1400.0 };
         let half = |name: &str| {
@@ -275,12 +275,13 @@ mod tests {
             plant.system_mut().begin_exchange().expect("strips have states");
         }
         let mut state = plant.snapshot().state().clone();
-        // text has no infinity
+        // the text format cannot represent infinity
         state.air.as_mut().expect("has air").motion_tolerance = 1.0;
         state
     }
 
-    /// Paths of numbers and truth values: names of fields, all entries of a list together; with whether any of them exists.
+    /// Collects the paths of numbers and booleans: names of fields, with all entries of a list under one path, and whether any value exists
+    /// there.
     fn places(value: &Value, at: &mut Vec<String>, found: &mut BTreeMap<Vec<String>, bool>) {
         match value {
             Value::Object(fields) => {
@@ -319,8 +320,8 @@ mod tests {
         }
     }
 
-    /// A copy is equal to the other state after a change of any field, including those of the air and its memories: failed steps and events
-    /// are rolled back by it.
+    /// A copy equals the other state after a change of any field, including the aerodynamic and other memories: failed steps and events are
+    /// rolled back by copying.
     #[test]
     fn copies_are_equal_in_every_field() {
         let lattice = || Air::lattice().wake(WakeModel::Free).wake_rows(3);
@@ -336,7 +337,7 @@ mod tests {
                 let name = place.join(".");
                 let other: State = match serde_json::from_value(text) {
                     Ok(other) => other,
-                    // the field is not a number in any of the cases
+                    // the field is not a number in any of the variants
                     Err(_) if !is_there => continue,
                     Err(error) => panic!("{name}: {error}"),
                 };

@@ -1,4 +1,4 @@
-//! Strains of all sections at the present time: for reports, not for the step.
+//! Strains of all sections at the present time, for reports; not used in the time step.
 
 use crate::beam::element::ElementKind;
 use crate::beam::recovery::maximum_axial_strain;
@@ -14,10 +14,10 @@ pub struct SectionStrain {
     pub body: usize,
     /// Distance from the body's inner end in m.
     pub position_m: f64,
-    /// Strain measures `(γ₁, k₁, k₂, k₃)`: strains less the natural ones, –, 1/m.
+    /// Strain measures `(γ₁, k₁, k₂, k₃)`: strains minus the natural strains; –, 1/m.
     pub measures: Strain,
-    /// Longitudinal strain `E₁₁` of the largest magnitude on the section, NOTATION eq. (R7); on the axis if the section's outline is not
-    /// known.
+    /// Longitudinal strain `E₁₁` of the largest magnitude on the section, NOTATION eq. (R7); on the axis if the section's outline is
+    /// unknown.
     pub largest: f64,
     /// Position of the point, `[y, z]` in the section frame, m.
     pub point_m: [f64; 2],

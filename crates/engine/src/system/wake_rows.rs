@@ -19,7 +19,7 @@ impl Statistics {
 
     /// Advice if rows of the wake are longer than `MAXIMUM_ROW_PANELS`, with aerodynamic steps of `step_s` in s.
     pub fn advice_on_rows(&self, step_s: f64) -> Option<String> {
-        // a distance of a round number of panels is reached to round-off
+        // a distance of a whole number of panels is reached only to round-off
         (self.longest_row_panels > MAXIMUM_ROW_PANELS * (1.0 + 1e-9)).then(|| {
             let longest = self.longest_row_panels;
             // with enough decimals to differ from the bound
@@ -28,7 +28,7 @@ impl Statistics {
                 longest >= MAXIMUM_ROW_PANELS + half_unit
             };
             let decimals = (1..9).find(exceeds).unwrap_or(9);
-            // rounded down to two digits: the suggested value must cure it
+            // rounded down to two digits, so that the suggested value is small enough
             let exact_s = step_s * MAXIMUM_ROW_PANELS / longest;
             let unit_s = 10f64.powf(exact_s.log10().floor() - 1.0);
             let shorter_s = (exact_s / unit_s * (1.0 + 1e-9)).floor() * unit_s;

@@ -1,4 +1,5 @@
-//! Air in code: equivalents of the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]` of the model file.
+//! Aerodynamics in code: equivalents of the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]` of the model
+//! file.
 
 use crate::aero::AirOptions;
 use crate::aero::flow::{Gust, GustShape};
@@ -17,12 +18,12 @@ use crate::machine::validate::air::lattice_size;
 use crate::machine::{Air, Body, Coupling};
 use nalgebra::Vector3;
 
-/// Cosine between the normals of two mirrors up to which they are perpendicular.
+/// Cosine of the angle between the normals of mirror and ground below which they count as perpendicular.
 const ACROSS: f64 = 1e-9;
-/// Default core radius over the chord of the smallest panel.
+/// Default core radius divided by the chord of the smallest panel.
 const CORE_SHARE: f64 = 1e-2;
 
-/// Model of the air in the builder.
+/// Aerodynamic model in the builder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Model {
     Lattice,
@@ -31,7 +32,7 @@ enum Model {
     None,
 }
 
-/// Air under construction: [`Air::lattice`], [`Air::strips`], [`Air::none`].
+/// Aerodynamics under construction: [`Air::lattice`], [`Air::strips`], [`Air::none`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct AirBuilder {
     model: Model,
@@ -92,24 +93,24 @@ impl Air {
         Self::builder(Model::Strips)
     }
 
-    /// Blade-element momentum theory on the blades of one rotor.
+    /// Blade-element momentum theory for the blades of one rotor.
     pub fn rotor(settings: RotorSettings) -> AirBuilder {
         AirBuilder { rotor: Some(settings), ..Self::builder(Model::Rotor) }
     }
 
-    /// No air: loads are external. Surfaces and gusts are checked and omitted.
+    /// No aerodynamics: loads are external. Surfaces and gusts are checked and omitted.
     pub fn none() -> AirBuilder {
         Self::builder(Model::None)
     }
 }
 
 impl AirBuilder {
-    /// Density in kg/m³. Default 1.225.
+    /// Air density in kg/m³. Default 1.225.
     pub fn density_kg_m3(self, density_kg_m3: f64) -> Self {
         Self { density_kg_m3, ..self }
     }
 
-    /// Velocity of the air relative to the root in m/s, root frame: start value of the input. Default 0.
+    /// Wind velocity relative to the root in m/s, root frame: start value of the input. Default 0.
     pub fn wind_m_s(self, wind_m_s: impl Into<Vector3<f64>>) -> Self {
         Self { wind_m_s: wind_m_s.into(), ..self }
     }
@@ -119,7 +120,7 @@ impl AirBuilder {
         Self { step_s: Some(step_s), ..self }
     }
 
-    /// Coupling of air and structure. Default: iteration to 1e-4, at most 50 times.
+    /// Coupling of aerodynamics and structure. Default: iteration to a tolerance of 1e-4, at most 50 times.
     pub fn coupling(self, coupling: Coupling) -> Self {
         Self { coupling, ..self }
     }
@@ -134,67 +135,67 @@ impl AirBuilder {
         Self { reports_circulation, ..self }
     }
 
-    /// Strips with the memory of Wagner's and Küssner's functions. Default true.
+    /// Whether strips have unsteady lift by Wagner's and Küssner's functions. Default true.
     pub fn unsteady(self, unsteady: bool) -> Self {
         Self { unsteady, ..self }
     }
 
-    /// Strips with the apparent mass of the air. Default true.
+    /// Whether strips have apparent mass. Default true.
     pub fn apparent_mass(self, apparent_mass: bool) -> Self {
         Self { apparent_mass, ..self }
     }
 
-    /// Fit to Wagner's and Küssner's functions; strips only. Default [`Fit::Jones`].
+    /// Approximation of Wagner's and Küssner's functions; strips only. Default [`Fit::Jones`].
     pub fn fit(self, fit: Fit) -> Self {
         Self { fit, ..self }
     }
 
-    /// Suction at the leading edge. Default true for strips; false for the lattice, whose loads then follow Bernoulli's
-    /// equation instead of Kutta–Joukowski's theorem.
+    /// Whether leading-edge suction is included. Default true for strips; false for the lattice, whose loads then follow Bernoulli's
+    /// equation instead of the Kutta–Joukowski theorem.
     pub fn leading_edge_suction(self, suction: bool) -> Self {
         Self { leading_edge_suction: Some(suction), ..self }
     }
 
-    /// Loss of lift towards the ends of a wing and induced drag by a lifting line through all strips; strips only, without
-    /// polars. Default false.
+    /// Whether a lifting line through all strips models the loss of lift towards the ends of a wing and the induced drag; strips only,
+    /// without polars. Default false.
     pub fn tip_loss(self, tip_loss: bool) -> Self {
         Self { tip_loss, ..self }
     }
 
-    /// Normal of a mirror plane through the root's origin, of any length but zero; lattice, or strips with
-    /// [`AirBuilder::tip_loss`]. Default none.
+    /// Normal of a mirror plane through the root's origin, of any nonzero length; lattice, or strips with [`AirBuilder::tip_loss`]. Default
+    /// none.
     pub fn mirror_normal(self, normal: impl Into<Vector3<f64>>) -> Self {
         Self { mirror_normal: Some(normal.into()), ..self }
     }
 
-    /// Ground under a lattice: its normal towards the wing, of any length but zero and across that of a mirror plane, and the distance of the
-    /// root's origin above it in m. Default none.
+    /// Ground under a lattice: its normal towards the wing, of any nonzero length and perpendicular to that of a mirror plane, and the
+    /// distance of the root's origin above it in m. Default none.
     pub fn ground(self, normal: impl Into<Vector3<f64>>, distance_m: f64) -> Self {
         Self { ground: Some((normal.into(), distance_m)), ..self }
     }
 
-    /// Speed of sound in m/s, for Prandtl and Glauert's rule. Default none: incompressible air.
+    /// Speed of sound in m/s, for the Prandtl–Glauert correction. Default none: incompressible flow.
     pub fn speed_of_sound_m_s(self, speed_of_sound_m_s: f64) -> Self {
         Self { speed_of_sound_m_s: Some(speed_of_sound_m_s), ..self }
     }
 
-    /// Convection of the wake of the lattice. Default [`WakeModel::Prescribed`].
+    /// Convection model of the lattice's wake. Default [`WakeModel::Prescribed`].
     pub fn wake(self, wake: WakeModel) -> Self {
         Self { wake, ..self }
     }
 
-    /// Rows of panels that the wake of the lattice keeps. Default 100.
+    /// Number of panel rows that the wake of the lattice keeps. Default 100.
     pub fn wake_rows(self, wake_rows: usize) -> Self {
         Self { wake_rows, ..self }
     }
 
-    /// Radius of the vortices' cores in m; lattice, or strips with [`AirBuilder::tip_loss`]. Default a hundredth of the
-    /// shortest panel's chord, for strips of the shortest chord.
+    /// Core radius of the vortices in m; lattice, or strips with [`AirBuilder::tip_loss`]. Default: one hundredth of the shortest panel's
+    /// chord, or for strips of the shortest chord.
     pub fn core_radius_m(self, core_radius_m: f64) -> Self {
         Self { core_radius_m: Some(core_radius_m), ..self }
     }
 
-    /// Threads for the influence of the wake; the result does not depend on it. Lattice only. Default 1.
+    /// Number of threads for the influence of the wake; it does not change the result. Lattice only. Default 1.
     pub fn threads(self, threads: usize) -> Self {
         Self { threads, ..self }
     }
@@ -225,7 +226,7 @@ impl AirBuilder {
     }
 }
 
-/// A gust under construction: [`GustBuilder::new`].
+/// A gust under construction, see [`GustBuilder::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct GustBuilder {
     name: String,
@@ -238,8 +239,8 @@ pub struct GustBuilder {
 }
 
 impl GustBuilder {
-    /// A gust by its shape and its largest added velocity in m/s, root frame; for turbulence its standard deviation. By default it travels
-    /// with the wind and passes the root's origin at 0 s.
+    /// A gust with its shape and its largest added velocity in m/s, root frame; for turbulence, its standard deviation. By default it
+    /// travels with the wind and passes the root's origin at 0 s.
     pub fn new(name: impl Into<String>, shape: GustShape, velocity_m_s: impl Into<Vector3<f64>>) -> Self {
         Self {
             name: name.into(),
@@ -252,22 +253,22 @@ impl GustBuilder {
         }
     }
 
-    /// Direction in which it travels, root frame, of any length but zero.
+    /// Direction in which the gust travels, root frame, of any nonzero length.
     pub fn direction(self, direction: impl Into<Vector3<f64>>) -> Self {
         Self { direction: Some(direction.into()), ..self }
     }
 
-    /// Speed at which it travels in m/s.
+    /// Speed at which the gust travels in m/s.
     pub fn speed_m_s(self, speed_m_s: f64) -> Self {
         Self { speed_m_s: Some(speed_m_s), ..self }
     }
 
-    /// Place in m that its front passes at [`GustBuilder::start_s`].
+    /// Position in m that its front passes at [`GustBuilder::start_s`].
     pub fn origin_m(self, origin_m: impl Into<Vector3<f64>>) -> Self {
         Self { origin_m: origin_m.into(), ..self }
     }
 
-    /// Time in s at which its front passes [`GustBuilder::origin_m`].
+    /// Time in s at which the gust's front passes [`GustBuilder::origin_m`].
     pub fn start_s(self, start_s: f64) -> Self {
         Self { start_s, ..self }
     }
@@ -298,8 +299,8 @@ impl GustBuilder {
     }
 }
 
-/// The air around valid bodies; `None` without air, or after errors that leave nothing to build. Bodies with errors (not in `stand`) are
-/// only looked up by name.
+/// Builds the aerodynamics around valid bodies; `None` without aerodynamics, or after errors that leave nothing to build. Bodies with
+/// errors (not in `stand`) are only looked up by name.
 pub(super) fn build(
     air: Option<&AirBuilder>,
     (surfaces, flaps): (&[SurfaceBuilder], &[FlapBuilder]),

@@ -19,13 +19,13 @@ const DEFAULT_STATIONS: usize = 4;
 /// Load stations under construction.
 #[derive(Debug, Clone, PartialEq)]
 enum Stations {
-    /// At the centres of this number of equal strips.
+    /// At the centres of this number of equal intervals.
     Equal(usize),
     /// At distances in m from the inner end.
     At(Vec<f64>),
 }
 
-/// A body under construction: [`Body::beam`], [`Body::rigid`].
+/// A body under construction, see [`Body::beam`], [`Body::rigid`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyBuilder {
     pub(super) name: String,
@@ -46,7 +46,7 @@ pub struct BodyBuilder {
 }
 
 impl Body {
-    /// A beam by its name, its length in m and its section: a [`Solid`], a [`Section`](crate::beam::section::Section) or a [`SectionLaw`]
+    /// A beam with a name, its length in m and its section: a [`Solid`], a [`Section`](crate::beam::section::Section) or a [`SectionLaw`]
     /// that varies along it. The number of elements must be set.
     pub fn beam(name: impl Into<String>, length_m: f64, section: impl Into<SectionLaw>) -> BodyBuilder {
         BodyBuilder {
@@ -68,14 +68,14 @@ impl Body {
         }
     }
 
-    /// A modal body by its name. It has no load stations by default.
+    /// A modal body with a name. It has no load stations by default.
     pub fn modal(name: impl Into<String>, law: ModalLaw) -> BodyBuilder {
         let (length_m, cells) = (law.length_m, law.cells);
         BodyBuilder { elements: cells, stations: Stations::Equal(0), ..Self::beam(name, length_m, law) }
     }
 
-    /// A rigid body by its name: a frame with one load station, massless until [`BodyBuilder::inertia`] or attached masses add mass.
-    /// Children are attached beside its frame by [`JointBuilder::offset_m`](super::JointBuilder::offset_m).
+    /// A rigid body with a name: a frame with one load station, massless until [`BodyBuilder::inertia`] or attached masses add mass.
+    /// Children are attached at a distance from its frame by [`JointBuilder::offset_m`](super::JointBuilder::offset_m).
     pub fn rigid(name: impl Into<String>) -> BodyBuilder {
         let unused = Solid::rectangle(1.0, 1.0, Material::isotropic(1.0, 0.0, 1.0));
         BodyBuilder { stations: Stations::At(vec![0.0]), ..Self::beam(name, 0.0, unused) }
@@ -83,7 +83,7 @@ impl Body {
 }
 
 impl BodyBuilder {
-    /// Mass in kg, centre of mass in m and inertia about it in kg·m², body frame, of a rigid body.
+    /// Mass in kg, centre of mass in m and inertia about the centre of mass in kg·m², body frame, of a rigid body.
     pub fn inertia(
         self,
         mass_kg: f64,
@@ -95,7 +95,8 @@ impl BodyBuilder {
         Self { own_mass: Some(own), ..self }
     }
 
-    /// The principal moments of [`Self::inertia`] need only be positive, for effective inertias such as one about a single axis.
+    /// Requires of the principal moments of [`Self::inertia`] only that they are positive, for effective inertias such as one about a
+    /// single axis.
     pub fn allow_nonphysical_inertia(mut self) -> Self {
         if let Some(own) = &mut self.own_mass {
             own.allow_nonphysical_inertia = true;
@@ -128,7 +129,7 @@ impl BodyBuilder {
         Self { natural_strain, ..self }
     }
 
-    /// Shape without loads by the axis of a body, [`Axis::natural_shape`](crate::beam::axis::Axis::natural_shape); its first section has
+    /// Unloaded shape given by the axis of a body, [`Axis::natural_shape`](crate::beam::axis::Axis::natural_shape); its first section has
     /// the frame of the body, at the joint.
     pub fn natural_shape(self, shape: NaturalShape) -> Self {
         Self { natural_strain: shape.strain, axis: Some(shape.ends), ..self }
@@ -139,7 +140,7 @@ impl BodyBuilder {
         Self { mass_damping_1_s: damping_1_s, ..self }
     }
 
-    /// The mass-proportional damping acts on attached masses too. Default false.
+    /// Whether the mass-proportional damping also acts on attached masses. Default false.
     pub fn damp_attached_masses(self, damped: bool) -> Self {
         Self { damp_attached_masses: damped, ..self }
     }
@@ -154,12 +155,12 @@ impl BodyBuilder {
         Self { stiffness_damping_factors: shares.into(), ..self }
     }
 
-    /// The same in the shears `(γy, γz)` of a body with shear. Default 1.
+    /// Factors of the stiffness-proportional damping in the shears `(γy, γz)` of a body with shear. Default 1.
     pub fn shear_damping_factors(self, shares: [f64; 2]) -> Self {
         Self { shear_damping_factors: shares, ..self }
     }
 
-    /// Load stations at the centres of this number of equal strips, 0 to 1000. Default 4.
+    /// Load stations at the centres of this number of equal intervals, 0 to 1000. Default 4.
     pub fn load_stations(self, count: usize) -> Self {
         Self { stations: Stations::Equal(count), ..self }
     }
@@ -174,7 +175,7 @@ impl BodyBuilder {
         Self { load_frame, ..self }
     }
 
-    /// The body on a joint; an excessive number of load stations is an error and is omitted.
+    /// Builds the body with its joint; too many load stations are an error and are omitted.
     pub(super) fn build(&self, mut joint: Joint, checker: &mut Checker) -> Body {
         if let Some(axis) = &self.axis {
             joint.mount *= axis.first;
@@ -218,7 +219,7 @@ impl AttachedMass {
     }
 }
 
-/// A strain gauge under construction: [`Gauge::on`].
+/// A strain gauge under construction, see [`Gauge::on`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaugeBuilder {
     pub(super) name: String,
@@ -230,7 +231,7 @@ pub struct GaugeBuilder {
 }
 
 impl Gauge {
-    /// A gauge along the axis on the upper face of the body of a name, at a distance in m from its inner end.
+    /// A gauge along the axis on the upper face of the named body, at a distance in m from its inner end.
     pub fn on(name: impl Into<String>, body: impl Into<String>, position_m: f64) -> GaugeBuilder {
         let (y_m, z_m, direction) = (0.0, None, Vector3::x());
         GaugeBuilder { name: name.into(), body: body.into(), position_m, y_m, z_m, direction }
@@ -243,17 +244,17 @@ impl GaugeBuilder {
         Self { y_m, ..self }
     }
 
-    /// Thickness coordinate in m. Default the upper face.
+    /// Thickness coordinate in m. Default: the upper face.
     pub fn z_m(self, z_m: f64) -> Self {
         Self { z_m: Some(z_m), ..self }
     }
 
-    /// Direction of the fibre in the section frame, of any length but zero. Default along the axis.
+    /// Direction of the fibre in the section frame, of any nonzero length. Default: along the axis.
     pub fn direction(self, direction: impl Into<Vector3<f64>>) -> Self {
         Self { direction: direction.into(), ..self }
     }
 
-    /// The gauge on its body; `None` if its direction has zero length.
+    /// Builds the gauge on its body; `None` if its direction has zero length.
     pub(super) fn build(&self, index: usize, law: &SectionLaw, checker: &mut Checker) -> Option<Gauge> {
         let Some(direction) = self.direction.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) else {
             let found = array_text(self.direction.as_slice());
@@ -266,7 +267,7 @@ impl GaugeBuilder {
     }
 }
 
-/// An internal-load section under construction: [`InternalLoad::on`].
+/// An internal-load section under construction, see [`InternalLoad::on`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct InternalLoadBuilder {
     pub(super) name: String,
@@ -276,25 +277,25 @@ pub struct InternalLoadBuilder {
 }
 
 impl InternalLoad {
-    /// A section of the body of a name at a distance in m from its inner end, inboard of parts attached there.
+    /// A section of the named body at a distance in m from its inner end, inboard of parts attached there.
     pub fn on(name: impl Into<String>, body: impl Into<String>, position_m: f64) -> InternalLoadBuilder {
         InternalLoadBuilder { name: name.into(), body: body.into(), position_m, side: SectionSide::Inboard }
     }
 }
 
 impl InternalLoadBuilder {
-    /// Outboard of parts attached at the section. Default inboard.
+    /// Moves the section outboard of the parts attached at its position. Default: inboard.
     pub fn outboard(self) -> Self {
         Self { side: SectionSide::Outboard, ..self }
     }
 
-    /// The section on its body.
+    /// Builds the section on its body.
     pub(super) fn build(&self, index: usize) -> InternalLoad {
         InternalLoad { name: self.name.clone(), body: index, position_m: self.position_m, side: self.side }
     }
 }
 
-/// A loop under construction: [`Closure::between`].
+/// A closed loop under construction, see [`Closure::between`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosureBuilder {
     pub(super) name: String,
@@ -307,7 +308,7 @@ pub struct ClosureBuilder {
 }
 
 impl Closure {
-    /// A ball joint that closes a loop between the outer ends of two bodies, by a penalty stiffness in N/m.
+    /// A ball joint that closes a loop between the outer ends of two bodies, with a penalty stiffness in N/m.
     pub fn between(name: impl Into<String>, bodies: [&str; 2], stiffness_n_m: f64) -> ClosureBuilder {
         ClosureBuilder {
             name: name.into(),
@@ -322,12 +323,12 @@ impl Closure {
 }
 
 impl ClosureBuilder {
-    /// Distances of the sections from the bodies' inner ends in m. Default their outer ends.
+    /// Distances of the sections from the bodies' inner ends in m. Default: their outer ends.
     pub fn positions_m(self, positions_m: [f64; 2]) -> Self {
         Self { positions_m: Some(positions_m), ..self }
     }
 
-    /// The points from the sections' axes in m, section frames. Default 0.
+    /// Offsets of the points from the sections' axes in m, section frames. Default 0.
     pub fn offsets_m(self, offsets_m: [[f64; 3]; 2]) -> Self {
         Self { offsets_m: offsets_m.map(Into::into), ..self }
     }
@@ -342,7 +343,7 @@ impl ClosureBuilder {
         Self { inertia_kg, ..self }
     }
 
-    /// The loop between bodies found by `indices`; `None` if one does not exist.
+    /// Builds the loop between bodies found by name; `None` if one does not exist.
     pub(super) fn build(&self, bodies: &[Body], checker: &mut Checker) -> Option<Closure> {
         let place = ["loop", self.name.as_str(), "bodies"];
         let mut places = [(0, 0.0); 2];
@@ -371,7 +372,7 @@ impl ClosureBuilder {
     }
 }
 
-/// Adds a load at a station of a body, counted from 1; an error if the station does not exist.
+/// Adds a load at a station of a body, counted from 1; reports an error if the station does not exist.
 pub(super) fn add_load(name: &str, station: usize, load: &Wrench, body: &mut Body, checker: &mut Checker) {
     let count = body.station_loads.len();
     match station.checked_sub(1).and_then(|index| body.station_loads.get_mut(index)) {

@@ -4,10 +4,10 @@ use crate::machine::failure::{Bound, BoundSide, Effect, Failure, FrictionBrake, 
 use crate::machine::fault::Checker;
 use crate::machine::{Body, Closure};
 
-/// Failing part, by name.
+/// Part on which the failure acts, by name.
 #[derive(Debug, Clone, PartialEq)]
 enum Target {
-    /// Of a joint.
+    /// A joint.
     Joint(String),
     /// A closed loop.
     Loop(String),
@@ -15,12 +15,12 @@ enum Target {
     Body(String),
 }
 
-/// A failure under construction: [`Failure::motor_loss`] and the other constructors. Its input is always a trigger.
+/// A failure under construction, see [`Failure::motor_loss`] and the other constructors. Its input is always a trigger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FailureBuilder {
     pub(super) name: String,
     target: Target,
-    /// Effect whose index into the machine is not known yet.
+    /// Effect with a placeholder for the index, which is not known yet.
     effect: Effect,
     at_time_s: Option<f64>,
     after: Option<String>,
@@ -28,7 +28,7 @@ pub struct FailureBuilder {
     delay_s: f64,
 }
 
-/// Placeholder for an index that is found by its name.
+/// Placeholder for an index that is looked up by name later.
 const UNKNOWN: usize = usize::MAX;
 
 impl Failure {
@@ -70,22 +70,22 @@ impl Failure {
         Self::of_joint(name, joint, Effect::LatchDoesNotCatch { body: UNKNOWN })
     }
 
-    /// The lock of a joint opens: a link that held it fails.
+    /// The lock of a joint opens, because the link that held it fails.
     pub fn lock_release(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::StopperOpens { body: UNKNOWN })
     }
 
-    /// Spring and damper of a joint are reduced to a share; 0 for a broken spring.
+    /// Spring and damper of a joint are reduced to the fraction `remaining`; 0 for a broken spring.
     pub fn spring_weakens(name: impl Into<String>, joint: impl Into<String>, remaining: f64) -> FailureBuilder {
         Self::of_joint(name, joint, Effect::SpringWeakens { body: UNKNOWN, remaining })
     }
 
-    /// The penalty of a closed loop is reduced to a share; 0 for an open loop.
+    /// The penalty of a closed loop is reduced to the fraction `remaining`; 0 for an open loop.
     pub fn loop_weakens(name: impl Into<String>, closure: impl Into<String>, remaining: f64) -> FailureBuilder {
         Self::of(name, Target::Loop(closure.into()), Effect::LoopWeakens { closure: UNKNOWN, remaining })
     }
 
-    /// All stiffness of a beam keeps a share.
+    /// All stiffness of a beam is reduced to the fraction `remaining`.
     pub fn stiffness_loss(name: impl Into<String>, body: impl Into<String>, remaining: f64) -> FailureBuilder {
         Self::of(name, Target::Body(body.into()), Effect::BodyWeakens { body: UNKNOWN, remaining })
     }
@@ -107,7 +107,7 @@ impl FailureBuilder {
         Self { after: Some(failure.into()), ..self }
     }
 
-    /// Triggered when angle or rate of a joint passes a value in rad or rad/s, m or m/s.
+    /// Triggered when the angle or rate of a joint passes a value in rad or rad/s, m or m/s.
     pub fn when(self, joint: impl Into<String>, quantity: Quantity, side: BoundSide, value: f64) -> Self {
         Self { when: Some((joint.into(), quantity, side, value)), ..self }
     }
@@ -117,7 +117,7 @@ impl FailureBuilder {
         Self { delay_s, ..self }
     }
 
-    /// The failure of a machine; `None` for an unknown name, which is an error.
+    /// Builds the failure of a machine; `None` for an unknown name, which is an error.
     pub(super) fn build(
         &self,
         bodies: &[Body],
@@ -164,7 +164,7 @@ impl FailureBuilder {
 }
 
 impl Effect {
-    /// The same at a known index.
+    /// The effect with a known index.
     fn at(self, place: usize) -> Self {
         match self {
             Self::DriveDies { .. } => Self::DriveDies { body: place },

@@ -7,10 +7,10 @@ use crate::machine::units::{quoted, shortest};
 use crate::machine::{Body, LiftingSurface};
 use std::f64::consts::FRAC_PI_6;
 
-/// Distance over a body's length below which two positions are the same.
+/// Distance, relative to a body's length, below which two positions coincide.
 const NEAR: f64 = 1e-9;
 
-/// A control surface under construction: [`FlapBuilder::new`].
+/// A control surface under construction, see [`FlapBuilder::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlapBuilder {
     pub(super) name: String,
@@ -44,12 +44,12 @@ impl FlapBuilder {
         }
     }
 
-    /// Smallest and largest angle in rad. Default a twelfth of a turn to either side.
+    /// Smallest and largest angle in rad. Default ±30°.
     pub fn limits_rad(self, [lower_rad, upper_rad]: [f64; 2]) -> Self {
         Self { lower_rad, upper_rad, ..self }
     }
 
-    /// Angle at the start in rad: start value of the input. Default 0.
+    /// Initial angle in rad: start value of the input. Default 0.
     pub fn command_rad(self, command_rad: f64) -> Self {
         Self { command_rad, ..self }
     }
@@ -59,7 +59,7 @@ impl FlapBuilder {
         self.body == body
     }
 
-    /// Positions of its ends on a body of this length, in m: positions next to the body's ends are moved to these.
+    /// Positions of its ends in m on a body of this length: positions very close to the body's ends are moved to these.
     pub(super) fn ends_m(&self, length_m: f64) -> [f64; 2] {
         let near = |place_m: f64, end_m: f64| (place_m - end_m).abs() <= NEAR * length_m;
         [self.from_m, self.to_m].map(|place_m| match place_m {
@@ -131,7 +131,7 @@ pub(super) fn check(
     fine
 }
 
-/// The hinge of a control surface in a lattice must be between two rows of panels.
+/// Checks that the hinge of a control surface in a lattice lies between two rows of panels.
 fn check_row(flap: &FlapBuilder, chord_panels: usize, checker: &mut Checker) {
     let rows = flap.hinge_fraction * chord_panels as f64;
     let fits = |panels: usize| {
@@ -153,7 +153,7 @@ fn check_row(flap: &FlapBuilder, chord_panels: usize, checker: &mut Checker) {
     checker.refuse(&["control_surface", &flap.name, "hinge_fraction"], shortest(flap.hinge_fraction), allowed);
 }
 
-/// Limits around the start value, below a right angle.
+/// Checks the limits: around the start value, below a right angle.
 fn limits(flap: &FlapBuilder, checker: &mut Checker) {
     let place = |key| ["control_surface", flap.name.as_str(), key];
     let maximum_rad = 60.0_f64.to_radians();
@@ -174,7 +174,7 @@ fn limits(flap: &FlapBuilder, checker: &mut Checker) {
     }
 }
 
-/// The control surfaces on surfaces with valid strips.
+/// Builds the control surfaces on surfaces with valid strips.
 pub(super) fn build(
     flaps: &[FlapBuilder],
     builders: &[SurfaceBuilder],
@@ -186,7 +186,7 @@ pub(super) fn build(
         let index = surfaces.iter().position(|surface| surface.body == body)?;
         let builder = builders.iter().find(|surface| surface.body == flap.body)?;
         let positions_m = &surfaces[index].positions_m;
-        // strips whose middle is on the control surface: its ends are edges of strips
+        // strips with their middle on the control surface, whose ends are edges of strips
         let [from_m, to_m] = flap.ends_m(bodies[body].length_m);
         let held = |edges: &[f64]| (from_m..to_m).contains(&(0.5 * (edges[0] + edges[1])));
         let start = positions_m.windows(2).position(held)?;

@@ -44,8 +44,8 @@ pub(super) enum Holder {
     Body(String, Option<f64>),
 }
 
-/// A joint under construction: [`Joint::clamped`], [`Joint::revolute`], [`Joint::prismatic`], [`Joint::universal`], [`Joint::ball`],
-/// [`Joint::free`]. Its parent is the origin of the root by default.
+/// A joint under construction, see [`Joint::clamped`], [`Joint::revolute`], [`Joint::prismatic`], [`Joint::universal`], [`Joint::ball`],
+/// [`Joint::free`]. By default its parent is the root, at its origin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointBuilder {
     pub(super) name: String,
@@ -96,17 +96,17 @@ impl Joint {
         }
     }
 
-    /// A joint without freedoms.
+    /// A joint without degrees of freedom.
     pub fn clamped(name: impl Into<String>) -> JointBuilder {
         Self::builder(name, Type::Clamped)
     }
 
-    /// A revolute joint about `axis` in the parent's section frame, of any length except zero; positive angles by the right-hand rule.
+    /// A revolute joint about `axis` in the parent's section frame, of any nonzero length; positive angles by the right-hand rule.
     pub fn revolute(name: impl Into<String>, axis: impl Into<Vector3<f64>>) -> JointBuilder {
         JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Revolute) }
     }
 
-    /// A prismatic joint along `axis` in the parent's section frame, of any length except zero; positive in its direction.
+    /// A prismatic joint along `axis` in the parent's section frame, of any nonzero length; positive in its direction.
     pub fn prismatic(name: impl Into<String>, axis: impl Into<Vector3<f64>>) -> JointBuilder {
         JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Prismatic) }
     }
@@ -123,7 +123,7 @@ impl Joint {
         JointBuilder { start_position_m: start, start_rate_m_s: rate, ..builder }
     }
 
-    /// Start, start rate and all the rest.
+    /// Returns the start, the start rate and a builder with all other fields.
     fn one_freedom(name: impl Into<String>, kind: Type, joint: OneFreedom) -> (Option<f64>, Option<f64>, JointBuilder) {
         let OneFreedom {
             axis,
@@ -137,7 +137,7 @@ impl Joint {
             latch,
             end_stops,
         } = joint;
-        let prescribed = matches!(motion, JointMotion::Prescribed(_)); // by a law, which determines the start
+        let prescribed = matches!(motion, JointMotion::Prescribed(_)); // prescribed: the motion determines the start
         let builder = JointBuilder {
             axis,
             motion: Some(motion),
@@ -152,7 +152,7 @@ impl Joint {
         (Some(start_angle_rad).filter(|_| !prescribed), Some(start_rate_rad_s), builder)
     }
 
-    /// A universal joint: rotation about `axis` in the parent's section frame and `body_axis` in the body's.
+    /// A universal joint: rotation about `axis`, in the parent's section frame, and `body_axis`, in the body's section frame.
     pub fn universal(
         name: impl Into<String>,
         axis: impl Into<Vector3<f64>>,
@@ -161,37 +161,37 @@ impl Joint {
         JointBuilder { axis: axis.into(), body_axis: body_axis.into(), ..Self::builder(name, Type::Universal) }
     }
 
-    /// A ball joint: all rotations.
+    /// A ball joint, which allows all rotations.
     pub fn ball(name: impl Into<String>) -> JointBuilder {
         Self::builder(name, Type::Ball)
     }
 
-    /// A free joint: the body flies. On the root only.
+    /// A free joint, for a free-flying body. Its parent must be the root.
     pub fn free(name: impl Into<String>) -> JointBuilder {
         Self::builder(name, Type::Free)
     }
 }
 
 impl JointBuilder {
-    /// Holds on to the outer end of the body `parent`; `"root"` is the root frame's origin.
+    /// Attaches the joint to the outer end of the body `parent`; `"root"` is the root frame's origin.
     pub fn on(self, parent: impl Into<String>) -> Self {
         let parent = parent.into();
         let holder = if parent == "root" { Holder::Root(Vector3::zeros()) } else { Holder::Body(parent, None) };
         Self { holder, ..self }
     }
 
-    /// Attached to the body `parent` at a distance in m from its inner end.
+    /// Attaches the joint to the body `parent` at a distance in m from its inner end.
     pub fn on_at(self, parent: impl Into<String>, position_m: f64) -> Self {
         Self { holder: Holder::Body(parent.into(), Some(position_m)), ..self }
     }
 
-    /// Holds on to the root frame at a position in m.
+    /// Attaches the joint to the root frame at a position in m.
     pub fn at_root(self, position_m: impl Into<Vector3<f64>>) -> Self {
         Self { holder: Holder::Root(position_m.into()), ..self }
     }
 
-    /// Offset from the position on the parent body to the body's first frame, frame of the parent's section there, in m. Default 0; on the
-    /// root use [`Self::at_root`].
+    /// Offset in m from the position on the parent body to the body's first frame, in the frame of the parent's section there. Default 0;
+    /// on the root use [`Self::at_root`].
     pub fn offset_m(self, offset_m: impl Into<Vector3<f64>>) -> Self {
         Self { offset_m: offset_m.into(), ..self }
     }
@@ -202,43 +202,43 @@ impl JointBuilder {
         self.mount(Rotation3::new(rotation_rad.into()).into_inner())
     }
 
-    /// The same as a rotation matrix, parent ← body.
+    /// Attitude of the body's first frame in the parent's frame as a rotation matrix, parent ← body; see [`Self::mount_rotation_rad`].
     pub fn mount(self, mount: Matrix3<f64>) -> Self {
         Self { mount, ..self }
     }
 
-    /// Angular velocity in rad/s of a universal, ball or free joint's body at the start, relative to the parent and resolved
-    /// in the parent's section frame. Default 0.
+    /// Initial angular velocity in rad/s of a universal, ball or free joint's body, relative to the parent and resolved in the parent's
+    /// section frame. Default 0.
     pub fn start_angular_velocity_rad_s(self, velocity_rad_s: impl Into<Vector3<f64>>) -> Self {
         Self { start_angular_velocity_rad_s: Some(velocity_rad_s.into()), ..self }
     }
 
-    /// Velocity in m/s of a free body's inner end at the start, root frame. Default 0.
+    /// Initial velocity in m/s of a free body's inner end, root frame. Default 0.
     pub fn start_velocity_m_s(self, velocity_m_s: impl Into<Vector3<f64>>) -> Self {
         Self { start_velocity_m_s: Some(velocity_m_s.into()), ..self }
     }
 
-    /// Fold angle of a revolute joint at the start in rad. Default 0.
+    /// Initial fold angle of a revolute joint in rad. Default 0.
     pub fn start_angle_rad(self, angle_rad: f64) -> Self {
         Self { start_angle_rad: Some(angle_rad), ..self }
     }
 
-    /// Fold rate of a revolute joint at the start in rad/s. Default 0.
+    /// Initial fold rate of a revolute joint in rad/s. Default 0.
     pub fn start_rate_rad_s(self, rate_rad_s: f64) -> Self {
         Self { start_rate_rad_s: Some(rate_rad_s), ..self }
     }
 
-    /// Position of a prismatic joint at the start in m. Default 0.
+    /// Initial position of a prismatic joint in m. Default 0.
     pub fn start_position_m(self, position_m: f64) -> Self {
         Self { start_position_m: Some(position_m), ..self }
     }
 
-    /// Velocity of a prismatic joint at the start in m/s. Default 0.
+    /// Initial velocity of a prismatic joint in m/s. Default 0.
     pub fn start_rate_m_s(self, rate_m_s: f64) -> Self {
         Self { start_rate_m_s: Some(rate_m_s), ..self }
     }
 
-    /// Start value of the release input of a revolute or prismatic joint; false holds it at its start. Default true.
+    /// Start value of the release input of a revolute or prismatic joint; false holds it at its initial position. Default true.
     pub fn release(self, release: bool) -> Self {
         Self { release: Some(release), ..self }
     }
@@ -248,18 +248,19 @@ impl JointBuilder {
         Self { motion: Some(motion), ..self }
     }
 
-    /// Locks a revolute or prismatic joint at its start.
+    /// Locks a revolute or prismatic joint at its initial position.
     pub fn locked(self) -> Self {
         self.motion(JointMotion::Locked)
     }
 
-    /// Prescribes the angle of a revolute joint, or the position of a prismatic one, over absolute time; this also determines the start.
+    /// Prescribes the angle of a revolute joint, or the position of a prismatic one, as a function of absolute time, which also determines
+    /// the initial state.
     pub fn prescribed(self, motion: Motion) -> Self {
         self.motion(JointMotion::Prescribed(motion))
     }
 
-    /// Motor of a revolute ([`Motor`]) or prismatic joint ([`LinearMotor`](crate::machine::LinearMotor)); spring towards the start attitude
-    /// and damper of a universal or ball joint.
+    /// Motor of a revolute ([`Motor`]) or prismatic joint ([`LinearMotor`](crate::machine::LinearMotor)); spring towards the initial
+    /// attitude and damper of a universal or ball joint.
     pub fn motor(self, motor: impl Into<Motor>) -> Self {
         Self { motor: Some(motor.into()), ..self }
     }
@@ -270,7 +271,7 @@ impl JointBuilder {
         Self { spring: Some(spring.into()), ..self }
     }
 
-    /// Latch of a revolute or prismatic joint, from a function of [`Latch`](crate::machine::Latch).
+    /// Latch of a revolute or prismatic joint, from a constructor of [`Latch`](crate::machine::Latch).
     pub fn latch(self, latch: impl Into<LatchBuilder>) -> Self {
         Self { latch: Some(latch.into()), ..self }
     }
@@ -280,12 +281,12 @@ impl JointBuilder {
         Self { end_stops: Some(end_stops), ..self }
     }
 
-    /// Generator on the fast shaft of a joint that turns.
+    /// Generator on the high-speed shaft of a revolute joint.
     pub fn generator(self, generator: GeneratorLaw) -> Self {
         Self { generator: Some(generator), ..self }
     }
 
-    /// The joint on a known parent; invalid values are replaced after an error.
+    /// Builds the joint on a known parent; invalid values are replaced after an error.
     pub(super) fn build(&self, parent: Parent, start_time_s: f64, checker: &mut Checker) -> Joint {
         self.refuse_strangers(checker);
         let kind = match self.kind {
@@ -365,7 +366,7 @@ impl JointBuilder {
                     let allowed = travel.words("no start angle with motion = \"prescribed\", which determines it");
                     checker.refuse(&["joint", name, &travel.words("start_angle_rad")], shortest(start), allowed);
                 }
-                // an invalid law is reported with the machine
+                // an invalid prescribed motion is reported with the machine
                 let sound = check_motion(&["joint", name, "motion"], travel, law, &mut Checker::default());
                 if sound { law_start_rad(law, start_time_s) } else { 0.0 }
             }
@@ -385,7 +386,7 @@ impl JointBuilder {
         }
     }
 
-    /// The direction at unit length; `None` if its length is zero, which is an error.
+    /// The direction as a unit vector; `None` if its length is zero, which is an error.
     fn unit_axis(&self, key: &str, direction: &Vector3<f64>, checker: &mut Checker) -> Option<Vector3<f64>> {
         let largest = direction.amax();
         if largest > 0.0 && largest < f64::INFINITY {
@@ -396,8 +397,8 @@ impl JointBuilder {
         None
     }
 
-    /// Axes of a universal joint and its start angular velocity without the round-off part normal to both. Replaced by a ball joint if an
-    /// axis is invalid.
+    /// Axes of a universal joint and its initial angular velocity without the round-off component normal to both axes. If an axis is
+    /// invalid, a ball joint replaces the joint.
     fn universal(&self, mut spin: Vector3<f64>, checker: &mut Checker) -> (SpatialFreedom, Vector3<f64>) {
         let axes = [("axis", &self.axis), ("body_axis", &self.body_axis)];
         let [Some(parent_axis), Some(body_axis)] = axes.map(|(key, axis)| self.unit_axis(key, axis, checker)) else {
@@ -405,7 +406,7 @@ impl JointBuilder {
         };
         let normal = parent_axis.cross(&(self.mount * body_axis)).normalize();
         let part = normal * normal.dot(&spin);
-        // a larger part is reported with the machine
+        // a larger component is reported with the machine
         if spin.amax() > 0.0 && part.norm() <= ACROSS * spin.norm() {
             spin -= part;
         }
@@ -420,7 +421,7 @@ impl JointBuilder {
             Type::Ball | Type::Clamped | Type::Revolute | Type::Prismatic => (SpatialFreedom::Ball, spin),
         };
         let free = self.kind == Type::Free;
-        let motor = self.motor.clone().filter(|_| !free).unwrap_or_default(); // that of a free joint is an error
+        let motor = self.motor.clone().filter(|_| !free).unwrap_or_default(); // a motor on a free joint is an error
         self.refuse_motor(&motor, checker);
         Spatial {
             freedom,
@@ -449,7 +450,7 @@ impl JointBuilder {
     }
 }
 
-/// Angle (rad) or position (m) of a law at a time; between the points of a table only approximately (linear).
+/// Angle (rad) or position (m) of a prescribed motion at a time; between the points of a table only approximate (linear).
 fn law_start_rad(law: &Motion, time_s: f64) -> f64 {
     match law {
         Motion::Polynomial(coefficients) => coefficients.iter().rev().fold(0.0, |sum, c| sum * time_s + c),

@@ -7,15 +7,15 @@ use crate::machine::{DEFAULT_CAPTURE_RAD, Latch, LatchKind, Travel};
 /// Stiffness of a latch under construction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stiffening {
-    /// Stiffness of the closed joint over that of motor and spring.
+    /// Stiffness of the closed joint relative to that of motor and spring.
     Ratio(f64),
     /// Stiffness that the latch adds, in N·m/rad.
     Added(f64),
-    /// None: the latch is rigid.
+    /// No stiffness: the latch is rigid.
     Rigid,
 }
 
-/// A latch under construction: [`Latch::with_ratio`], [`Latch::with_stiffness_n_m_rad`], [`Latch::rigid`].
+/// A latch under construction, see [`Latch::with_ratio`], [`Latch::with_stiffness_n_m_rad`], [`Latch::rigid`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatchBuilder {
     stiffening: Stiffening,
@@ -41,8 +41,8 @@ impl From<Latch> for LatchBuilder {
 }
 
 impl Latch {
-    /// A latch at angle 0, open and enabled, that makes its joint `ratio` times as stiff as motor and spring: it adds
-    /// `(ratio − 1) k`.
+    /// A latch at angle 0, open and enabled, that makes its joint `ratio` times as stiff as motor and spring alone: it adds `(ratio − 1)
+    /// k`.
     pub fn with_ratio(ratio: f64) -> LatchBuilder {
         LatchBuilder { stiffening: Stiffening::Ratio(ratio), ..Self::with_stiffness_n_m_rad(0.0) }
     }
@@ -63,15 +63,15 @@ impl Latch {
         Self::with_stiffness_n_m_rad(stiffness_n_m)
     }
 
-    /// A latch at angle 0, open and enabled, that holds the joint at its capture, without a spring: an impulse stops the joint, NOTATION
-    /// eq. (A7).
+    /// A latch at angle 0, open and enabled, that holds the joint at the angle of capture without a spring: an impulse stops the joint,
+    /// NOTATION eq. (A7).
     pub fn rigid() -> LatchBuilder {
         LatchBuilder { stiffening: Stiffening::Rigid, ..Self::with_stiffness_n_m_rad(0.0) }
     }
 }
 
 impl LatchBuilder {
-    /// Angle at which it closes in rad. Default 0.
+    /// Angle in rad at which the latch closes. Default 0.
     pub fn angle_rad(self, angle_rad: f64) -> Self {
         Self { angle_rad, ..self }
     }
@@ -81,7 +81,7 @@ impl LatchBuilder {
         Self { capture_rad, ..self }
     }
 
-    /// Position at which the latch of a prismatic joint closes in m. Default 0.
+    /// Position in m at which the latch of a prismatic joint closes. Default 0.
     pub fn position_m(self, position_m: f64) -> Self {
         self.angle_rad(position_m)
     }
@@ -91,7 +91,7 @@ impl LatchBuilder {
         self.capture_rad(capture_m)
     }
 
-    /// Closed at the start. Default false.
+    /// Whether the latch is closed at the start. Default false.
     pub fn initially_closed(self, initially_closed: bool) -> Self {
         Self { initially_closed, ..self }
     }
@@ -105,7 +105,7 @@ impl LatchBuilder {
         let stiffness_n_m_rad = match self.stiffening {
             Stiffening::Added(stiffness_n_m_rad) => stiffness_n_m_rad,
             Stiffening::Rigid => 0.0,
-            // the replacement is a valid stiffness
+            // after an error, a valid stiffness replaces it
             Stiffening::Ratio(ratio) => {
                 latch_stiffness_n_m_rad(joint, travel, ratio, own_n_m_rad, checker).unwrap_or(1.0)
             }

@@ -25,7 +25,7 @@ use crate::machine::validate::{self, names};
 use crate::machine::{AttachedMass, Body, Experiment, Machine, Solver, StartState};
 use nalgebra::Vector3;
 
-/// A machine under construction: [`Machine::builder`]. Parts refer to one another by name, in any order.
+/// A machine under construction, see [`Machine::builder`]. Parts refer to one another by name, in any order.
 #[derive(Debug, Clone)]
 pub struct MachineBuilder {
     name: String,
@@ -57,7 +57,7 @@ struct Load {
 }
 
 impl Machine {
-    /// Starts a machine of a name, an identifier, with the defaults of the model file.
+    /// Starts a machine with a name, which must be an identifier, and the defaults of the model file.
     pub fn builder(name: impl Into<String>) -> MachineBuilder {
         MachineBuilder {
             name: name.into(),
@@ -92,13 +92,13 @@ impl MachineBuilder {
         Self { gravity_m_s2: gravity_m_s2.into(), ..self }
     }
 
-    /// Adds a body with the joint that holds its inner end.
+    /// Adds a body with the joint that attaches its inner end.
     pub fn body(mut self, body: BodyBuilder, joint: JointBuilder) -> Self {
         self.bodies.push((body, joint));
         self
     }
 
-    /// Fixes a mass to the body of a name.
+    /// Attaches a mass to the named body.
     pub fn mass(mut self, body: impl Into<String>, mass: AttachedMass) -> Self {
         self.masses.push((body.into(), mass));
         self
@@ -134,7 +134,7 @@ impl MachineBuilder {
         self
     }
 
-    /// Adds air around the machine.
+    /// Adds the aerodynamics of the machine.
     pub fn air(self, air: AirBuilder) -> Self {
         Self { air: Some(air), ..self }
     }
@@ -185,7 +185,7 @@ impl MachineBuilder {
         self
     }
 
-    /// The machine, validated.
+    /// Builds and validates the machine.
     ///
     /// # Errors
     /// All errors of the machine: names, references, the tree of bodies, numbers, and their combinations.
@@ -235,7 +235,7 @@ impl MachineBuilder {
             .filter_map(|failure| failure.build(&machine.bodies, &machine.closures, failures, checker))
             .collect();
         validate::structure(&machine, checker);
-        // air is placed on valid bodies
+        // surfaces and gusts are only placed on valid bodies
         let stand = tree.holds && validate::stand(checker);
         names("control_surface", self.flaps.iter().map(|flap| flap.name.as_str()), checker);
         let on_wing = (self.surfaces.as_slice(), self.flaps.as_slice());
@@ -259,11 +259,11 @@ impl MachineBuilder {
         }
     }
 
-    /// Index of the body of a name; an error if it does not exist.
+    /// Index of the named body; an error if it does not exist.
     fn index_of(&self, place: &[&str], name: &str, bodies: &[Body], checker: &mut Checker) -> Option<usize> {
         let found = bodies.iter().position(|body| body.name == name);
         if found.is_none() {
-            // as they were added
+            // in the order in which they were added
             let known = self.bodies.iter().map(|(body, _)| body.name.as_str());
             checker.unknown_name(place, name, "a body", known);
         }

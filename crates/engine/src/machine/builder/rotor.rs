@@ -1,4 +1,4 @@
-//! A rotor's air in code: the hub body, the polars of the blades, the effects included.
+//! Rotor aerodynamics in code: the hub body, the polars of the blades, the optional effects.
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::bem::{RotorFeatures, RotorOptions};
@@ -9,13 +9,13 @@ use crate::machine::units::shortest;
 use crate::machine::{Body, LiftingSurface};
 use nalgebra::Vector3;
 
-/// Settings of a rotor's air, for [`Air::rotor`](crate::machine::Air::rotor). Every surface of the machine is a blade of one
-/// rotor, with its stations and its sections' polars ([`SurfaceBuilder::blade`]).
+/// Settings of rotor aerodynamics, for [`Air::rotor`](crate::machine::Air::rotor). Every surface of the machine is a blade of one rotor,
+/// with its stations and the polars of its sections ([`SurfaceBuilder::blade`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorSettings {
-    /// Name of the body that turns with the blades; its inner end is the apex, where their axes meet the shaft.
+    /// Name of the body that rotates with the blades; its inner end is the apex, where their axes meet the shaft.
     pub hub: String,
-    /// Direction of the shaft in the hub's frame, downwind, of any length but zero.
+    /// Direction of the shaft in the hub's frame, downwind, of any nonzero length.
     pub shaft_axis: Vector3<f64>,
     /// Polars by name, from −180° to 180°.
     pub polars: Vec<(String, Polar)>,
@@ -24,8 +24,8 @@ pub struct RotorSettings {
 }
 
 impl RotorSettings {
-    /// A rotor on a hub of a name that turns clockwise about its `x` axis, which points downwind; both losses, no load at the
-    /// ends, no wake that leans or lags, no dynamic stall.
+    /// A rotor on the named hub that rotates clockwise about its `x` axis, which points downwind; with tip and root losses, without loads
+    /// at the ends, skewed or dynamic wake, or dynamic stall.
     pub fn on(hub: impl Into<String>, hub_radius_m: f64) -> Self {
         Self {
             hub: hub.into(),

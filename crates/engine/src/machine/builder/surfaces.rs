@@ -11,12 +11,12 @@ use crate::machine::validate::body::{least_of, profile, section_stands};
 use crate::machine::{Body, LiftingSurface};
 use nalgebra::Vector3;
 
-/// Inset of a free edge of the lattice in panels: uniform lattices that reach the tip converge only as `1/N`.
+/// Inset of a free edge of the lattice in panels: the error of uniform lattices that extend to the tip only decreases as `1/N`.
 const INSET_PANELS: f64 = 0.25;
-/// Distance over a body's length below which two positions are the same.
+/// Distance, relative to a body's length, below which two positions coincide.
 const NEAR: f64 = 1e-9;
 
-/// Lifting surface of a body under construction: [`LiftingSurface::on`].
+/// Lifting surface of a body under construction, see [`LiftingSurface::on`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceBuilder {
     pub(super) body: String,
@@ -29,15 +29,15 @@ pub struct SurfaceBuilder {
     incidence_deg: Along,
     flare_deg: Along,
     profile: Profile,
-    /// Of a blade on a rigid body: its length in m.
+    /// Length in m of a blade on a rigid body.
     pub(super) length_m: Option<f64>,
-    /// For a rotor's blade: positions of its sections in m, and the name of each one's polar.
+    /// For a rotor blade: positions of its sections in m, and the name of the polar of each.
     pub(super) blade: Option<(Vec<f64>, Vec<String>)>,
 }
 
 impl LiftingSurface {
-    /// A surface on the body of a name, with strips along the span. By default its chord is the width of the body's section, with the
-    /// leading edge on the side of `+y` and the axis in the middle of the chord.
+    /// A surface on the named body, with strips along the span. By default its chord is the width of the body's section, with the leading
+    /// edge on the side of `+y` and the axis at mid-chord.
     pub fn on(body: impl Into<String>, strips: usize) -> SurfaceBuilder {
         SurfaceBuilder {
             body: body.into(),
@@ -62,12 +62,12 @@ impl SurfaceBuilder {
         Self { chord_m: Some(chord_m), ..self }
     }
 
-    /// Panels of the lattice along the chord. Default 4.
+    /// Number of panels of the lattice along the chord. Default 4.
     pub fn chord_panels(self, chord_panels: usize) -> Self {
         Self { chord_panels, ..self }
     }
 
-    /// Place of the beam's axis on the chord, from the leading edge, as a fraction of the chord along the body. Default 0.5.
+    /// Position of the beam's axis behind the leading edge, as a fraction of the chord along the body. Default 0.5.
     pub fn elastic_axis_fraction(self, elastic_axis_fraction: impl Into<Along>) -> Self {
         Self { elastic_axis_fraction: elastic_axis_fraction.into(), ..self }
     }
@@ -77,47 +77,46 @@ impl SurfaceBuilder {
         Self { forward: -1.0, ..self }
     }
 
-    /// Incidence of the chord against the section along the body in degrees, in which it is interpolated; positive raises
-    /// the leading edge towards `+z`. Default 0.
+    /// Incidence of the chord relative to the section, along the body, in degrees, which are interpolated; positive raises the leading edge
+    /// towards `+z`. Default 0.
     pub fn incidence_deg(self, incidence_deg: Along) -> Self {
         Self { incidence_deg, ..self }
     }
 
-    /// Angle in the chord's plane between the chordwise lines of the lattice and the chord, along the body in degrees, -75 to 75; positive
-    /// moves the leading edge outboard along the body. The chord across the body keeps its length. At a flared hinge it is the flare, so
-    /// that the edges of both surfaces are on the hinge and stay together as it folds. Lattice only. Default 0.
+    /// Angle in degrees in the plane of the chord between the chordwise lines of the lattice and the chord, along the body, -75 to 75;
+    /// positive moves the leading edge outboard along the body. The chord perpendicular to the body keeps its length. At a flared hinge it
+    /// is the flare angle, so that the edges of both surfaces lie on the hinge and coincide while it folds. Lattice only. Default 0.
     pub fn flare_deg(self, flare_deg: impl Into<Along>) -> Self {
         Self { flare_deg: flare_deg.into(), ..self }
     }
 
-    /// Slope of the lift coefficient along the body in 1/rad, for strip theory: each strip has that of its middle. Default: that of the
-    /// profile.
+    /// Lift-curve slope along the body in 1/rad, for strip theory: each strip has the value at its middle. Default: that of the profile.
     pub fn lift_slope_1_rad(self, lift_slope_1_rad: impl Into<Along>) -> Self {
         Self { lift_slope_1_rad: Some(lift_slope_1_rad.into()), ..self }
     }
 
-    /// Makes the surface a rotor's blade: positions of its sections from the inner end in m, ascending, and the name of each one's polar.
+    /// Makes the surface a rotor blade: positions of its sections in m from the inner end, ascending, and the name of the polar of each.
     pub fn blade(self, stations_m: Vec<f64>, polars: Vec<String>) -> Self {
         Self { strips: stations_m.len().saturating_sub(1), blade: Some((stations_m, polars)), ..self }
     }
 
-    /// Length in m of a rotor's blade on a rigid body, along the body's x axis from its origin.
+    /// Length in m of a rotor blade on a rigid body, along the body's x axis from its origin.
     pub fn length_m(self, length_m: f64) -> Self {
         Self { length_m: Some(length_m), ..self }
     }
 
-    /// Profile, with its upper side towards the section's `+z` for either side of the leading edge. Default: a thin plate.
+    /// Profile, with its upper side towards the section's `+z`, whichever side the leading edge is on. Default: a thin plate.
     pub fn profile(self, profile: Profile) -> Self {
         Self { profile, ..self }
     }
 }
 
-/// A surface with the data for its strips.
+/// A surface with the data from which its strips are built.
 pub(super) struct Draft<'b> {
     pub surface: &'b SurfaceBuilder,
     body: usize,
     chord_m: Along,
-    /// The body has a single frame, the reference of all chords.
+    /// Whether the body has a single frame, to which all chords refer.
     rigid: bool,
 }
 
@@ -137,7 +136,7 @@ impl Draft<'_> {
     }
 }
 
-/// Checks a surface: its body, counts, chord and incidence. `None` after an error.
+/// Checks a surface: its body, numbers of strips and panels, chord and incidence. `None` after an error.
 pub(super) fn draft<'b>(
     index: usize,
     surfaces: &'b [SurfaceBuilder],
@@ -171,7 +170,7 @@ pub(super) fn draft<'b>(
     (counted && placed && turned).then_some(Draft { surface, body, chord_m, rigid })
 }
 
-/// Length of a surface: that of its body, or of a blade on a rigid one.
+/// Length of a surface: that of its body, or of a blade on a rigid body.
 fn length_m(surface: &SurfaceBuilder, body: &Body, checker: &mut Checker) -> Option<f64> {
     let place = ["surface", surface.body.as_str(), "length_m"];
     match (surface.length_m, body.is_rigid()) {
@@ -189,7 +188,7 @@ fn length_m(surface: &SurfaceBuilder, body: &Body, checker: &mut Checker) -> Opt
     }
 }
 
-/// Whether the stations of a blade ascend on the body.
+/// Whether the stations of a blade are in ascending order and on the body.
 fn stations(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
     let Some((stations_m, _)) = &surface.blade else { return true };
     let within = stations_m.iter().all(|s| (0.0..=length_m * (1.0 + 1e-12)).contains(s));
@@ -214,7 +213,7 @@ fn axis(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool 
     )
 }
 
-/// Whether the chordwise lines are sufficiently inclined to the body's axis.
+/// Whether the angle between the chordwise lines and the body's axis is large enough.
 fn flare(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
     let (what, allowed) = ("angles", "an angle from -75 to 75 deg all along the body");
     bounded(surface, ("flare_deg", &surface.flare_deg, 75.0), (what, allowed), length_m, checker)
@@ -244,7 +243,7 @@ fn bounded(
     within
 }
 
-/// Whether the slope of the lift is 0 or more along the whole body.
+/// Whether the lift-curve slope is 0 or more along the whole body.
 fn slope(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool {
     let place = ["surface", surface.body.as_str(), "lift_slope_1_rad"];
     let Some(slope) = &surface.lift_slope_1_rad else { return true };
@@ -262,7 +261,7 @@ fn slope(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool
     least >= 0.0
 }
 
-/// The value of a function that is stated as a number.
+/// The value of a function that is given as a constant.
 fn number(function: &Along) -> Option<f64> {
     match function {
         Along::Polynomial(coefficients) if coefficients.len() == 1 => coefficients.first().copied(),
@@ -270,7 +269,7 @@ fn number(function: &Along) -> Option<f64> {
     }
 }
 
-/// The function with the other sign.
+/// The function with the opposite sign.
 fn negative(function: &Along) -> Along {
     match function {
         Along::Polynomial(coefficients) => Along::Polynomial(coefficients.iter().map(|c| -c).collect()),
@@ -281,11 +280,11 @@ fn negative(function: &Along) -> Along {
     }
 }
 
-/// Chord along the body: stated, or the width of its section.
+/// Chord along the body: as given, or the width of its section.
 fn chord(surface: &SurfaceBuilder, body: &Body, length_m: f64, checker: &mut Checker) -> Option<Along> {
     let place = ["surface", surface.body.as_str(), "chord_m"];
     if !(length_m > 0.0 && length_m < f64::INFINITY) {
-        return None; // reported with the body
+        return None; // already reported with the body
     }
     let chord_m = match &surface.chord_m {
         Some(chord_m) => {
@@ -326,8 +325,8 @@ fn chord(surface: &SurfaceBuilder, body: &Body, length_m: f64, checker: &mut Che
     None
 }
 
-/// All surfaces in the order of their bodies. `lattice`: of a lattice; `spans`: of a lattice or a lifting line, which depend on the ends of
-/// a wing.
+/// Places all surfaces in the order of their bodies. `lattice`: surfaces of a lattice; `spans`: of a lattice or a lifting line, which
+/// depend on the ends of a wing.
 pub(super) fn place_all(
     drafts: &[Draft],
     flaps: &[FlapBuilder],
@@ -340,7 +339,7 @@ pub(super) fn place_all(
         drafts.iter().map(|draft| RootEdge { body: draft.body, chord: draft.chord_line(0.0, lattice) }).collect();
     let free = |draft: &Draft| if spans { free_edges(draft.body, &edges, bodies, mirror) } else { [false; 2] };
     let placed = drafts.iter().map(|draft| place(draft, flaps, (free(draft), lattice), bodies, checker));
-    // all of them, so that every error is reported
+    // collects all of them first, so that every error is reported
     let mut surfaces: Vec<LiftingSurface> = placed.collect::<Vec<_>>().into_iter().collect::<Option<_>>()?;
     for surface in &mut surfaces {
         surface.other_half = other_half(surface.body, &edges, bodies).filter(|_| lattice);
@@ -349,7 +348,7 @@ pub(super) fn place_all(
     Some(surfaces)
 }
 
-/// Edges of the strips along the span and their chord lines; the ends of control surfaces are such edges.
+/// Edges of the strips along the span, and their chord lines; the ends of control surfaces coincide with such edges.
 fn place(
     draft: &Draft,
     flaps: &[FlapBuilder],
@@ -379,7 +378,7 @@ fn place(
     if !lines_apart(surface, &positions_m, &chords, checker) {
         return None;
     }
-    // the normal of eq. (W1), the reference of profiles, is in the section's -z for a leading edge towards -y
+    // for a leading edge towards -y the normal of eq. (W1), to which profiles refer, points along the section's -z
     let mut profile = match draft.surface.forward < 0.0 {
         true => draft.surface.profile.clone().upside_down(),
         false => draft.surface.profile.clone(),
@@ -402,7 +401,7 @@ fn place(
     })
 }
 
-/// Whether chordwise lines keep their order at both edges: each strip is at least a twentieth as wide there as on the axis.
+/// Whether chordwise lines do not cross: each strip is at least a twentieth as wide at the leading and trailing edges as on the axis.
 fn lines_apart(surface: &SurfaceBuilder, positions_m: &[f64], chords: &[ChordLine], checker: &mut Checker) -> bool {
     let narrow = positions_m.windows(2).zip(chords.windows(2)).find(|(ends_m, lines)| {
         let width_m = ends_m[1] - ends_m[0];
@@ -418,8 +417,8 @@ fn lines_apart(surface: &SurfaceBuilder, positions_m: &[f64], chords: &[ChordLin
     narrow.is_none()
 }
 
-/// Edges of strips on a body with edges at given positions: every part between these is divided evenly and has its share of the strips, at
-/// least one. The lattice ends a quarter of a strip before a free end.
+/// Edges of strips on a body with edges at given positions: every part between these is divided evenly and has its proportion of the
+/// strips, at least one. The lattice ends a quarter of a strip before a free end.
 fn edges_m(length_m: f64, breaks_m: &[f64], strips: usize, free: [bool; 2]) -> Vec<f64> {
     let ends_m: Vec<f64> = [0.0].iter().chain(breaks_m).chain(&[length_m]).copied().collect();
     let parts = ends_m.len() - 1;
@@ -438,12 +437,12 @@ fn edges_m(length_m: f64, breaks_m: &[f64], strips: usize, free: [bool; 2]) -> V
     edges_m
 }
 
-/// Number of strips of each part between consecutive ends: by its length, at least one, with the given sum. `strips` is at least the number
-/// of parts.
+/// Number of strips of each part between consecutive ends: in proportion to its length, at least one, with the given sum. `strips` is at
+/// least the number of parts.
 fn shares(ends_m: &[f64], strips: usize) -> Vec<usize> {
     let widths_m: Vec<f64> = ends_m.windows(2).map(|ends| ends[1] - ends[0]).collect();
     let mut counts = vec![1; widths_m.len()];
-    // the next strip is added where strips are widest
+    // the next strip is added where the strips are widest
     for _ in counts.len()..strips {
         let width_m = |part: usize| widths_m[part] / counts[part] as f64;
         let widest =

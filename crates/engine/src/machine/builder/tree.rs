@@ -1,4 +1,4 @@
-//! The tree of bodies that the joints make: references, no cycle, stable order.
+//! The tree of bodies formed by the joints: references, absence of cycles, stable order.
 
 use crate::machine::Parent;
 use crate::machine::builder::body::BodyBuilder;
@@ -6,20 +6,21 @@ use crate::machine::builder::joint::{Holder, JointBuilder};
 use crate::machine::fault::Checker;
 use std::collections::BTreeMap;
 
-/// Name of the parent that is no body.
+/// Name of the root as a parent.
 const ROOT: &str = "root";
 
 /// The order of bodies and the parents of their joints.
 pub(super) struct Tree {
-    /// Bodies as they were added, parent before child, else in the order in which they were added.
+    /// Bodies by the order in which they were added, but parent before child.
     pub order: Vec<usize>,
-    /// Parent of the joint of each added body, by indices into `order`; the root for joints with errors.
+    /// Parent of the joint of each body in the order in which the bodies were added, as an index into `order`; the root for joints with
+    /// errors.
     pub parents: Vec<Parent>,
-    /// No errors.
+    /// Whether there are no errors.
     pub holds: bool,
 }
 
-/// Finds the parents of bodies with their joints.
+/// Looks up the parents of bodies with their joints.
 pub(super) fn resolve(bodies: &[(BodyBuilder, JointBuilder)], checker: &mut Checker) -> Tree {
     let mut index_of = BTreeMap::new();
     for (index, (body, _)) in bodies.iter().enumerate() {
@@ -65,7 +66,7 @@ pub(super) fn resolve(bodies: &[(BodyBuilder, JointBuilder)], checker: &mut Chec
     Tree { parents: parents.collect(), order, holds }
 }
 
-/// Bodies reachable from the root, parent before child: each time the first whose parent is placed.
+/// Bodies reachable from the root, parent before child: in each round, the first body whose parent is already placed.
 fn sorted(parent_of: &[Option<usize>]) -> Vec<usize> {
     let mut placed = vec![false; parent_of.len()];
     let mut order = Vec::with_capacity(parent_of.len());
@@ -78,7 +79,7 @@ fn sorted(parent_of: &[Option<usize>]) -> Vec<usize> {
     order
 }
 
-/// One fault per cycle, at the parent of its first body.
+/// Reports one fault per cycle, at the parent of its first body.
 fn refuse_cycles(
     bodies: &[(BodyBuilder, JointBuilder)],
     parent_of: &[Option<usize>],
@@ -113,7 +114,7 @@ mod tests {
 
     #[test]
     fn order_is_that_of_the_file_with_parents_first() {
-        // Children of body 3 are before it in the file; 1 and 2 are attached to the root.
+        // Children of body 3 come before it in the file; 1 and 2 are attached to the root.
         assert_eq!(sorted(&[Some(3), None, None, Some(1), Some(0)]), [1, 2, 3, 0, 4]);
         assert_eq!(sorted(&[None, Some(0), Some(1)]), [0, 1, 2]);
     }

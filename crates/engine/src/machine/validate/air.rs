@@ -1,4 +1,4 @@
-//! Checks of the air: its settings, lifting surfaces, polars, gusts, and the size of a lattice.
+//! Checks of the aerodynamics: its settings, lifting surfaces, polars, gusts, and the size of a lattice.
 
 use crate::aero::AirOptions;
 use crate::aero::flow::{Gust, GustShape};
@@ -14,14 +14,14 @@ use crate::machine::{Air, Body, Coupling, LiftingSurface, Parent};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
-/// Maximum number of panels of a lattice: its matrix then needs 200 MB, and its factorisation half a minute.
+/// Maximum number of panels of a lattice: its matrix then takes 200 MB, and its factorisation half a minute.
 const MAXIMUM_PANELS: usize = 5_000;
 /// Maximum number of panels of a wake.
 const MAXIMUM_WAKE_PANELS: usize = 200_000;
 /// Maximum number of strips of a surface, and of panels along its chord.
 pub(crate) const MAXIMUM_STRIPS: usize = 1_000;
 
-/// The air around bodies.
+/// Checks the aerodynamics of the bodies.
 pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
     checker.number(&["air", "density_kg_m3"], air.density_kg_m3, Range::Above(0.0));
     checker.array(&["air", "wind_m_s"], air.wind_m_s.as_slice());
@@ -178,10 +178,10 @@ fn check_rotor(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Bo
     }
 }
 
-/// Allowed deviation in rad of a blade from its position about the shaft: real blades are set to a degree.
+/// Allowed deviation in rad of a blade from its azimuth about the shaft: the blades of real rotors are set to within a degree.
 const PLACE_RAD: f64 = 5.0 * PI / 180.0;
 
-/// Reports a rotor with a blade that is missing, or that has no surface: momentum balances annuli of equal blades, spaced evenly.
+/// Reports a rotor with a missing blade or a blade without a surface: momentum balances apply to annuli of equal blades with even spacing.
 fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Body], checker: &mut Checker) {
     let turns = |body: usize| {
         let mut at = body;
@@ -193,7 +193,7 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
         }
         true
     };
-    // the wings of an aircraft, or a second rotor
+    // for example the wings of an aircraft, or a second rotor
     if let Some(other) = surfaces.iter().find(|surface| surface.body < bodies.len() && !turns(surface.body)) {
         let found =
             format!("{}, which is not attached to the hub {}", bodies[other.body].name, bodies[options.hub_body].name);
@@ -315,7 +315,7 @@ fn check_surface(
     checker.count(&["surface", name, "strips"], strips, 1, MAXIMUM_STRIPS);
     checker.count(&["surface", name, "chord_panels"], surface.chord_panels, 1, MAXIMUM_STRIPS);
     let ascending = positions_m.windows(2).all(|pair| pair[0] < pair[1]);
-    // a rigid body has no length; its chords are counted from its frame
+    // a rigid body has no length; its chords are measured from its frame
     let length_m = if body.is_rigid() { f64::INFINITY } else { body.length_m };
     let on_body = positions_m.iter().all(|s| (0.0..=length_m * (1.0 + 1e-12)).contains(s));
     if !(ascending && on_body) {

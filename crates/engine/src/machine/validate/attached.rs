@@ -10,11 +10,11 @@ use crate::machine::validate::unit_vector;
 use crate::machine::{Body, Closure, Gauge, InternalLoad, Machine, SectionSide};
 use nalgebra::Vector3;
 
-/// Largest gap at the start over the length of the longer body: angles rounded to 0.01 degrees cause 2e-4. A wider gap is an error in the
+/// Largest initial gap divided by the length of the longer body: angles rounded to 0.01 degrees cause 2e-4. A wider gap is an error in the
 /// model and would be closed abruptly by the full force of the penalty.
 const START_GAP: f64 = 1e-3;
 
-/// A body by its index; an error if it does not exist.
+/// The body with an index; an error if it does not exist.
 fn body_at<'m>(place: &[&str], index: usize, bodies: &'m [Body], checker: &mut Checker) -> Option<&'m Body> {
     let body = bodies.get(index);
     if body.is_none() {
@@ -24,7 +24,7 @@ fn body_at<'m>(place: &[&str], index: usize, bodies: &'m [Body], checker: &mut C
     body
 }
 
-/// Whether half width and half height are known along the whole body.
+/// Whether half-width and half-height are known along the whole body.
 pub(crate) fn has_outline(law: &SectionLaw) -> bool {
     let known = |section: &Section| section.half_width_m > 0.0 && section.half_height_m > 0.0;
     match law {
@@ -34,7 +34,7 @@ pub(crate) fn has_outline(law: &SectionLaw) -> bool {
     }
 }
 
-/// A gauge: on its body, on its section, along a fibre whose strain is known.
+/// Checks a gauge: on its body, on its section, along a fibre whose strain is known.
 pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
     let name = gauge.name.as_str();
     let Some(body) = body_at(&["gauge", name, "body"], gauge.body, bodies, checker) else { return };
@@ -72,7 +72,7 @@ pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
     }
 }
 
-/// Checks a section for internal loads: on a beam, and with a part outboard of it.
+/// Checks an internal-load section: it must be on a beam, with a part outboard of it.
 pub(super) fn internal_load(internal_load: &InternalLoad, bodies: &[Body], checker: &mut Checker) {
     let name = internal_load.name.as_str();
     let Some(body) = body_at(&["internal_load", name, "body"], internal_load.body, bodies, checker) else { return };
@@ -89,7 +89,7 @@ pub(super) fn internal_load(internal_load: &InternalLoad, bodies: &[Body], check
     }
 }
 
-/// Reports a point off the section, to round-off of the rim.
+/// Reports a point outside the section, except for round-off at its outline.
 fn point(gauge: &Gauge, law: &SectionLaw, checker: &mut Checker) {
     let (y_m, z_m) = (gauge.y_m, gauge.z_m);
     let section = law.at(gauge.position_m);
@@ -136,7 +136,7 @@ pub(super) fn closure(closure: &Closure, bodies: &[Body], checker: &mut Checker)
     holds
 }
 
-/// Reports loops that are open in the unstrained machine at its start angles.
+/// Reports loops that are open in the unstrained machine at its initial angles.
 pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
     if machine.closures.is_empty() {
         return;
@@ -151,7 +151,7 @@ pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
         let gap = points[1] - points[0];
         let length_m = closure.places.map(|(body, _)| machine.bodies[body].length_m).into_iter().fold(0.0, f64::max);
         let limit_m = START_GAP * length_m;
-        // NaN is no closed loop either
+        // a gap of NaN is not closed either
         if gap.norm() > limit_m || gap.norm().is_nan() {
             checker.refuse_state(
                 &["loop", &closure.name],

@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 /// Maximum number of sections along one body.
 pub(crate) const MAXIMUM_SECTION_STATIONS: usize = 1000;
 
-/// A body without its joint.
+/// Checks a body without its joint.
 pub(super) fn check(body: &Body, checker: &mut Checker) {
     let name = body.name.as_str();
     if name == "root" {
@@ -44,7 +44,7 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
         checker.refuse(&["body", name, "shear_damping_factors"], array_text(shares), allowed);
     }
     if !long {
-        return; // it has no attachments
+        return; // a rigid body has no further attachments to check
     }
     if let Some(law) = body.section.modal() {
         modal::check(body, law, checker);
@@ -62,11 +62,11 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
     }
 }
 
-/// A body without elements: its masses and loads sit on its frame.
+/// Checks a body without elements, whose masses and loads act on its frame.
 fn rigid(body: &Body, checker: &mut Checker) {
     let name = body.name.as_str();
     if body.length_m != 0.0 {
-        // probably a beam without a number of elements
+        // probably intended as a beam, with the number of elements missing
         checker.count(&["body", name, "elements"], body.elements, 1, 1000);
         return;
     }
@@ -82,7 +82,7 @@ fn rigid(body: &Body, checker: &mut Checker) {
     }
 }
 
-/// A function along a body: finite, rows in order and on the body.
+/// Checks a function along a body: finite, with rows in order and on the body.
 pub(crate) fn profile(place: &[&str], profile: &Profile, length_m: f64, checker: &mut Checker) -> bool {
     match profile {
         Profile::Polynomial(coefficients) => {
@@ -125,20 +125,20 @@ pub(crate) fn profile(place: &[&str], profile: &Profile, length_m: f64, checker:
     }
 }
 
-/// Whether the section of a body has no errors, so that dependent checks are possible.
+/// Whether the section of a body has no errors, so that checks that depend on it are possible.
 pub(crate) fn section_stands(name: &str, checker: &Checker) -> bool {
     let keys = ["section", "outer_section", "width_taper", "height_taper"];
     let fell = |place: &[String]| place[0] == "body" && place[1] == name && keys.contains(&place[2].as_str());
     !checker.faults.iter().any(|fault| fault.place.0.len() > 2 && fell(&fault.place.0))
 }
 
-/// Section along the body.
+/// Checks the section along the body.
 fn section_law(body: &Body, checker: &mut Checker) {
     let (name, length_m) = (body.name.as_str(), body.length_m);
     match &body.section {
         SectionLaw::Uniform(section) => explicit(&["body", name, "section"], section, checker),
         SectionLaw::Table(stations) => table(name, stations, length_m, checker),
-        // checked by itself
+        // checked separately
         SectionLaw::Modal(_) => {}
         SectionLaw::Tapered { width, height, .. } => {
             let tapers = [("width_taper", width), ("height_taper", height)];
@@ -172,7 +172,7 @@ pub(crate) fn least_of(profile: &Profile, length_m: f64) -> f64 {
     values.fold(f64::INFINITY, |least, value| if value.is_nan() { value } else { least.min(value) })
 }
 
-/// A section by its stiffness and inertia.
+/// Checks a section given by its stiffness and inertia.
 fn explicit(place: &[&str], section: &Section, checker: &mut Checker) {
     if let Some((i, j)) = asymmetry(&section.stiffness) {
         let (lower, upper) = (section.stiffness[(i, j)], section.stiffness[(j, i)]);
@@ -201,7 +201,7 @@ fn explicit(place: &[&str], section: &Section, checker: &mut Checker) {
     }
 }
 
-/// Checks sections at stations from end to end. Of two stations the outer one is that of `outer_section`.
+/// Checks sections at stations, which must extend from end to end. With two stations, the outer one is that of `outer_section`.
 fn table(name: &str, stations: &[SectionStation], length_m: f64, checker: &mut Checker) {
     let positions_m: Vec<f64> = stations.iter().map(|station| station.position_m).collect();
     let ascending = positions_m.windows(2).all(|pair| pair[0] < pair[1]);
@@ -225,12 +225,12 @@ fn table(name: &str, stations: &[SectionStation], length_m: f64, checker: &mut C
         let key = if stations.len() == 2 && index == 1 { "outer_section" } else { "section" };
         explicit(&["body", name, key], &station.section, checker);
         if checker.faults.len() > found {
-            return; // reported once
+            return; // already reported
         }
     }
 }
 
-/// Natural strain along the body. An element's rotation must stay below π, up to which its rotation vector is unique.
+/// Checks the natural strain along the body. The rotation of an element must stay below π, the limit for a unique rotation vector.
 fn natural_strain(body: &Body, meshed: bool, checker: &mut Checker) {
     let (name, length_m, strain) = (body.name.as_str(), body.length_m, &body.natural_strain);
     let mut sound = true;
@@ -299,7 +299,7 @@ fn stations(body: &Body, checker: &mut Checker) {
 fn attached_mass(mass: &AttachedMass, body: &Body, checker: &mut Checker) {
     let name = mass.name.as_str();
     checker.on_body(&["mass", name, "position_m"], mass.position_m, body.length_m);
-    // an inertia about one axis may belong to a body without the corresponding mass
+    // an inertia about one axis may belong to a body whose mass is not modelled
     let least = if mass.allow_nonphysical_inertia { Range::AtLeast(0.0) } else { Range::Above(0.0) };
     checker.number(&["mass", name, "mass_kg"], mass.mass_kg, least);
     checker.array(&["mass", name, "offset_m"], mass.offset_m.as_slice());

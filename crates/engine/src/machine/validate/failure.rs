@@ -1,4 +1,4 @@
-//! Checks of failures: their parts, triggers and numbers.
+//! Checks of failures: the parts on which they act, triggers and numbers.
 
 use crate::machine::failure::{Bound, Effect, Failure};
 use crate::machine::fault::{Checker, Range};
@@ -8,12 +8,12 @@ use crate::machine::{Body, JointKind, JointMotion, Machine, Method, OneFreedom, 
 /// Maximum number of failures of a machine, and of bounds on the motion of one joint.
 const MAXIMUM_FAILURES: usize = 100;
 const MAXIMUM_BOUNDS: usize = 16;
-/// Fastest runaway in rad/s or m/s.
+/// Maximum rate of a runaway in rad/s or m/s.
 const FASTEST: f64 = 1e6;
-/// Minimum remaining share of the stiffness of a body: below it the equations are not solvable in double precision.
+/// Minimum remaining fraction of the stiffness of a body, below which the equations cannot be solved in double precision.
 const MINIMUM_SHARE: f64 = 1e-6;
 
-/// All failures.
+/// Checks all failures.
 pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     super::names("failure", machine.failures.iter().map(|failure| failure.name.as_str()), checker);
     if machine.failures.len() > MAXIMUM_FAILURES {
@@ -51,7 +51,7 @@ fn check_one(machine: &Machine, index: usize, failure: &Failure, checker: &mut C
     }
 }
 
-/// A joint with one freedom and free motion; otherwise an error.
+/// A joint with one degree of freedom and free motion; otherwise an error.
 fn free_joint<'m>(
     machine: &'m Machine,
     place: &[&str],
@@ -136,7 +136,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
         }
         Effect::BrakeComesOn { body, brake } => {
             let Some((travel, _)) = free_joint(machine, &joint, body, checker) else { return };
-            // it would alternate between full torques in both senses, and the rate would not decay
+            // the brake torque would alternate between both signs at full magnitude, and the rate would not decay
             if machine.solver.method == Method::Rk4 {
                 let allowed =
                     "an implicit method, e.g. solver.method = \"esdirk4\": below its slip rate a brake is stiff";

@@ -10,7 +10,7 @@ use crate::machine::{
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
-/// Groups of the FMU's variables, which a joint's name would clash with.
+/// Groups of the FMU's variables, which must not be names of joints.
 pub const RESERVED: &[&str] = &[
     "load",
     "gravity",
@@ -30,10 +30,10 @@ pub const RESERVED: &[&str] = &[
     "der",
 ];
 
-/// Cosine between a universal joint's axes above which they are treated as parallel.
+/// Cosine of the angle between a universal joint's axes above which they count as parallel.
 const PARALLEL: f64 = 0.999;
 
-/// Share of a start angular velocity normal to both axes of a universal joint that is treated as rounding.
+/// Fraction of an initial angular velocity normal to both axes of a universal joint that counts as round-off.
 pub(crate) const ACROSS: f64 = 1e-4;
 
 /// Checks a joint, except for its parent.
@@ -57,7 +57,7 @@ pub(super) fn check(joint: &Joint, checker: &mut Checker) {
     }
 }
 
-/// Range of the position of a joint: within one turn in either direction, or unlimited.
+/// Range of the position of a joint: within one revolution in either direction, or unlimited.
 fn stand(travel: Travel) -> Range {
     match travel {
         Travel::Rotation => Range::Within(-TAU, TAU),
@@ -68,7 +68,7 @@ fn stand(travel: Travel) -> Range {
 fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &mut Checker) {
     unit_vector(&["joint", name, "axis"], &joint.axis, checker);
     let start = match joint.motion {
-        JointMotion::Prescribed(_) => Range::Finite, // at the start of the law
+        JointMotion::Prescribed(_) => Range::Finite, // at the start of the prescribed motion
         JointMotion::Free | JointMotion::Locked => stand(travel),
     };
     checker.number(&["joint", name, &travel.words("start_angle_rad")], joint.start_angle_rad, start);
@@ -102,7 +102,7 @@ fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &m
     }
 }
 
-/// A prescribed motion that can be evaluated.
+/// Checks that a prescribed motion can be evaluated.
 pub(crate) fn check_motion(place: &[&str], travel: Travel, motion: &Motion, checker: &mut Checker) -> bool {
     let (fits, allowed) = match motion {
         Motion::Polynomial(coefficients) => {
@@ -245,7 +245,7 @@ fn check_stops(name: &str, travel: Travel, joint: &OneFreedom, end_stops: &EndSt
     checker.number(&place(&keys[3]), end_stops.damping_n_m_s_rad, Range::AtLeast(0.0));
 }
 
-/// Universal, ball and free joints.
+/// Checks universal, ball and free joints.
 fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Checker) {
     let place = |key| ["joint", name, key];
     let within = [place("stiffness_n_m_rad"), place("damping_n_m_s_rad")];
@@ -278,7 +278,7 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
         return;
     }
     let normal = parent_axis.cross(&second).normalize();
-    // against overflow of squares
+    // scaled, so that squares do not overflow
     let scale = spin.amax();
     if turns && scale > 0.0 && normal.dot(&(spin / scale).normalize()).abs() > ACROSS {
         let [x, y, z] = normal.map(|part| (part * 1e4).round() / 1e4 + 0.0).into();
@@ -287,7 +287,7 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
     }
 }
 
-/// Stiffness in N·m/rad of a latch with which its joint is `ratio` times as stiff when it is closed; `None` after an error.
+/// Stiffness in N·m/rad of a latch that makes its joint `ratio` times as stiff when closed; `None` after an error.
 pub(crate) fn latch_stiffness_n_m_rad(
     name: &str,
     travel: Travel,

@@ -13,17 +13,17 @@ use crate::machine::units::shortest;
 use crate::machine::{Air, Body, Coupling, Experiment, Machine, Method, Parent, Solver};
 use std::collections::BTreeSet;
 
-/// Form of names.
+/// Allowed form of names.
 pub const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
 
-/// Maximum number of load stations of a machine: its model description then has some ten megabytes.
+/// Maximum number of load stations of a machine: its model description then has about ten megabytes.
 const MAXIMUM_STATIONS: usize = 2_000;
 /// Maximum number of load stations of a body.
 pub(super) const MAXIMUM_STATIONS_OF_BODY: usize = 1_000;
-/// Maximum number of elements of a machine: a step then needs a tenth of a second.
+/// Maximum number of elements of a machine: a step then takes a tenth of a second.
 const MAXIMUM_ELEMENTS: usize = 20_000;
 
-/// Whether a name has letters, digits and _ only, and no digit first.
+/// Whether a name has only letters, digits and _, and does not start with a digit.
 pub fn is_identifier(name: &str) -> bool {
     let mut letters = name.chars();
     letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
@@ -33,8 +33,8 @@ pub fn is_identifier(name: &str) -> bool {
 impl Machine {
     /// Returns all errors of the machine; empty if it is valid. Plants and interfaces require valid machines.
     ///
-    /// A machine from [`Machine::builder`] or from a model file has been validated. One with fields set directly should be validated before
-    /// use: an invalid index would panic, an invalid number cause a run that does not converge.
+    /// A machine from [`Machine::builder`] or from a model file has already been validated. A machine whose fields were set directly should
+    /// be validated before use: an invalid index would cause a panic, an invalid number a run that does not converge.
     ///
     /// ```
     /// use foldwing_engine::beam::section::{Material, Solid};
@@ -96,13 +96,13 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     }
 }
 
-/// Whether no body and no joint has an error, so that the unstrained machine has a shape.
+/// Whether no body or joint has an error, so that the unstrained machine has a shape.
 pub(super) fn stand(checker: &Checker) -> bool {
     let fell = |fault: &Fault| fault.place.0.first().is_some_and(|kind| kind == "body" || kind == "joint");
     !checker.faults.iter().any(fell)
 }
 
-/// Checks air, solver and simulation settings.
+/// Checks aerodynamics, solver and simulation settings.
 pub(super) fn surroundings(machine: &Machine, checker: &mut Checker) {
     if let Some(air) = &machine.air {
         air::check(air, &machine.bodies, checker);
@@ -111,7 +111,7 @@ pub(super) fn surroundings(machine: &Machine, checker: &mut Checker) {
     experiment(&machine.experiment, checker);
 }
 
-/// Checks that names are identifiers, and different for each type.
+/// Checks that names are identifiers, and unique for each type.
 pub(super) fn names<'n>(kind: &str, names: impl Iterator<Item = &'n str>, checker: &mut Checker) {
     let mut seen = BTreeSet::new();
     for name in names {
@@ -125,7 +125,7 @@ pub(super) fn names<'n>(kind: &str, names: impl Iterator<Item = &'n str>, checke
     }
 }
 
-/// Checks that parents are before their children, with joints on them.
+/// Checks that parents come before their children, with joints at positions on them.
 fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
     let mut holds = true;
     for (own, body) in bodies.iter().enumerate() {
@@ -159,7 +159,7 @@ fn tree(bodies: &[Body], checker: &mut Checker) -> bool {
     holds
 }
 
-/// Checks that a movable rigid body has mass, or carries a body with mass.
+/// Checks that a movable rigid body has mass, or carries a body that has mass.
 fn inertia(bodies: &[Body], checker: &mut Checker) {
     let mut heavy: Vec<bool> = bodies
         .iter()
@@ -180,7 +180,7 @@ fn is_clamped(body: &Body) -> bool {
     body.joint.kind.is_clamped()
 }
 
-/// Sizes that time and memory hold.
+/// Checks that the model is within the limits on computing time and memory.
 fn sizes(bodies: &[Body], checker: &mut Checker) {
     let sum = |count: fn(&Body) -> usize| bodies.iter().map(count).fold(0, usize::saturating_add);
     let stations = sum(|body| body.station_positions_m.len());
@@ -201,7 +201,7 @@ fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
     let positive = checker.number(&["solver", "max_step_s"], solver.max_step_s, Range::Above(0.0))
         & checker.number(&["solver", "min_step_s"], solver.min_step_s, Range::Above(0.0));
     if positive && solver.min_step_s >= solver.max_step_s {
-        // the one that is not the default is the error
+        // the value that differs from the default is the erroneous one
         let least = solver.min_step_s != Solver::default().min_step_s;
         let (key, value, sign, other, bound) = match least {
             true => ("min_step_s", solver.min_step_s, '<', "max_step_s", solver.max_step_s),
@@ -226,7 +226,7 @@ fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
     }
     let Some(most_iterations) = solver.most_iterations else { return };
     checker.count(&["solver", "most_iterations"], most_iterations, 1, 10);
-    // air with loads computed once per step has a constant cost per step
+    // with aerodynamic loads computed once per step, the computing time per step is constant
     if air.is_some_and(|air| air.coupling != Coupling::Staggered) {
         let allowed = "\"accurate\" for a machine in air, but with coupling = \"staggered\": the iteration of air and structure is not \
                        bounded";
@@ -249,7 +249,7 @@ fn experiment(experiment: &Experiment, checker: &mut Checker) {
     }
     let duration_s = stop_time_s - start_time_s;
     if duration_s <= 0.0 {
-        // the one that is not the default is the error
+        // the value that differs from the default is the erroneous one
         let stop = stop_time_s != Experiment::default().stop_time_s;
         let (key, value, sign, other, bound) = match stop {
             true => ("stop_time_s", stop_time_s, '>', "start_time_s", start_time_s),
@@ -263,7 +263,7 @@ fn experiment(experiment: &Experiment, checker: &mut Checker) {
     }
 }
 
-/// Reports directions that are no unit vectors.
+/// Reports directions that are not unit vectors.
 fn unit_vector(place: &[&str], direction: &nalgebra::Vector3<f64>, checker: &mut Checker) -> bool {
     let fits = (direction.norm() - 1.0).abs() <= 1e-9;
     if !fits {

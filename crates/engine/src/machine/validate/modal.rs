@@ -6,13 +6,13 @@ use crate::machine::units::shortest;
 use crate::machine::validate::body::{least_of, profile};
 use crate::machine::{Body, Machine, Parent};
 
-/// Largest deviation of the sum of a shape's coefficients from 1: printed tables are off by 1e-3 (the NREL 5 MW tower's
-/// second shape).
+/// Largest deviation from 1 of the sum of a shape's coefficients: published tables deviate by 1e-3 (the second shape of the NREL 5 MW
+/// tower).
 const SUM_TOLERANCE: f64 = 2e-3;
 /// Maximum number of coefficients of a shape.
 const MAXIMUM_COEFFICIENTS: usize = 20;
 
-/// The law of a modal body whose length is valid.
+/// Checks the shapes and properties of a modal body whose length is valid.
 pub(super) fn check(body: &Body, law: &ModalLaw, checker: &mut Checker) {
     let name = body.name.as_str();
     if law.length_m != body.length_m || law.cells != body.elements {
@@ -75,7 +75,7 @@ fn one(place: &[&str], shape: &Shape, checker: &mut Checker) {
     checker.number(&[place, &["start_m"]].concat(), shape.start_m, Range::Finite);
 }
 
-/// A modal body has nodes at its ends only: joints, masses and loops are attached there.
+/// Checks that a part is at an end of a modal body, where its nodes are: joints, masses and loops are attached there.
 fn at_an_end(place: &[&str], position_m: f64, body: &Body, checker: &mut Checker) {
     let near = 1e-9 * body.length_m;
     if position_m > near && position_m < body.length_m - near {
@@ -85,7 +85,7 @@ fn at_an_end(place: &[&str], position_m: f64, body: &Body, checker: &mut Checker
     }
 }
 
-/// Checks parts attached to modal bodies.
+/// Checks the parts attached to modal bodies.
 pub(super) fn placed(machine: &Machine, checker: &mut Checker) {
     let modal = |index: usize| machine.bodies.get(index).filter(|body| body.is_modal());
     for body in &machine.bodies {

@@ -4,32 +4,32 @@ use crate::math::so3::hat;
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// A vector with its first and second derivative in time.
+/// A vector with its first and second time derivatives.
 pub(super) type Timed = [Vector3<f64>; 3];
 
-/// Zero.
+/// The zero vector with zero derivatives.
 pub(super) const STILL: Timed = [Vector3::new(0.0, 0.0, 0.0); 3];
 
-/// `[ω̇]× + [ω]×²` of a node: a vector fixed to it has this times itself as second derivative.
+/// `[ω̇]× + [ω]×²` of a node: maps a vector fixed to the node to its second time derivative.
 #[inline]
 pub(super) fn second(node: &Node) -> Matrix3<f64> {
     let first = hat(&node.spin);
     hat(&node.spin_rate) + first * first
 }
 
-/// A vector fixed to a node, root frame.
+/// A vector fixed to a node, with its time derivatives, root frame.
 #[inline(always)]
 pub(super) fn fixed(node: &Node, second: &Matrix3<f64>, vector: Vector3<f64>) -> Timed {
     [vector, node.spin.cross(&vector), second * vector]
 }
 
-/// Variation of a node's motion in the root frame: of its position, and the rotation vector that turns it. In transposed products the
-/// multipliers of these.
+/// Variation of a node's motion in the root frame: of its position, and the rotation vector of its variation in attitude. In transposed
+/// products, the multipliers of these.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shift {
-    /// Of the position in m.
+    /// Variation of the position in m.
     pub linear: Timed,
-    /// Of the rotation in rad.
+    /// Variation of the rotation in rad.
     pub angular: Timed,
 }
 
@@ -40,14 +40,14 @@ pub(super) struct Column {
     pub linear: Timed,
     /// Rotation per unit.
     pub angular: Timed,
-    /// Derivative of the coordinate's force by a rotation of the inner node: `linear × F + angular × M`.
+    /// Derivative of the coordinate's force with respect to a rotation of the inner node: `linear × F + angular × M`.
     pub turned: Vector3<f64>,
 }
 
 impl Shift {
     pub const ZERO: Self = Self { linear: STILL, angular: STILL };
 
-    /// Variation of a point that moves with the node at the end of an arm.
+    /// Variation of a point fixed to the node at the end of an arm.
     #[inline(always)]
     pub fn carried(&self, arm: &Timed) -> Self {
         let ([d, d1, d2], [turn, turn1, turn2], [r, r1, r2]) = (&self.linear, &self.angular, arm);
@@ -61,7 +61,7 @@ impl Shift {
         }
     }
 
-    /// Adds the multipliers of a point that moves with the node at the end of an arm: the transpose of [`Shift::carried`].
+    /// Adds the multipliers of a point fixed to the node at the end of an arm: the transpose of [`Shift::carried`].
     #[inline(always)]
     pub fn add_carried(&mut self, outer: &Self, arm: &Timed) {
         let ([b, b1, b2], [r, r1, r2]) = (&outer.linear, arm);
@@ -76,7 +76,7 @@ impl Shift {
     }
 }
 
-/// `Σ c x` with its derivatives in time, of one part of a column.
+/// Adds `c x` with its time derivatives, for the linear or angular part of a column.
 #[inline(always)]
 fn add_part(sum: &mut Timed, [c, c1, c2]: &Timed, [x, x1, x2]: [f64; 3]) {
     sum[0] += c * x;
@@ -84,7 +84,7 @@ fn add_part(sum: &mut Timed, [c, c1, c2]: &Timed, [x, x1, x2]: [f64; 3]) {
     sum[2] += c * x2 + c1 * (2.0 * x1) + c2 * x;
 }
 
-/// The transpose: multipliers of `x, ẋ, ẍ` by those of the sum.
+/// The transpose of [`add_part`]: multipliers of `x, ẋ, ẍ` from those of the sum.
 #[inline(always)]
 fn pulled_part([c, c1, c2]: &Timed, [b, b1, b2]: &Timed) -> [f64; 3] {
     [c.dot(b) + c1.dot(b1) + c2.dot(b2), c.dot(b1) + 2.0 * c1.dot(b2), c.dot(b2)]
@@ -93,7 +93,7 @@ fn pulled_part([c, c1, c2]: &Timed, [b, b1, b2]: &Timed) -> [f64; 3] {
 impl Column {
     pub const ZERO: Self = Self { linear: STILL, angular: STILL, turned: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Adds the effect of a coordinate's variation with its rate and acceleration.
+    /// Adds the effect of a coordinate's variation, with its rate and acceleration.
     #[inline(always)]
     pub fn add(&self, shift: &mut Shift, change: [f64; 3]) {
         add_part(&mut shift.linear, &self.linear, change);
@@ -107,13 +107,13 @@ impl Column {
         std::array::from_fn(|kind| linear[kind] + angular[kind])
     }
 
-    /// Force of a wrench at the outer end on the coordinate.
+    /// Generalised force on the coordinate due to a wrench at the outer end.
     #[inline(always)]
     pub fn project(&self, force: &Vector3<f64>, moment: &Vector3<f64>) -> f64 {
         self.linear[0].dot(force) + self.angular[0].dot(moment)
     }
 
-    /// Stores the derivative of the force of a wrench by a rotation.
+    /// Stores the derivative of the generalised force of a wrench with respect to a rotation.
     #[inline(always)]
     pub fn set_turned(&mut self, force: &Vector3<f64>, moment: &Vector3<f64>) {
         self.turned = self.linear[0].cross(force) + self.angular[0].cross(moment);

@@ -6,7 +6,8 @@ use crate::multibody::Model;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::Element;
 
-/// Rows of `K x` and of the damping matrix's product `C y` for the strains, one after the other: `add` gets the row and both.
+/// Rows of the products `K x` and `C y` with the stiffness and damping matrices of the strains, one after the other: `add` is called with
+/// the row and both values.
 pub fn elastic_products(
     model: &Model,
     damping: &[Damping],

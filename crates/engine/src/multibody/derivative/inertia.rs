@@ -1,6 +1,6 @@
 //! Variations of the forces of inertia, gravity and mass-proportional damping on the nodes, NOTATION eq. (X3).
 //!
-//! All of them are a mass block times the nodal vectors' `L(e) = ë + α ė + 2 Ω × ė + (Ω̇× + Ω×Ω×) e − g`.
+//! Each is a mass block times `L(e) = ë + α ė + 2 Ω × ė + (Ω̇× + Ω×Ω×) e − g` of the nodal vectors.
 
 use crate::load::RootMotion;
 use crate::math::so3::hat;
@@ -10,12 +10,12 @@ use crate::multibody::model::{Body, Model};
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// The four nodal vectors, their rates or forces on them.
+/// The four nodal vectors, their rates, or the forces on them.
 pub(super) type Four = [Vector3<f64>; 4];
 
 const NONE: Four = [Vector3::new(0.0, 0.0, 0.0); 4];
 
-/// The root's motion as the nodal vectors need it.
+/// The root's motion in the form required for the nodal vectors.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Field {
     rotates: bool,
@@ -35,14 +35,14 @@ impl Field {
         }
     }
 
-    /// `L` of a vector with two derivatives in time.
+    /// `L` of a vector with two time derivatives.
     #[inline(always)]
     fn load(&self, [e, e1, e2]: &Timed, alpha: f64) -> Vector3<f64> {
         let own = e2 + e1 * alpha;
         if self.rotates { own + self.coriolis * e1 + self.frame * e } else { own }
     }
 
-    /// Multipliers of the vector and its derivatives by those of `L`.
+    /// Multipliers of the vector and its derivatives, from those of `L`.
     #[inline(always)]
     fn pulled(&self, on: &Vector3<f64>, alpha: f64) -> Timed {
         if self.rotates {
@@ -53,14 +53,14 @@ impl Field {
     }
 }
 
-/// A node at the prepared point.
+/// A node at the point of linearisation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spot {
     /// `[ω̇]× + [ω]×²`.
     pub second: Matrix3<f64>,
-    /// Its axes in the root frame.
+    /// Axes of the node in the root frame.
     axes: [Timed; 3],
-    /// `Σ r_k f_kᵀ − Σ r_k·f_k I` of the forces on the axes: moment by a rotation of these.
+    /// `Σ r_k f_kᵀ − Σ r_k·f_k I` of the forces on the axes: derivative of the moment with respect to a rotation of these.
     by_turn: Matrix3<f64>,
 }
 
@@ -76,7 +76,7 @@ impl Spot {
         Self { second, axes: [axis(0), axis(1), axis(2)], by_turn: Matrix3::zeros() }
     }
 
-    /// Stores the forces on the axes.
+    /// Stores the derivative of the moment of the given forces on the axes.
     fn set_forces(&mut self, forces: &Four) {
         let mut by_turn = Matrix3::zeros();
         for (axis, force) in self.axes.iter().zip(&forces[1..]) {
@@ -85,7 +85,7 @@ impl Spot {
         self.by_turn = by_turn - Matrix3::from_diagonal_element(by_turn.trace());
     }
 
-    /// Variation of `L` of the nodal vectors.
+    /// Variation of `L` for the nodal vectors.
     #[inline(always)]
     fn loads(&self, shift: &Shift, field: &Field, alpha: f64) -> Four {
         let turning = Shift { linear: STILL, angular: shift.angular };
@@ -96,7 +96,7 @@ impl Spot {
         loads
     }
 
-    /// Adds the multipliers of a shift by those of `L`: the transpose of [`Spot::loads`].
+    /// Adds the multipliers of a shift from those of `L`: the transpose of [`Spot::loads`].
     #[inline(always)]
     fn add_loads(&self, on: &Four, field: &Field, alpha: f64, sum: &mut Shift) {
         let origin = field.pulled(&on[0], alpha);
@@ -108,14 +108,14 @@ impl Spot {
         sum.angular.iter_mut().zip(&turning.angular).for_each(|(sum, on)| *sum += on);
     }
 
-    /// Variation of the wrench of forces on the nodal vectors whose own variations are `change`.
+    /// Variation of the wrench of the forces on the nodal vectors, whose variations are `change`.
     #[inline(always)]
     fn wrench(&self, turn: &Vector3<f64>, change: &Four) -> [Vector3<f64>; 2] {
         let moment = |k: usize| self.axes[k][0].cross(&change[k + 1]);
         [change[0], moment(0) + moment(1) + moment(2) + self.by_turn * turn]
     }
 
-    /// Multipliers of the forces on the nodal vectors by those of their wrench.
+    /// Multipliers of the forces on the nodal vectors, from those of their wrench.
     #[inline(always)]
     fn pulled(&self, [force, moment]: &[Vector3<f64>; 2]) -> Four {
         let on = |k: usize| moment.cross(&self.axes[k][0]);
@@ -123,7 +123,7 @@ impl Spot {
     }
 }
 
-/// Forces on the nodal vectors of a body by the loads `L` of its beam, eq. (D5): symmetric, so that it is its own transpose.
+/// Forces on the nodal vectors of a body due to the loads `L` of its beam, eq. (D5): symmetric, so that it is its own transpose.
 fn beam_forces(model: &Model, body: &Body, loads: &[Four], forces: &mut [Four]) {
     let load = |i: usize| &loads[i];
     for (i, forces) in forces.iter_mut().enumerate() {
@@ -138,7 +138,7 @@ fn add(sum: &mut Four, other: &Four) {
     sum.iter_mut().zip(other).for_each(|(sum, other)| *sum += other);
 }
 
-/// Scratch for the nodal vectors of all nodes.
+/// Workspace for the nodal vectors of all nodes.
 #[derive(Debug, Clone)]
 pub(super) struct Inertia {
     field: Field,
@@ -166,7 +166,7 @@ impl Inertia {
                     let node = &nodes[n];
                     let mut loads = node.load_rate;
                     if !body.damps_attached {
-                        // without the damping: `ė` of the origin and the axes
+                        // without damping: `ė` of the origin and the axes
                         let turn = hat(&node.spin) * node.rotation;
                         loads[0] -= node.velocity * damping.mass_1_s;
                         for k in 0..3 {
@@ -207,7 +207,7 @@ impl Inertia {
         }
     }
 
-    /// Adds the multipliers of the motion of all nodes by those of their wrenches.
+    /// Adds the multipliers of the motion of all nodes, from those of their wrenches.
     pub fn reverse(
         &mut self,
         model: &Model,

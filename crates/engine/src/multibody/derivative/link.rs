@@ -1,4 +1,4 @@
-//! Columns of a constant-strain link and the derivatives of its forces by its strains, NOTATION eq. (X2).
+//! Columns of a constant-strain link and the derivatives of its forces with respect to its strains, NOTATION eq. (X2).
 
 use crate::math::jet::{Jet, Moving, Partial, Vector, dot, three};
 use crate::math::jet_link::{self, JetSlopes};
@@ -9,7 +9,7 @@ use crate::multibody::model::Element;
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// A vector that moves in the frame of a node, in the root frame.
+/// A vector that moves in the frame of a node, transformed to the root frame with its derivatives.
 #[inline]
 fn turned(node: &Node, second: &Matrix3<f64>, vector: Timed) -> Timed {
     let [c, c1, c2] = vector.map(|order| node.rotation * order);
@@ -17,14 +17,14 @@ fn turned(node: &Node, second: &Matrix3<f64>, vector: Timed) -> Timed {
     [c, c1 + by_spin, c2 + node.spin.cross(&c1) * 2.0 + by_second]
 }
 
-/// Orders of a vector of jets.
+/// Value and time derivatives of a vector of jets.
 #[inline(always)]
 fn orders(vector: &Vector<Moving>, factor: f64) -> Timed {
     let order = |kind: usize| Vector3::new(vector[0].0[kind], vector[1].0[kind], vector[2].0[kind]) * factor;
     three(order)
 }
 
-/// Columns of an element on its inner node.
+/// Columns of an element, resolved on its inner node.
 pub(super) fn columns(element: &Element, motion: Motion, node: &Node, second: &Matrix3<f64>) -> [Column; STRAINS] {
     let strain = |i: usize| {
         let c = element.coordinate + i;
@@ -41,8 +41,8 @@ pub(super) fn columns(element: &Element, motion: Motion, node: &Node, second: &M
     columns
 }
 
-/// Derivatives of the forces on the strains (rows) by the strains for a wrench at the outer end that stays, given in the frame of the inner
-/// node.
+/// Derivatives of the forces on the strains (rows) with respect to the strains, for a constant wrench at the outer end, given in the frame
+/// of the inner node.
 pub(super) fn slopes(element: &Element, q: &[f64], force: &Vector3<f64>, moment: &Vector3<f64>) -> StrainMatrix {
     let strains: [Partial<STRAINS>; STRAINS] = std::array::from_fn(|i| Partial::along(q[element.coordinate + i], i));
     let constant = |vector: &Vector3<f64>| -> Vector<Partial<STRAINS>> { three(|i| Partial::constant(vector[i])) };
@@ -50,7 +50,7 @@ pub(super) fn slopes(element: &Element, q: &[f64], force: &Vector3<f64>, moment:
     StrainMatrix::from_fn(|i, j| rows[i].by[j])
 }
 
-/// Forces on the strains of a link by a wrench at its outer end, in the frame of its inner one.
+/// Forces on the strains of a link due to a wrench at its outer end, in the frame of its inner end.
 #[inline]
 pub(super) fn forces<const N: usize>(
     length_m: f64,

@@ -1,4 +1,4 @@
-//! Variations of loads at stations, NOTATION eq. (X3): dead loads in the root frame and follower loads in the section's.
+//! Variations of loads at stations, NOTATION eq. (X3): dead loads in the root frame and follower loads in the section frame.
 
 use crate::load::{LoadFrame, Wrench};
 use crate::math::jet::{Jet, Partial, Vector, cross, plus, three, turned};
@@ -12,28 +12,28 @@ use crate::multibody::station::{first_coordinate, inner_node, node_under, siblin
 use crate::multibody::workspace::Node;
 use nalgebra::Vector3;
 
-/// Strains on which a station may depend: those of a pair.
+/// Number of strains on which a station may depend: those of a pair.
 const BOTH: usize = 2 * STRAINS;
 
 type Number = Partial<BOTH>;
 
-/// A load on a section inside an element, at the prepared point, root frame. Without strains: on a node.
+/// A load on a section inside an element at the point of linearisation, root frame; without strains, a load on a node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoadedSection {
     node: usize,
     first: usize,
     strains: usize,
     frame: LoadFrame,
-    /// The load as the residual counts it: negative.
+    /// The load with the negative sign that it has in the residual.
     force: Vector3<f64>,
     moment: Vector3<f64>,
-    /// Node to section in m.
+    /// Vector from the node to the section in m.
     arm: Vector3<f64>,
-    /// Displacement and rotation of the section by the strains.
+    /// Displacement and rotation of the section per unit of each strain.
     columns: [[Vector3<f64>; 2]; BOTH],
-    /// Derivatives of the forces on the strains by a rotation of the node.
+    /// Derivatives of the forces on the strains with respect to a rotation of the node.
     turned: [Vector3<f64>; BOTH],
-    /// Derivatives of the forces on the strains (rows) by the strains, the load staying.
+    /// Derivatives of the forces on the strains (rows) with respect to the strains, for a constant load.
     slopes: [[f64; BOTH]; BOTH],
 }
 
@@ -122,7 +122,7 @@ impl LoadedSection {
         }
     }
 
-    /// Adds the variations of its wrench on the node and of its forces on the strains.
+    /// Adds the variations of the load's wrench on the node and of its forces on the strains.
     pub fn forward(&self, shift: &Shift, along: &[f64], wrench: &mut [Vector3<f64>; 2], rows: &mut [f64]) {
         let turn = &shift.angular[0];
         let changes = &along[self.first..self.first + self.strains];
@@ -144,7 +144,8 @@ impl LoadedSection {
         }
     }
 
-    /// The transpose: adds the multipliers of the node's motion and of the strains by those of the wrench and of the forces on the strains.
+    /// The transpose of [`Self::forward`]: adds the multipliers of the node's motion and of the strains, from those of the wrench and of
+    /// the forces on the strains.
     pub fn reverse(&self, on: &[Vector3<f64>; 2], w: &[f64], sum: &mut Shift, by_q: &mut [f64]) {
         let w = match self.strains {
             0 => &[],
@@ -171,7 +172,7 @@ impl LoadedSection {
         }
     }
 
-    /// Node on which it acts.
+    /// Node on which the load acts.
     pub fn node(&self) -> usize {
         self.node
     }

@@ -5,13 +5,13 @@ use crate::multibody::derivative::chain::{STILL, Shift, Timed, fixed, second};
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::Vector3;
 
-/// A loop at the prepared point.
+/// A loop at the point of linearisation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LoopForce {
     nodes: [usize; 2],
-    /// Nodes to the points of the gap in m.
+    /// Vectors from the nodes to the points of the gap in m.
     arms: [Timed; 2],
-    /// Factors of the gap, its rate and its acceleration.
+    /// Penalty factors of the gap, its rate and its acceleration.
     penalty: [f64; 3],
     /// Force on the second point.
     force: Vector3<f64>,
@@ -35,7 +35,7 @@ impl LoopForce {
         }
     }
 
-    /// Adds the variations of its wrenches on both nodes.
+    /// Adds the variations of the loop's wrenches on both nodes.
     pub fn forward(&self, shifts: &[Shift], wrenches: &mut [[Vector3<f64>; 2]]) {
         let ends = [0, 1].map(|side| shifts[self.nodes[side]].carried(&self.arms[side]).linear);
         let force =
@@ -49,7 +49,7 @@ impl LoopForce {
         }
     }
 
-    /// The transpose.
+    /// The transpose of [`Self::forward`].
     pub fn reverse(&self, on: &[[Vector3<f64>; 2]], sums: &mut [Shift]) {
         let mut by_force = Vector3::zeros();
         for (side, sign) in [(0, -1.0), (1, 1.0)] {

@@ -1,8 +1,8 @@
 //! Exact derivatives of the residual of the tree in O(n): along a direction, and transposed, NOTATION eqs. (X1)–(X5).
 //!
-//! [`Derivative::prepare`] linearises the recursion at the point of the last residual: each coordinate has a column, the motion of the outer
-//! end of its link or joint, with two derivatives in time; each node has the forces and rates that vary with its own rotation. Products are
-//! then one outward and one inward sweep of small constant matrices, [`Derivative::forward`], or the same sweeps transposed,
+//! [`Derivative::prepare`] linearises the recursion at the point of the last residual: each coordinate has a column, the motion of the
+//! outer end of its link or joint, with two time derivatives; each node has the forces and rates that vary with its own rotation. Products
+//! are then one outward and one inward sweep of small constant matrices, [`Derivative::forward`], or the same sweeps transposed,
 //! [`Derivative::reverse`].
 
 mod chain;
@@ -26,21 +26,21 @@ use loads::LoadedSection;
 use loop_force::LoopForce;
 use nalgebra::Vector3;
 
-/// The link or joint between a node and the one that carries it.
+/// The link or joint between a node and its carrier, the next node towards the root.
 #[derive(Debug, Clone, Copy)]
 struct Link {
-    /// Node that carries it; `None` on the root.
+    /// Carrier of the node; `None` on the root.
     carrier: Option<usize>,
-    /// First of its coordinates, and their number.
+    /// Index of its first coordinate, and the number of its coordinates.
     first: usize,
     count: usize,
-    /// Its element.
+    /// Element of the link; `None` for a joint.
     element: Option<usize>,
-    /// Carrier to node in m, root frame.
+    /// Vector from carrier to node in m, root frame.
     arm: Timed,
-    /// Force at the node of the outboard part.
+    /// Force of the outboard part at the node.
     force: Vector3<f64>,
-    /// Derivatives of the forces on its strains (rows) by its strains.
+    /// Derivatives of the forces on its strains (rows) with respect to its strains.
     slopes: StrainMatrix,
 }
 
@@ -57,13 +57,13 @@ pub struct Derivative {
     inertia: Inertia,
     loads: Vec<LoadedSection>,
     loops: Vec<LoopForce>,
-    // scratch of the products, per node
+    // workspace for the products, per node
     shifts: Vec<Shift>,
     wrenches: Vec<[Vector3<f64>; 2]>,
 }
 
 impl Derivative {
-    /// Scratch for a model.
+    /// Workspace for a model.
     pub fn new(model: &Model) -> Self {
         let nodes = model.nodes.len();
         let mut links = Vec::with_capacity(nodes);
@@ -97,7 +97,7 @@ impl Derivative {
     }
 
     /// Linearises the recursion at the point of the last [`residual`](crate::multibody::dynamics::residual), whose motions and wrenches are
-    /// in `work`; allocates nothing. Joints with several freedoms and modal bodies are not covered.
+    /// in `work`; allocates nothing. Joints with several degrees of freedom and modal bodies are not supported.
     pub fn prepare(&mut self, model: &Model, work: &Workspace, motion: Motion, environment: &Environment) {
         for (spot, node) in self.spots.iter_mut().zip(&work.nodes) {
             *spot = Spot::of(node);
@@ -123,7 +123,7 @@ impl Derivative {
         }
     }
 
-    /// Column of a joint with one freedom.
+    /// Column of a joint with one degree of freedom.
     fn joint_column(&self, work: &Workspace, index: usize, body: &Body) -> Option<Column> {
         let axis = work.joints[index].one_freedom()?.axis;
         let fixed = match body.base {
@@ -161,7 +161,8 @@ impl Derivative {
         }
     }
 
-    /// Adds `K δq + C δv + M δa` of tree, loads and loops to `sum`, eq. (X3); neither the strains' own forces nor those of joints.
+    /// Adds `K δq + C δv + M δa` of tree, loads and loops to `sum`, eq. (X3), without the elastic and damping forces of the strains and the
+    /// forces of joints.
     pub fn forward(&mut self, model: &Model, along: Motion, sum: &mut [f64]) {
         let Self { links, spots, columns, shifts, wrenches, .. } = self;
         for (n, link) in links.iter().enumerate() {
@@ -197,12 +198,12 @@ impl Derivative {
         }
     }
 
-    /// Adds the transposed products `Kᵀw`, `Cᵀw` and `Mᵀw` of the same parts to `sums`, eq. (X4).
+    /// Adds the transposed products `Kᵀw`, `Cᵀw` and `Mᵀw` of the parts covered by [`Self::forward`] to `sums`, eq. (X4).
     pub fn reverse(&mut self, model: &Model, w: &[f64], sums: [&mut [f64]; 3]) {
         let [by_q, by_v, by_a] = sums;
         let Self { links, spots, columns, shifts, wrenches, .. } = self;
         shifts.fill(Shift::ZERO);
-        // multipliers of the wrenches: the virtual motion of the nodes
+        // multipliers of the wrenches: virtual motion of the nodes
         for (n, link) in links.iter().enumerate() {
             let [mut moved, mut turn] = [Vector3::zeros(); 2];
             let mut by_turn = Vector3::zeros();

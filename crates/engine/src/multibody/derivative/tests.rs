@@ -1,4 +1,4 @@
-//! Derivatives against differences of the residual, and against each other.
+//! Derivatives in comparison with finite differences of the residual, and with each other.
 
 use super::*;
 use crate::beam::element::{ElementKind, rigid_body_mass};
@@ -29,8 +29,8 @@ fn vector(random: &mut fastrand::Rng, size: f64) -> Vector3<f64> {
 }
 
 impl Case {
-    /// Four or five bodies with joints of all covered types, rigid and flexible, branches, a loop, offsets, masses, loads in either frame, a
-    /// rotating root.
+    /// Four or five bodies with joints of all supported types, rigid and flexible, branches, a loop, offsets, masses, loads in both frames,
+    /// a rotating root.
     fn new(seed: u64) -> Self {
         let mut random = fastrand::Rng::with_seed(seed);
         let bodies: Vec<BodyDescription> = (0..5)
@@ -152,9 +152,9 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
 
-/// The derivative along random directions is that of sixth-order differences of the residual, for 20 random machines. 1e-9 of the largest
-/// entry: the truncation of the differences at this step is 1e-12, their round-off 1e-16/3e-3 of residuals that are a hundred times the
-/// derivative's smallest entries.
+/// The derivative along random directions equals sixth-order differences of the residual, for 20 random machines, to 1e-9 of the largest
+/// entry: the truncation error of the differences at this step is 1e-12, their round-off is 1e-16/3e-3 of residuals that are a hundred
+/// times the derivative's smallest entries.
 #[test]
 fn forward_is_the_derivative_of_the_residual() {
     let mut worst = 0.0f64;
@@ -177,8 +177,8 @@ fn forward_is_the_derivative_of_the_residual() {
     assert!(worst < 1e-9, "{worst:.1e}");
 }
 
-/// Forward and reverse are transposes of one another: `⟨w, J δ⟩ = ⟨Jᵀ w, δ⟩` to round-off, for 20 random machines; 1e-12 of the sum of the
-/// terms' sizes.
+/// Forward and reverse products are transposes of each other: `⟨w, J δ⟩ = ⟨Jᵀ w, δ⟩` to round-off, for 20 random machines, to 1e-12 of the
+/// sum of the terms' magnitudes.
 #[test]
 fn reverse_is_the_transpose_of_forward() {
     for seed in 0..20 {
@@ -195,8 +195,8 @@ fn reverse_is_the_transpose_of_forward() {
     }
 }
 
-/// The residual with slopes of the blocks is the slope of the residual, in which all blocks are linear: central differences over a step of
-/// 1/8 are exact, 1e-12 of the largest entry. A mesh with another length has no such slopes.
+/// The residual with derivatives in place of the blocks is the derivative of the residual, which is linear in all blocks: central
+/// differences over a step of 1/8 are exact, to 1e-12 of the largest entry. A mesh with another length has no such derivative.
 #[test]
 fn block_slopes_are_the_slope_of_the_residual() {
     use crate::multibody::block_slopes::BlockSlopes;
@@ -252,8 +252,8 @@ fn block_slopes_are_the_slope_of_the_residual() {
     }
 }
 
-/// At rest the derivative by the coordinates is the exact static tangent of the same loads, `K` without the strains' damping, in a rotating
-/// root frame too: 1e-12 of the largest entry, round-off.
+/// Without motion, the derivative with respect to the coordinates is the exact static tangent under the same loads, `K` without the damping
+/// of the strains, also in a rotating root frame, to round-off: 1e-12 of the largest entry.
 #[test]
 fn static_limit_is_the_exact_tangent() {
     use crate::multibody::tangent::{JointTangent, Surroundings, Tangent};
@@ -277,8 +277,8 @@ fn static_limit_is_the_exact_tangent() {
     }
 }
 
-/// The third derivatives of the link's coefficients are those of the second ones, across the limit between series and closed form: central
-/// differences to 1e-7 of 1/5040.
+/// The third derivatives of the link's coefficients are the derivatives of the second ones, on both sides of the limit between series and
+/// closed form: central differences to 1e-7 of 1/5040.
 #[test]
 fn third_derivatives_of_the_coefficients() {
     use crate::math::se3::Coefficients;

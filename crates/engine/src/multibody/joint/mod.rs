@@ -1,12 +1,12 @@
-//! Joints: motion of the first frame of a body relative to the node that carries it.
+//! Joints: motion of the first frame of a body relative to the node to which it is attached, its carrier.
 //!
 //! Every type of joint implements the same operations, here by enum: the pose of its body (`Joint::carry`), the projection of a wrench
 //! (`Joint::project`), its elimination in the inward articulated-body recursion (`Joint::eliminate`, `Joint::reduce`) and its solution in
-//! the outward one (`Joint::expand`). The sweeps over the tree are independent of the types. Two families share their algebra: joints with
-//! one freedom along a screw (`one_freedom`) and joints with redundant parameters (`redundant`).
+//! the outward one (`Joint::expand`). The sweeps over the tree are independent of the joint types. Each of two families has common algebra:
+//! joints with one degree of freedom along a screw (`one_freedom`) and joints with redundant parameters (`redundant`).
 //!
-//! Between the node that carries a body and the body's first node there is an arm: the offset of the attachment, and the displacement of a
-//! prismatic joint. It is handled here, once for all sweeps, NOTATION eqs. (J7)–(J9).
+//! Between the carrier node and the body's first node there is an arm: the offset of the attachment, and the displacement of a prismatic
+//! joint. It is treated here for all sweeps, NOTATION eqs. (J7)–(J9).
 
 mod one_freedom;
 pub mod parameters;
@@ -27,7 +27,7 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 /// Kind of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointKind {
-    /// No freedom.
+    /// No degree of freedom.
     Clamped,
     /// Rotation about a unit axis in the parent's frame.
     Revolute {
@@ -55,7 +55,8 @@ pub enum JointKind {
 }
 
 impl JointKind {
-    /// A universal joint about a unit axis in the parent's frame and one in the body's; its angle follows from the mount.
+    /// A universal joint about a unit axis in the parent's frame and one in the body's frame; the angle between them follows from the
+    /// mount.
     pub const fn universal(parent_axis: Vector3<f64>, body_axis: Vector3<f64>) -> Self {
         Self::Universal { parent_axis, body_axis, cosine: 0.0 }
     }
@@ -90,17 +91,17 @@ impl JointKind {
         }
     }
 
-    /// Number of freedoms: coordinates less constraints.
+    /// Number of degrees of freedom: coordinates minus constraints.
     pub fn freedoms(&self) -> usize {
         self.coordinates() - self.constraints()
     }
 
-    /// The coordinates are redundant parameters with constraints.
+    /// Whether the coordinates are redundant parameters with constraints.
     pub fn is_redundant(&self) -> bool {
         self.constraints() > 0
     }
 
-    /// Number of translations among the freedoms; they are first.
+    /// Number of translations among the degrees of freedom; they come first.
     pub fn translations(&self) -> usize {
         match self {
             Self::Prismatic { .. } => 1,
@@ -109,12 +110,12 @@ impl JointKind {
         }
     }
 
-    /// The joint transmits forces from the body to its parent: all joints except free ones.
+    /// Whether the joint transmits forces from the body to its parent: true for all joints except free ones.
     pub fn transmits(&self) -> bool {
         !self.floats()
     }
 
-    /// The body's first node is free: its position is among the coordinates.
+    /// Whether the body's first node is free: its position is among the coordinates.
     pub fn floats(&self) -> bool {
         match self {
             Self::Free => true,
@@ -125,44 +126,44 @@ impl JointKind {
     }
 }
 
-/// A joint with its place in `q`.
+/// A joint with its position in `q`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
     /// Kind.
     pub kind: JointKind,
     /// Index of its first coordinate in `q`.
     pub coordinate: usize,
-    /// Inertia that moves only with the coordinate, for joints with one freedom, in kg·m² or kg: motor and gear, eq. (D16).
+    /// Inertia that moves only with the coordinate, for joints with one degree of freedom, in kg·m² or kg: motor and gear, eq. (D16).
     pub drive_inertia: f64,
     /// Factor of the carrier's rotation in the rotation of the motor's rotor, for revolute joints: the inverse of its gear ratio, 0 if the
-    /// inertia turns with the coordinate only, eq. (D17).
+    /// inertia rotates with the coordinate only, eq. (D17).
     pub drive_carried: f64,
 }
 
-/// Scratch of one joint: its pose, and its factors.
+/// Workspace of one joint: its pose and its factors.
 #[derive(Debug, Clone)]
 pub struct JointWork {
-    /// From the node that carries the body to its first node, root frame, m; eq. (J7).
+    /// Vector from the carrier node to the body's first node, root frame, m; eq. (J7).
     pub arm: Vector3<f64>,
-    /// There is a node that carries the body, and the arm may differ from zero.
+    /// Whether there is a carrier node and the arm may be nonzero.
     levered: bool,
-    /// Scratch of the type.
+    /// Workspace of the joint type.
     pub(crate) freedoms: Freedoms,
 }
 
-/// Scratch of a joint type between the sweeps.
+/// Workspace of a joint type between the sweeps.
 #[derive(Debug, Clone)]
 pub(crate) enum Freedoms {
-    /// Nothing.
+    /// For clamped joints.
     None,
-    /// Joint with one freedom.
+    /// For joints with one degree of freedom.
     One(OneFreedom),
-    /// Of joints with redundant parameters.
+    /// For joints with redundant parameters.
     Redundant(Box<RedundantWork>),
 }
 
 impl JointWork {
-    /// Scratch of a joint whose body is mounted by `mount` (parent ← body), with `offset_m` from a node if `carried`.
+    /// Workspace of a joint whose body is mounted by `mount` (parent ← body), with `offset_m` from a node if `carried`.
     pub(crate) fn new(joint: &Joint, mount: &Matrix3<f64>, offset_m: &Vector3<f64>, carried: bool) -> Self {
         let moves = matches!(joint.kind, JointKind::Prismatic { .. });
         Self {
@@ -186,7 +187,7 @@ impl JointWork {
         }
     }
 
-    /// Scratch of a joint with one freedom.
+    /// Workspace of a joint with one degree of freedom.
     pub(crate) fn one_freedom(&self) -> Option<&OneFreedom> {
         match &self.freedoms {
             Freedoms::One(one) => Some(one),
@@ -194,7 +195,7 @@ impl JointWork {
         }
     }
 
-    /// The same, to be changed.
+    /// Mutable workspace of a joint with one degree of freedom.
     pub(crate) fn one_freedom_mut(&mut self) -> Option<&mut OneFreedom> {
         match &mut self.freedoms {
             Freedoms::One(one) => Some(one),
@@ -202,7 +203,7 @@ impl JointWork {
         }
     }
 
-    /// Twist of the body's first node for a twist of the node that carries it, with a fixed joint, eq. (J8).
+    /// Twist of the body's first node due to a twist of the carrier node, with a fixed joint, eq. (J8).
     #[inline]
     pub(crate) fn carried(&self, parent: &Pair) -> Pair {
         let mut moved = *parent;
@@ -212,7 +213,7 @@ impl JointWork {
         moved
     }
 
-    /// Adds the arm's share to a moment that passes from the body's first node to the node that carries it, eq. (J8).
+    /// Adds the contribution of the arm to a moment that is transmitted from the body's first node to the carrier node, eq. (J8).
     #[inline]
     pub(crate) fn pass_on(&self, force: &Vector3<f64>, moment: &mut Vector3<f64>) {
         if self.levered {
@@ -220,7 +221,7 @@ impl JointWork {
         }
     }
 
-    /// Moves an articulated inertia from the body's first node to the node that carries it, eq. (J9).
+    /// Transforms an articulated inertia from the body's first node to the carrier node, eq. (J9).
     #[inline]
     fn shifted(&self, inertia: ArticulatedInertia) -> ArticulatedInertia {
         if !self.levered {
@@ -238,7 +239,7 @@ impl Joint {
         self.coordinate..self.coordinate + self.kind.coordinates()
     }
 
-    /// Coordinates at rest into `q`: zero, or the parameters of the mounted attitude.
+    /// Writes the initial coordinates into `q`: zero, or the parameters of the mounted attitude.
     pub fn rest(&self, mount: &Matrix3<f64>, q: &mut [f64]) {
         let count = self.kind.coordinates();
         if self.kind.is_redundant() {
@@ -248,7 +249,7 @@ impl Joint {
         }
     }
 
-    /// Moves a body's first node to its pose on the joint, eqs. (K9), (J2), (J3) and (J7); rates and accelerations only with `RATES`.
+    /// Moves a body's first node to its pose on the joint, eqs. (K9), (J2), (J3) and (J7); with `RATES` also its rates and accelerations.
     /// `offset_m` is that of the attachment: from the root's origin, or in the frame of `parent`.
     #[inline]
     pub(crate) fn carry<const RATES: bool>(
@@ -300,7 +301,7 @@ impl Joint {
         }
     }
 
-    /// Forces on the freedoms from outside the tree: the motor's own inertia, and the residuals of constraints.
+    /// Adds the forces on the degrees of freedom that are not from the tree: the inertia of the motor, and the residuals of constraints.
     #[inline]
     pub(crate) fn own_forces(&self, work: &JointWork, motion: Motion, residual: &mut [f64]) {
         match &work.freedoms {
@@ -310,7 +311,7 @@ impl Joint {
         }
     }
 
-    /// Adds the projection of the wrench at the body's first node on the freedoms to the residual, eq. (D9).
+    /// Adds the projection of the wrench at the body's first node on the degrees of freedom to the residual, eq. (D9).
     #[inline]
     pub(crate) fn project(&self, work: &JointWork, wrench: &Pair, residual: &mut [f64]) {
         match &work.freedoms {
@@ -320,7 +321,7 @@ impl Joint {
         }
     }
 
-    /// Eliminates the freedoms from the inertia of the body's first node; returns the inertia at the carrying node.
+    /// Eliminates the degrees of freedom from the inertia of the body's first node; returns the inertia at the carrier node.
     #[inline]
     pub(crate) fn eliminate(
         &self,
@@ -337,7 +338,7 @@ impl Joint {
         Ok(work.shifted(passed))
     }
 
-    /// Inward half of the solution: changes the right side `p` of the body's first node to that of the carrying node.
+    /// Inward half of the solution: transforms the right-hand side `p` of the body's first node to that of the carrier node.
     #[inline]
     pub(crate) fn reduce(&self, work: &mut JointWork, x: &[f64], p: &mut Pair) {
         match &mut work.freedoms {
@@ -349,7 +350,7 @@ impl Joint {
         work.pass_on(&force, &mut p.angular);
     }
 
-    /// Outward half: writes the change of the coordinates to `x`; `moved` is changed from the twist of the carrying node to that of the
+    /// Outward half: writes the change of the coordinates to `x`; `moved` is transformed from the twist of the carrier node to that of the
     /// body's first node, which is added to `norm`.
     #[inline]
     pub(crate) fn expand(&self, work: &JointWork, x: &mut [f64], moved: &mut Pair, norm: &mut NormSquared) {
@@ -366,7 +367,7 @@ impl Joint {
         norm.include(moved);
     }
 
-    /// Adds the twist of the body's first node due to a change of the coordinates to that of the carrying node.
+    /// Transforms `moved` from the twist of the carrier node to that of the body's first node, for a change of the coordinates.
     #[inline]
     pub(crate) fn displace(&self, work: &JointWork, change: &[f64], moved: &mut Pair) {
         *moved = work.carried(moved);
@@ -385,7 +386,8 @@ impl Joint {
         }
     }
 
-    /// Twist of the body per freedom, root frame, as columns (velocity over spin); columns beyond the freedoms are zero.
+    /// Twist of the body per degree of freedom, root frame, as columns (velocity above spin); columns beyond the degrees of freedom are
+    /// zero.
     pub(crate) fn freedom_twists(&self, work: &JointWork) -> Matrix6<f64> {
         let mut twists = Matrix6::zeros();
         match &work.freedoms {
@@ -401,19 +403,19 @@ impl Joint {
         twists
     }
 
-    /// Change of the projections of a moment with the freedoms, if one axis of the joint turns another: entry `(i, j)` is the change of
-    /// projection `i` with freedom `j`.
+    /// Change of the projections of a moment with the degrees of freedom, if one axis of the joint rotates another: entry `(i, j)` is the
+    /// change of projection `i` with degree of freedom `j`.
     pub(crate) fn turning_axes(&self, work: &JointWork, moment: &Vector3<f64>) -> Matrix6<f64> {
         let mut change = Matrix6::zeros();
         if let (JointKind::Universal { .. }, Some(redundant)) = (&self.kind, work.redundant()) {
-            // the second axis turns with the first rotation
+            // the second axis rotates with the first rotation
             let axis = |k: usize| -> Vector3<f64> { redundant.axes.column(k).into_owned() };
             change[(1, 0)] = moment.dot(&axis(0).cross(&axis(1)));
         }
         change
     }
 
-    /// Turns changes of the freedoms, first in `x`, into changes of the coordinates, in place.
+    /// Converts changes of the degrees of freedom, which come first in `x`, to changes of the coordinates, in place.
     pub(crate) fn expand_freedoms(&self, work: &JointWork, x: &mut [f64]) {
         if let Some(redundant) = work.redundant() {
             redundant.to_parameters(self, x);

@@ -1,20 +1,20 @@
-//! Joints with one freedom: a rotation about an axis or a translation along it, and their elimination.
+//! Joints with one degree of freedom, a rotation about an axis or a translation along it, and their elimination.
 
 use crate::multibody::factor::{BadPivot, FreedomTangent, ROUND_OFF, Weights};
 use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::workspace::{ArticulatedInertia, Pair};
 use nalgebra::Vector3;
 
-/// Motion of the freedom along the axis.
+/// Type of motion along or about the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Freedom {
-    /// Turns about it.
+    /// Rotation about the axis.
     Rotation,
-    /// Moves along it.
+    /// Translation along the axis.
     Translation,
 }
 
-/// A joint with one freedom at the poses of the last sweep, with its factor.
+/// A joint with one degree of freedom at the poses of the last sweep, with its factor.
 #[derive(Debug, Clone)]
 pub struct OneFreedom {
     /// Unit axis in the root frame.
@@ -25,8 +25,8 @@ pub struct OneFreedom {
     /// `P s` of the screw `s`.
     pushed: Pair,
     right_hand: f64,
-    /// Angular acceleration of the carrier about the joint axis, from [`crate::multibody::dynamics`], for a motor whose rotor turns with
-    /// the carrier, rad/s².
+    /// Angular acceleration of the carrier about the joint axis in rad/s², from [`crate::multibody::dynamics`], for a motor whose rotor
+    /// rotates with the carrier.
     pub carrier_rate: f64,
 }
 
@@ -42,7 +42,7 @@ impl OneFreedom {
         }
     }
 
-    /// Twist of the body per unit of the freedom.
+    /// Twist of the body per unit of the degree of freedom.
     pub(super) fn screw(&self) -> Pair {
         match self.freedom {
             Freedom::Rotation => Pair { linear: Vector3::zeros(), angular: self.axis },
@@ -50,7 +50,7 @@ impl OneFreedom {
         }
     }
 
-    /// Force or torque along the freedom of a wrench.
+    /// Component of a wrench along the degree of freedom: force or torque.
     #[inline]
     pub(super) fn project(&self, wrench: &Pair) -> f64 {
         match self.freedom {
@@ -119,7 +119,7 @@ impl OneFreedom {
         p.angular -= self.pushed.angular * y;
     }
 
-    /// Change of the freedom; `moved` is changed to the twist of the body's first node.
+    /// Change of the degree of freedom; `moved` is transformed to the twist of the body's first node.
     #[inline]
     pub(super) fn expand(&self, moved: &mut Pair) -> f64 {
         let pull = self.right_hand - self.pushed.linear.dot(&moved.linear) - self.pushed.angular.dot(&moved.angular);

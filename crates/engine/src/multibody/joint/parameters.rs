@@ -1,8 +1,8 @@
 //! Redundant parameters of universal, ball and free joints.
 //!
 //! A universal joint has nine direction cosines and seven constraints, a ball joint four Euler parameters and one constraint, a free joint
-//! a position as well (\[O\] 16–21). The constraints are internal to the joint: in the recursions only the two, three or six true freedoms
-//! appear, and the parameters follow from them; NOTATION eqs. (J1)–(J6).
+//! a position as well (\[O\] 16–21). The constraints are internal to the joint: in the recursions only the two, three or six true degrees
+//! of freedom appear, and the parameters follow from them; NOTATION eqs. (J1)–(J6).
 
 use crate::math::so3::hat;
 use crate::multibody::joint::JointKind;
@@ -31,7 +31,7 @@ impl JointKind {
         eta
     }
 
-    /// Rates of the parameters at an attitude that turns with `spin` (rad/s, parent's frame).
+    /// Rates of the parameters at an attitude that rotates with `spin` (rad/s, parent's frame).
     pub fn parameter_rates(&self, eta: &[f64], spin: &Vector3<f64>) -> [f64; MAX_PARAMETERS] {
         let mut rates = [0.0; MAX_PARAMETERS];
         let pose = JointPose::new(self, eta);
@@ -42,26 +42,26 @@ impl JointKind {
     }
 }
 
-/// `E(ζ)`: turns rates of Euler parameters into the angular velocity in the parent's frame, `ω = 2Eζ̇/ζ·ζ`, eq. (J2).
+/// `E(ζ)`: maps rates of Euler parameters to the angular velocity in the parent's frame, `ω = 2Eζ̇/ζ·ζ`, eq. (J2).
 fn euler_map(zeta: &[f64]) -> SMatrix<f64, 3, 4> {
     let [w, x, y, z] = [zeta[0], zeta[1], zeta[2], zeta[3]];
     SMatrix::<f64, 3, 4>::new(-x, w, -z, y, -y, z, w, -x, -z, -y, x, w)
 }
 
-/// Attitude of a joint and the maps between its parameters and its freedoms, parent's frame.
+/// Attitude of a joint and the maps between its parameters and its degrees of freedom, parent's frame.
 #[derive(Debug, Clone, Copy)]
 pub struct JointPose {
     /// Parent ← body.
     pub rotation: Matrix3<f64>,
     /// Offset of the body's inner end in m; zero except for free joints.
     pub offset_m: Vector3<f64>,
-    /// Rotation axes of the freedoms, as columns: two for a universal joint (the third is zero), else unit vectors.
+    /// Rotation axes of the degrees of freedom, as columns: two for a universal joint (the third is zero), otherwise unit vectors.
     pub axes: Matrix3<f64>,
-    /// Direction in which only the axis constraint of a universal joint turns the body; zero for the others.
+    /// Axis of the rotation that only the axis constraint of a universal joint prevents; zero for the others.
     pub constraint_axis: Vector3<f64>,
     /// Angular velocity per rate of the parameters.
     pub spin_map: SMatrix<f64, 3, MAX_PARAMETERS>,
-    /// Rates of the parameters per angular velocity, constraints kept.
+    /// Rates of the parameters per angular velocity, with satisfied constraints.
     pub parameter_map: SMatrix<f64, MAX_PARAMETERS, 3>,
     /// The parameters.
     pub eta: [f64; MAX_PARAMETERS],
@@ -69,7 +69,7 @@ pub struct JointPose {
 
 impl JointPose {
     /// Pose from the parameters, which may violate their constraints by the error of a step: the rotation is orthonormal up to the square
-    /// of that.
+    /// of that error.
     pub fn new(kind: &JointKind, parameters: &[f64]) -> Self {
         let mut eta = [0.0; MAX_PARAMETERS];
         eta[..parameters.len()].copy_from_slice(parameters);
@@ -85,7 +85,7 @@ impl JointPose {
 
     fn universal(parent_axis: &Vector3<f64>, body_axis: &Vector3<f64>, eta: [f64; MAX_PARAMETERS]) -> Self {
         let cosines = Matrix3::from_column_slice(&eta);
-        // one step of the polar decomposition's Newton iteration
+        // one step of Newton's iteration for the polar decomposition
         let rotation = cosines * (Matrix3::identity() * 3.0 - cosines.transpose() * cosines) * 0.5;
         let turned = rotation * body_axis;
         let mut spin_map = SMatrix::<f64, 3, MAX_PARAMETERS>::zeros();
@@ -145,7 +145,7 @@ impl JointPose {
         (spin, spin_rate)
     }
 
-    /// Constraints at the level of accelerations: zero if the second rates keep the parameters on them, eq. (J4).
+    /// Constraints at the level of accelerations: zero if the second rates keep the parameters consistent with them, eq. (J4).
     pub fn constraint_residual(&self, kind: &JointKind, rates: &[f64], second: &[f64], residual: &mut [f64]) {
         let JointKind::Universal { parent_axis, body_axis, .. } = kind else {
             let start = kind.quaternion_start();
@@ -166,8 +166,8 @@ impl JointPose {
         residual[6] = (0..3).map(|a| body_axis[a] * parent_axis.dot(&column(m2, a))).sum();
     }
 
-    /// Change of the parameters from the change of attitude `turn` (parent's frame) of the freedoms and from the right side of the
-    /// constraints; eq. (J5).
+    /// Change of the parameters from the change of attitude `turn` (parent's frame) and from the right-hand side of the constraints; eq.
+    /// (J5).
     pub fn parameter_change(&self, kind: &JointKind, turn: &Vector3<f64>, constraint: &[f64]) -> [f64; MAX_PARAMETERS] {
         let mut change = [0.0; MAX_PARAMETERS];
         for (change, row) in change.iter_mut().zip(self.parameter_map.row_iter()) {
@@ -190,7 +190,7 @@ impl JointPose {
         change
     }
 
-    /// Rotation about [`Self::constraint_axis`] required by the right side of a universal joint's constraint; else 0.
+    /// Rotation about [`Self::constraint_axis`] required by the right-hand side of a universal joint's constraint; otherwise 0.
     pub fn constraint_turn(&self, kind: &JointKind, constraint: &[f64]) -> f64 {
         let JointKind::Universal { parent_axis, body_axis, .. } = kind else { return 0.0 };
         let cosines = Matrix3::from_column_slice(&self.eta);
@@ -203,7 +203,7 @@ impl JointPose {
 /// Columns coupled by each orthonormality constraint of a universal joint, \[O\] (18).
 const UNIVERSAL_PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
-/// Symmetric matrix of the orthonormality right sides, off-diagonals halved.
+/// Symmetric matrix of the orthonormality right-hand sides, with halved off-diagonal entries.
 fn symmetric(constraint: &[f64]) -> Matrix3<f64> {
     let mut matrix = Matrix3::zeros();
     for (row, (a, b)) in UNIVERSAL_PAIRS.into_iter().enumerate() {
@@ -214,8 +214,8 @@ fn symmetric(constraint: &[f64]) -> Matrix3<f64> {
     matrix
 }
 
-/// Projects parameters with their first and second rates onto the constraints, eq. (J6): attitude to the nearest rotation of the joint,
-/// angular velocity and acceleration to their allowed parts.
+/// Projects parameters with their first and second rates onto the constraints, eq. (J6): the attitude to the nearest attitude that the
+/// joint allows, angular velocity and acceleration to their allowed components.
 pub fn project(kind: &JointKind, eta: &mut [f64], rates: &mut [f64], second: &mut [f64]) {
     if let JointKind::Universal { .. } = kind {
         project_universal(kind, eta, rates, second);
@@ -240,7 +240,7 @@ fn project_universal(kind: &JointKind, eta: &mut [f64], rates: &mut [f64], secon
         rotation = rotation * (Matrix3::identity() * 3.0 - rotation.transpose() * rotation) * 0.5;
         let turned = rotation * body_axis;
         let lever = turned.cross(parent_axis);
-        // rotate about the constraint axis until the angle between the axes is that of the start
+        // rotate about the constraint axis until the angle between the axes has its initial value
         let error = parent_axis.dot(&turned) - cosine;
         rotation = crate::math::so3::rotation_about(&lever.normalize(), -error / lever.norm()) * rotation;
     }

@@ -5,7 +5,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// Moves a node from the joint's zero position along the axis, eq. (J7); returns the displacement, root frame, in m.
+/// Moves a node from the joint's zero position along the axis, eq. (J7); returns the displacement in m, root frame.
 #[inline]
 pub(super) fn carry<const RATES: bool>(
     (axis, coordinate): (&Vector3<f64>, usize),

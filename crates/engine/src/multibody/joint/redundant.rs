@@ -1,8 +1,8 @@
 //! Elimination of joints with redundant parameters inside the articulated-body recursion.
 //!
-//! Only the true freedoms are eliminated: two or three rotations, or the whole twist of a free body. The right side of
-//! such a joint holds first the forces on its freedoms, then the residuals of its constraints; the solution holds the
-//! change of its parameters. NOTATION eq. (J5).
+//! Only the true degrees of freedom are eliminated: two or three rotations, or the whole twist of a free body. The right-hand side of such
+//! a joint holds first the forces on its degrees of freedom, then the residuals of its constraints; the solution holds the change of its
+//! parameters. NOTATION eq. (J5).
 
 use crate::multibody::factor::{BadPivot, FreedomTangent, ROUND_OFF, Weights};
 use crate::multibody::joint::Joint;
@@ -11,14 +11,14 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
-/// Factors of one joint, from its inward sweep for the outward one.
+/// Factors of one joint, passed from its inward sweep to the outward one.
 #[derive(Debug, Clone)]
 struct RedundantFactor {
-    /// Nothing is eliminated: the joint is locked.
+    /// Whether the joint is locked, so that nothing is eliminated.
     held: bool,
-    /// Inverse of the rotations' block; the third row and column are empty for two freedoms.
+    /// Inverse of the rotations' block; the third row and column are empty for two degrees of freedom.
     inverse: Matrix3<f64>,
-    /// Free joints: inverse of the whole inertia.
+    /// Inverse of the whole inertia, for free joints.
     whole: Matrix6<f64>,
     /// `P S`, velocity rows.
     velocity: Matrix3<f64>,
@@ -26,14 +26,14 @@ struct RedundantFactor {
     spin: Matrix3<f64>,
     /// `P (0; constraint axis)`.
     constraint: Pair,
-    /// Right side of the freedoms.
+    /// Right-hand side of the degrees of freedom.
     right_hand: Vector6<f64>,
-    /// Turn about the constraint axis.
+    /// Rotation about the constraint axis.
     constraint_turn: f64,
 }
 
 impl RedundantFactor {
-    /// Nothing factorised yet.
+    /// Factors before the first factorisation.
     fn new() -> Self {
         Self {
             held: false,
@@ -55,7 +55,7 @@ pub struct RedundantWork {
     pub pose: JointPose,
     /// Root ← parent.
     pub parent: Matrix3<f64>,
-    /// Rotation axes of the freedoms in the root frame, as columns.
+    /// Rotation axes of the degrees of freedom in the root frame, as columns.
     pub axes: Matrix3<f64>,
     /// [`JointPose::constraint_axis`] in the root frame.
     pub constraint_axis: Vector3<f64>,
@@ -63,7 +63,7 @@ pub struct RedundantWork {
 }
 
 impl RedundantWork {
-    /// Scratch of a joint whose body is mounted by `mount`, parent ← body.
+    /// Workspace of a joint whose body is mounted by `mount`, parent ← body.
     pub(super) fn new(joint: &Joint, mount: &Matrix3<f64>) -> Self {
         Self {
             pose: JointPose::new(&joint.kind, &joint.kind.parameters_of(mount)[..joint.kind.coordinates()]),
@@ -105,7 +105,7 @@ impl RedundantWork {
         self.pose = pose;
     }
 
-    /// Nothing on the freedoms, and the residuals of the constraints behind them, eq. (J4).
+    /// Writes zero forces on the degrees of freedom, followed by the residuals of the constraints, eq. (J4).
     pub(super) fn own_forces(&self, joint: &Joint, motion: Motion, residual: &mut [f64]) {
         let (range, freedoms) = (joint.range(), joint.kind.freedoms());
         let first = range.start + freedoms;
@@ -114,7 +114,7 @@ impl RedundantWork {
         self.pose.constraint_residual(&joint.kind, rates, second, &mut residual[first..range.end]);
     }
 
-    /// Eliminates the freedoms from the inertia of the body's first node; returns the inertia at the parent.
+    /// Eliminates the degrees of freedom from the inertia of the body's first node; returns the inertia at the parent.
     pub(super) fn eliminate(
         &mut self,
         joint: &Joint,
@@ -146,7 +146,7 @@ impl RedundantWork {
         let diagonal = weights.stiffness * tangent.stiffness + weights.damping * tangent.damping;
         let mut block = self.axes.transpose() * spin + Matrix3::from_diagonal_element(diagonal);
         if joint.kind.freedoms() == 2 {
-            block[(2, 2)] = 1.0; // no third freedom: keep the factor regular
+            block[(2, 2)] = 1.0; // no third degree of freedom: keep the factor regular
         }
         let factor = nalgebra::Cholesky::new(block).ok_or(bad)?;
         if !is_regular((0..joint.kind.freedoms()).map(|i| (factor.l_dirty()[(i, i)], block[(i, i)]))) {
@@ -166,7 +166,7 @@ impl RedundantWork {
         })
     }
 
-    /// Inward half of the solution: subtracts the joint's share from the right side `p` of its node.
+    /// Inward half of the solution: subtracts the contribution of the joint from the right-hand side `p` of its node.
     pub(super) fn reduce(&mut self, joint: &Joint, x: &[f64], p: &mut Pair) {
         let (c, freedoms) = (joint.coordinate, joint.kind.freedoms());
         if self.factor.held {
@@ -195,7 +195,7 @@ impl RedundantWork {
         self.factor.constraint_turn = turn;
     }
 
-    /// Outward half: writes the change of the parameters to `x`; `moved` is changed from the parent's twist to the node's.
+    /// Outward half: writes the change of the parameters to `x`; `moved` is transformed from the parent's twist to the node's.
     ///
     /// Returns the largest square of a parameter's change that is not contained in the node's own displacement.
     pub(super) fn expand(&self, joint: &Joint, x: &mut [f64], moved: &mut Pair) -> f64 {
@@ -228,12 +228,12 @@ impl RedundantWork {
             x[c..c + 3].copy_from_slice(moved.linear.as_slice());
         }
         if joint.kind.floats() {
-            return 0.0; // its offsets are in the node's displacement
+            return 0.0; // the displacement of the body is contained in that of the node
         }
         change.iter().fold(0.0, |largest, change| largest.max(change * change))
     }
 
-    /// Forces on the freedoms from the wrench `p` of the joint's node.
+    /// Forces on the degrees of freedom from the wrench `p` of the joint's node.
     pub(super) fn project(&self, joint: &Joint, p: &Pair, out: &mut [f64]) {
         let c = joint.coordinate;
         if joint.kind.floats() {
@@ -246,7 +246,7 @@ impl RedundantWork {
         out[c..c + freedoms].copy_from_slice(&torques.as_slice()[..freedoms]);
     }
 
-    /// Twist of the node that a change of the parameters causes, added to that of the parent.
+    /// Adds the node's twist due to a change of the parameters to that of the parent.
     pub(super) fn displace(&self, joint: &Joint, change: &[f64], moved: &mut Pair) {
         let c = joint.coordinate;
         let mut turn = Vector3::zeros();
@@ -259,7 +259,7 @@ impl RedundantWork {
         }
     }
 
-    /// Turns the freedoms in `x` into changes of the parameters, in place.
+    /// Converts the changes of the degrees of freedom in `x` to changes of the parameters, in place.
     pub(super) fn to_parameters(&self, joint: &Joint, x: &mut [f64]) {
         let x = &mut x[joint.range()];
         let shift = joint.kind.translations();
@@ -277,8 +277,8 @@ impl RedundantWork {
     }
 }
 
-/// Whether the pivots of a Cholesky factor are larger than round-off of the largest diagonal entry. `entries` have the same unit: the
-/// factor's diagonal beside the matrix's.
+/// Whether the pivots of a Cholesky factor are larger than the round-off of the largest diagonal entry. `entries` have the same unit: pairs
+/// of the factor's and the matrix's diagonal entries.
 fn is_regular(entries: impl Iterator<Item = (f64, f64)>) -> bool {
     let (least, largest) = entries
         .fold((f64::INFINITY, 0.0f64), |(least, largest), (root, whole)| (least.min(root * root), largest.max(whole)));

@@ -1,4 +1,4 @@
-//! Loads along a modal body, those of all its stations at once and in the frame of its inner end, NOTATION eqs. (M2)–(M4) and (M8).
+//! Loads along a modal body, for all its stations at once and in the frame of its inner end, NOTATION eqs. (M2)–(M4) and (M8).
 
 use super::Modal;
 use crate::beam::modal::{FEW_MODES, MAXIMUM_MODES};
@@ -7,23 +7,23 @@ use crate::multibody::model::Station;
 use crate::multibody::workspace::Node;
 use nalgebra::Vector3;
 
-/// Forces of loads along a body, frame of its inner end.
+/// Generalised forces of loads along a body, frame of its inner end.
 pub(crate) struct Gathered {
-    /// On the coordinates, in N.
+    /// Generalised forces on the coordinates in N.
     on_coordinates: [f64; MAXIMUM_MODES],
-    /// On the first node, in N.
+    /// Force on the first node in N.
     force: Vector3<f64>,
-    /// About it, in N·m.
+    /// Moment about the first node in N·m.
     moment: Vector3<f64>,
 }
 
 impl Modal {
-    /// Whether a station is between the ends: loads at the ends are those of nodes.
+    /// Whether a station is between the ends: loads at the ends act on nodes.
     pub(crate) fn is_between(&self, station: &Station) -> bool {
         station.offset_m != 0.0 && station.offset_m != self.element.length_m
     }
 
-    /// Loads of stations between the ends; `q` are the body's own coordinates.
+    /// Sums the loads of stations between the ends; `q` are the coordinates of the body.
     pub(crate) fn gather(&self, node: &Node, q: &[f64], stations: &[Station], loads: &[Wrench]) -> Gathered {
         if self.element.modes <= FEW_MODES {
             self.gathered::<FEW_MODES>(node, q, stations, loads)
@@ -32,7 +32,7 @@ impl Modal {
         }
     }
 
-    /// The same with at most `N` shapes.
+    /// [`Self::gather`] with at most `N` shapes.
     fn gathered<const N: usize>(&self, node: &Node, own_q: &[f64], stations: &[Station], loads: &[Wrench]) -> Gathered {
         let mut q = [0.0; N];
         q[..own_q.len()].copy_from_slice(own_q);
@@ -75,7 +75,7 @@ impl Gathered {
         node.moment -= node.rotation * self.moment;
     }
 
-    /// Power of the loads in W, by the same map; `v` are the body's own rates.
+    /// Power of the loads in W, by the same map; `v` are the rates of the body's coordinates.
     pub(crate) fn power_w(&self, node: &Node, v: &[f64]) -> f64 {
         let own: f64 = v.iter().zip(&self.on_coordinates).map(|(rate, force)| rate * force).sum();
         own + (node.rotation * self.force).dot(&node.velocity) + (node.rotation * self.moment).dot(&node.spin)
@@ -96,7 +96,8 @@ mod tests {
     use crate::multibody::workspace::Workspace;
     use crate::multibody::{station, station_load};
 
-    /// A body on a hinge: three shapes, or five, which take sums of another length; stations between its ends and on them, not in order.
+    /// A body on a hinge with three shapes, or five, for which the sums have another length; stations between its ends and at them, not in
+    /// order.
     fn model(flap: usize, frame: LoadFrame) -> Model {
         let shape =
             |coefficients: &[f64]| Shape { coefficients: coefficients.to_vec(), damping_ratio: 0.0, start_m: 0.0 };
@@ -132,8 +133,8 @@ mod tests {
         }])
     }
 
-    /// The power of loads along a body is that of the velocities of their stations, for the rate of each coordinate alone and for all
-    /// together. Tolerance: round-off of some hundred operations on numbers up to 10.
+    /// The power of loads along a body equals that computed with the velocities of their stations, for the rate of each coordinate alone
+    /// and for all together. Tolerance: round-off of about a hundred operations on numbers up to 10.
     #[test]
     fn loads_along_a_body_work_as_their_stations_move() {
         for (flap, frame) in
@@ -166,7 +167,7 @@ mod tests {
                 let mut unit = vec![0.0; n];
                 unit[i] = 1.0;
                 let (known, _, moved) = powers(&unit);
-                // loads on the outer end are still with its node
+                // loads at the outer end are already applied to its node
                 let end = model.bodies[0].last_node();
                 let at_end = work.nodes[end].force.dot(&moved.nodes[end].velocity)
                     + work.nodes[end].moment.dot(&moved.nodes[end].spin);

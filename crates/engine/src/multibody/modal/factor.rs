@@ -15,7 +15,7 @@ pub(crate) struct ModalFactor {
     cholesky: [[f64; MAXIMUM_MODES]; MAXIMUM_MODES],
     /// Coupling of the coordinates to the first node, velocity rows.
     velocity: [Vector3<f64>; MAXIMUM_MODES],
-    /// Spin rows.
+    /// Coupling of the coordinates to the first node, spin rows.
     spin: [Vector3<f64>; MAXIMUM_MODES],
     /// Right-hand side of the last inward sweep.
     right: [f64; MAXIMUM_MODES],
@@ -47,8 +47,8 @@ impl ModalFactor {
 }
 
 impl Modal {
-    /// Eliminates the coordinates from the inertia `p` of the outer end and the mass in between; returns the inertia at
-    /// the first node, eq. (M10). Only the symmetric part of the damping enters.
+    /// Eliminates the coordinates from the inertia `p` of the outer end and the mass in between; returns the inertia at the first node, eq.
+    /// (M10). Only the symmetric part of the damping is used.
     pub(crate) fn eliminate(
         &self,
         work: &mut ModalWork,
@@ -123,8 +123,8 @@ impl Modal {
         Ok(ArticulatedInertia { vv, vw, ww })
     }
 
-    /// Inward half of the solution: from the right-hand side `p` at the outer end to that of the first node, without
-    /// its own.
+    /// Inward half of the solution: from the right-hand side `p` at the outer end to that at the first node, without the contribution of
+    /// the first node itself.
     pub(crate) fn reduce(&self, work: &mut ModalWork, x: &[f64], p: &Pair) -> Pair {
         let modes = self.element.modes;
         let mut right = [0.0; MAXIMUM_MODES];
@@ -148,7 +148,7 @@ impl Modal {
         }
     }
 
-    /// Outward half: the coordinates into `x`; returns the twist of the outer end from `moved`, that of the first node.
+    /// Outward half: writes the coordinates to `x`; returns the twist of the outer end, from the twist `moved` of the first node.
     pub(crate) fn expand(&self, work: &ModalWork, x: &mut [f64], moved: &Pair) -> Pair {
         let modes = self.element.modes;
         let mut y = work.factor.right;

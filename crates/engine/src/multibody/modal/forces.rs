@@ -1,4 +1,4 @@
-//! Forces of a modal body: elastic ones, and those of the mass between its ends; its energies.
+//! Forces of a modal body: elastic forces and those of the mass between its ends, and its energies.
 
 use super::{Modal, ModalWork, inside, square};
 use crate::beam::modal_mass::{MassForces, MassMotion};
@@ -10,14 +10,14 @@ use nalgebra::{Matrix3, Vector3};
 /// A mass between the ends and its motion, frame of the inner end.
 struct Moving {
     mass_kg: f64,
-    /// From the first node in m.
+    /// Position relative to the first node in m.
     place: Vector3<f64>,
     /// Velocity relative to that frame in m/s.
     rate: Vector3<f64>,
 }
 
 impl Modal {
-    /// Elastic and damping forces of the shapes, eqs. (M5) and (M6); the first to write to these entries.
+    /// Writes the elastic and damping forces of the shapes, eqs. (M5) and (M6), without adding to previous values of these entries.
     pub(crate) fn own_forces(&self, motion: Motion, residual: &mut [f64]) {
         let (range, element) = (self.range(), &self.element);
         let (q, v) = (&motion.q[range.clone()], &motion.v[range.clone()]);
@@ -26,7 +26,7 @@ impl Modal {
         }
     }
 
-    /// Inertia less weight of the mass between the ends, eq. (M9): on the first node, and with `PROJECT` on the
+    /// Adds the inertia forces minus the weight of the mass between the ends, eq. (M9), on the first node and with `PROJECT` on the
     /// coordinates. The first node holds the rates of its nodal vectors.
     pub(crate) fn inertia_forces<const PROJECT: bool>(
         &self,
@@ -39,7 +39,7 @@ impl Modal {
         let origin = inside(axes, &node.load_rate[0]);
         let [x, y, z] = [1, 2, 3].map(|k| inside(axes, &node.load_rate[k]));
         let spread = Matrix3::from_columns(&[x, y, z]);
-        // twice: Coriolis
+        // factor 2 of the Coriolis acceleration
         let spin = inside(axes, &(node.spin + root.angular_velocity_rad_s)) * 2.0;
         let own_residual = &mut residual[self.range()];
         if let Some(moments) = &self.element.moments {

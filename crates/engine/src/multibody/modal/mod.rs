@@ -1,9 +1,9 @@
 //! Modal bodies in the recursions: a link with one degree of freedom per shape between the body's first node and the node at its outer end,
 //! with mass in between, NOTATION eqs. (M1)–(M13).
 //!
-//! Deflections, shortening and attitudes are those of \[E\]; velocities and accelerations are their rates, those of the attitude
-//! to all orders of the slopes, and forces are projected on the coordinates with the same partial velocities: the power of
-//! the forces is the rate of the energies.
+//! Deflections, shortening and attitudes are those of \[E\]; velocities and accelerations are their exact time derivatives, for the
+//! attitude to all orders of the slopes, and forces are projected on the coordinates with the same partial velocities: the power of the
+//! forces equals the rate of the energies.
 
 mod along;
 mod factor;
@@ -17,7 +17,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::workspace::{Node, Pair};
 use nalgebra::{Matrix3, Vector3};
 
-/// A modal body's element with its place in `q`.
+/// A modal body's element with its position in `q`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modal {
     /// The element.
@@ -26,14 +26,14 @@ pub struct Modal {
     pub coordinate: usize,
 }
 
-/// Scratch of the sweeps for a modal body.
+/// Workspace of the sweeps for a modal body.
 #[derive(Debug, Clone)]
 pub struct ModalWork {
-    /// From the first node to the one at the outer end, root frame, m.
+    /// Vector from the first node to the node at the outer end, root frame, m.
     pub(crate) arm: Vector3<f64>,
     /// Velocity of the outer end per rate of a coordinate, root frame.
     pub(crate) velocity: [Vector3<f64>; MAXIMUM_MODES],
-    /// Its angular velocity per rate of a coordinate, root frame, 1/m.
+    /// Angular velocity of the outer end per rate of a coordinate, root frame, 1/m.
     pub(crate) spin: [Vector3<f64>; MAXIMUM_MODES],
     /// Coordinates of the sweep.
     pub(crate) q: [f64; MAXIMUM_MODES],
@@ -65,7 +65,7 @@ impl Modal {
         self.coordinate..self.coordinate + self.element.modes
     }
 
-    /// Moves the node at the outer end with the shapes, eqs. (M2)–(M4) and (M7).
+    /// Moves the node at the outer end according to the shapes, eqs. (M2)–(M4) and (M7).
     pub(crate) fn carry<const RATES: bool>(
         &self,
         work: &mut ModalWork,
@@ -115,7 +115,7 @@ impl Modal {
         }
     }
 
-    /// Twist of the outer end from that of the first node and the change of the coordinates.
+    /// Twist of the outer end due to that of the first node and a change of the coordinates.
     #[inline]
     pub(crate) fn displaced(&self, work: &ModalWork, inner: &Pair, change: &[f64]) -> Pair {
         let (linear, angular) = work.moved(self.element.modes, &change[self.range()]);
@@ -131,7 +131,7 @@ impl Modal {
 }
 
 impl ModalWork {
-    /// Velocity and spin of the outer end relative to the first node for some rates.
+    /// Velocity and angular velocity of the outer end relative to the first node for given rates.
     #[inline]
     fn moved(&self, modes: usize, rates: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
         let (mut linear, mut angular) = (Vector3::zeros(), Vector3::zeros());
@@ -149,7 +149,7 @@ fn square(a: &[f64; MAXIMUM_MODES], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// A vector in the frame of `axes`.
+/// Components of a vector in the frame of `axes`.
 #[inline]
 fn inside(axes: &Matrix3<f64>, vector: &Vector3<f64>) -> Vector3<f64> {
     axes.tr_mul(vector)

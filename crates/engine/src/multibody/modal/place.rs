@@ -9,17 +9,17 @@ use crate::multibody::station::Accelerated;
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// A place of a modal body at some coordinates.
+/// A position on a modal body at given coordinates.
 pub(crate) struct Place<'s> {
     pub shapes: &'s ShapesAt,
     shortened: [f64; MAXIMUM_MODES],
     turn: SmallTurn,
-    /// From the first node in m, root frame.
+    /// Vector from the first node in m, root frame.
     pub arm: Vector3<f64>,
 }
 
 impl Modal {
-    /// The place of some shapes ([`crate::beam::modal::ModalElement::shapes`]); `q` are the body's own coordinates.
+    /// The position with some shapes ([`crate::beam::modal::ModalElement::shapes`]); `q` are the coordinates of the body.
     #[inline]
     pub(crate) fn place<'s>(&self, node: &Node, q: &[f64], shapes: &'s ShapesAt) -> Place<'s> {
         let shortened = shapes.shortened(q);
@@ -31,7 +31,7 @@ impl Modal {
         }
     }
 
-    /// Pose, velocity and angular velocity of a place.
+    /// Pose, velocity and angular velocity at a position.
     pub(crate) fn motion_at(&self, node: &Node, motion: Motion, place_m: f64) -> SectionMotion {
         let mut own = None;
         let place = self.place(node, &motion.q[self.range()], self.element.shapes(place_m, &mut own));
@@ -39,7 +39,7 @@ impl Modal {
         place.motion(node, moved)
     }
 
-    /// The same with its accelerations.
+    /// Pose, velocities and accelerations at a position.
     pub(crate) fn accelerated_at(&self, node: &Node, motion: Motion, place_m: f64) -> Accelerated {
         let mut own = None;
         let place = self.place(node, &motion.q[self.range()], self.element.shapes(place_m, &mut own));
@@ -60,7 +60,7 @@ impl Modal {
         }
     }
 
-    /// Displacement and rotation of a place for those of the first node and a change of the body's own coordinates.
+    /// Displacement and rotation at a position due to those of the first node and a change of the body's coordinates.
     pub fn displaced_at(
         &self,
         node: &Node,
@@ -90,7 +90,7 @@ impl Place<'_> {
         )
     }
 
-    /// Its motion, with its velocity and angular velocity relative to the first node.
+    /// Motion of the section, with its velocity and angular velocity relative to the first node.
     fn motion(&self, node: &Node, (velocity, spin): (Vector3<f64>, Vector3<f64>)) -> SectionMotion {
         SectionMotion {
             rotation: self.rotation(node),

@@ -1,4 +1,4 @@
-//! Linearised links, and blocks of one element or pair over its strains and the twist of its inner node.
+//! Linearised links, and blocks of one element or pair in its strains and the twist of its inner node.
 
 use crate::beam::modal::MAXIMUM_MODES;
 use crate::load::{LoadFrame, Wrench};
@@ -8,21 +8,21 @@ use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
 use crate::multibody::tangent::slope::SlopeTangent;
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
-/// Number of unknowns for which a block has room: the strains of a pair without shear, or the shapes of a modal body; a joint has at most
-/// six freedoms.
+/// Maximum number of unknowns of a block: the strains of a pair without shear, or the shapes of a modal body; a joint has at most six
+/// degrees of freedom.
 pub(super) const UNKNOWNS: usize = if 2 * STRAINS > MAXIMUM_MODES { 2 * STRAINS } else { MAXIMUM_MODES };
-/// The same for the strains of a pair with shear.
+/// Maximum number of unknowns of a block with shear: the strains of a pair.
 pub(super) const SHEARED_UNKNOWNS: usize = 2 * SHEARED;
 
-/// One number per unknown of a block.
+/// One value per unknown of a block.
 pub(super) type Unknowns<const U: usize = UNKNOWNS> = SVector<f64, U>;
 
-/// Rows of the strains, columns of a twist.
+/// Matrix with rows for the strains and columns for a twist.
 pub(super) type StrainsByTwist<const N: usize> = SMatrix<f64, N, 6>;
-/// Rows of a twist or wrench, columns of the strains.
+/// Matrix with rows for a twist or wrench and columns for the strains.
 pub(super) type TwistByStrains<const N: usize> = SMatrix<f64, 6, N>;
 
-/// One link about its pose, under the wrench that acts at its outer end.
+/// One link linearised about its pose, under the wrench at its outer end.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinkTangent<const N: usize> {
     /// `J`: twist of the outer end per strain.
@@ -33,11 +33,11 @@ pub(super) struct LinkTangent<const N: usize> {
     force: Vector3<f64>,
     /// Change of `JᵀW` with the strains, `H_loc`.
     curvature: StrainMatrix<N>,
-    /// Change of `JᵀW` with the turn of the inner node.
+    /// Change of `JᵀW` with the rotation of the inner node.
     turning: SMatrix<f64, N, 3>,
 }
 
-/// Coupling of the twists of an element's ends by its inertia in a rotating frame.
+/// Coupling of the twists of an element's ends through its inertia in a rotating frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cross {
     /// Wrench of the outer end per twist of the inner end.
@@ -46,7 +46,7 @@ pub(super) struct Cross {
     pub inner_outer: Matrix6<f64>,
 }
 
-/// Transfer of the tangent `P` of the outer end of one link, eq. (L5).
+/// Tangent `P` of the outer end of one link, transferred to its strains and inner end, eq. (L5).
 struct LinkBlock<const N: usize> {
     xx: StrainMatrix<N>,
     xa: StrainsByTwist<N>,
@@ -55,7 +55,7 @@ struct LinkBlock<const N: usize> {
 }
 
 impl<const N: usize> LinkTangent<N> {
-    /// Nothing.
+    /// Zero tangent.
     pub const ZERO: Self = Self {
         jacobian: TwistByStrains::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; N])),
         arm: Vector3::new(0.0, 0.0, 0.0),
@@ -101,8 +101,8 @@ impl<const N: usize> LinkTangent<N> {
         outer
     }
 
-    /// Changes of the forces on the strains and of the wrench that passes to the inner node, for changes of the
-    /// strains, of the inner node's twist and of the wrench at the outer end.
+    /// Changes of the forces on the strains and of the wrench transmitted to the inner node, for changes of the strains, of the inner
+    /// node's twist and of the wrench at the outer end.
     pub fn push(&self, strain: &Strain<N>, inner: &Vector6<f64>, outer: &Vector6<f64>) -> (Strain<N>, Vector6<f64>) {
         let turn: Vector3<f64> = inner.fixed_rows::<3>(3).into_owned();
         let forces = self.jacobian.transpose() * outer + self.curvature * strain + self.turning * turn;
@@ -113,7 +113,7 @@ impl<const N: usize> LinkTangent<N> {
         (forces, passed)
     }
 
-    /// `Φᵀ` on a wrench.
+    /// `Φᵀ` applied to a wrench.
     pub fn carried(&self, wrench: &Vector6<f64>) -> Vector6<f64> {
         let force: Vector3<f64> = wrench.fixed_rows::<3>(0).into_owned();
         let mut carried = *wrench;
@@ -155,7 +155,8 @@ impl<const N: usize> LinkTangent<N> {
     }
 }
 
-/// Tangent of an element, a pair, a modal body or a joint over its own unknowns `x` (at most `U`) and the twist `a` of the node that carries it.
+/// Tangent of an element, a pair, a modal body or a joint in its own unknowns `x` (at most `U`) and the twist `a` of the node to which it
+/// is attached.
 #[derive(Debug, Clone)]
 pub(super) struct Block<const U: usize = UNKNOWNS> {
     pub xx: SMatrix<f64, U, U>,
@@ -165,12 +166,12 @@ pub(super) struct Block<const U: usize = UNKNOWNS> {
 }
 
 impl<const U: usize> Block<U> {
-    /// Nothing.
+    /// Zero block.
     pub fn zeros() -> Self {
         Self { xx: SMatrix::zeros(), xa: SMatrix::zeros(), ax: SMatrix::zeros(), aa: Matrix6::zeros() }
     }
 
-    /// One link or two in a row; `outer` is the tangent of the last node, `middle` that of the node between them.
+    /// Block of one link or two consecutive links; `outer` is the tangent of the last node, `middle` that of the node between them.
     pub fn of_links<const N: usize>(
         links: &[LinkTangent<N>],
         (cross, slopes): (&[Cross], &[SlopeTangent<N>]),
@@ -200,7 +201,7 @@ impl<const U: usize> Block<U> {
         block
     }
 
-    /// Adds another block over the same unknowns.
+    /// Adds another block in the same unknowns.
     pub fn add(&mut self, other: &Self) {
         self.xx += other.xx;
         self.xa += other.xa;
@@ -208,7 +209,7 @@ impl<const U: usize> Block<U> {
         self.aa += other.aa;
     }
 
-    /// Replaces the unknowns `x` by `T x`.
+    /// Replaces the unknowns `x` by `T x`, with the matrix `T` in `mixing`.
     pub fn mix(&mut self, mixing: &SMatrix<f64, U, U>) {
         self.xx = mixing.transpose() * self.xx * mixing;
         self.xa = mixing.transpose() * self.xa;

@@ -1,8 +1,8 @@
-//! Closed loops in the tangent: the penalty's force turns with the nodes and changes with the gap.
+//! Closed loops in the tangent: the penalty force rotates with the nodes and changes with the gap.
 //!
-//! The gap couples distant branches. Each end's own spring, as if the other end were fixed, is added to the tree's factorisation; the
-//! coupling of the ends has low rank and is added by Woodbury's formula, NOTATION eq. (L7). So a loop may stabilise a freedom that is free
-//! in the tree alone.
+//! The gap couples distant branches. The spring at each end, as if the other end were fixed, is added to the tree's factorisation; the
+//! coupling of the ends has low rank and is added by the Woodbury formula, NOTATION eq. (L7). A loop may therefore stabilise a degree of
+//! freedom that has no stiffness in the tree alone.
 
 use crate::math::so3::hat;
 use crate::multibody::model::Model;
@@ -11,11 +11,11 @@ use crate::multibody::tangent::{SingularTangent, Tangent, add};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3, Matrix3x6, Vector3};
 
-/// One closure about the present poses.
+/// One closure linearised about the present poses.
 #[derive(Debug, Clone)]
 pub(super) struct ClosureTangent {
     nodes: [usize; 2],
-    /// Displacement of either point per twist of its node.
+    /// Displacement of each point per twist of its node.
     points: [Matrix3x6<f64>; 2],
     pub(super) stiffness_n_m: f64,
 }
@@ -25,13 +25,13 @@ pub(super) struct ClosureTangent {
 pub(super) struct Coupling {
     /// `K⁻¹Gᵀ`, one column per coordinate of a closure's points.
     columns: DMatrix<f64>,
-    /// Positive eigenvalues of the symmetric part of the small matrix, eq. (L16).
+    /// Number of positive eigenvalues of the symmetric part of the small matrix, eq. (L16).
     pub(super) positive: usize,
     lu: LU<f64, Dyn, Dyn>,
 }
 
 impl Tangent {
-    /// Closures at the poses in `work`; their forces turn with the arms.
+    /// Linearises the closures at the poses in `work`; their forces rotate with the arms.
     pub(super) fn linearize_closures(&mut self, model: &Model, work: &Workspace) {
         self.closures.clear();
         for closure in &model.closures {
@@ -62,7 +62,7 @@ impl Tangent {
         }
     }
 
-    /// Factorises the coupling; the tree's factors, with each end's own spring, must be current.
+    /// Factorises the coupling; the tree's factors, with the spring at each end, must be current.
     pub(super) fn factorize_closures(&mut self, model: &Model) -> Result<(), SingularTangent> {
         self.coupling = None;
         let rows = 6 * self.closures.len();
@@ -75,7 +75,7 @@ impl Tangent {
         let mut x = vec![0.0; model.coordinates];
         for row in 0..rows {
             let (closure, side) = (&closures[row / 6], row % 6 / 3);
-            // Gᵀ: a unit force at one point, as a right side at its node
+            // Gᵀ: a unit force at one point, as a right-hand side at its node
             x.fill(0.0);
             let wrench = closure.points[side].transpose().column(row % 3).into_owned();
             self.solve_tree(model, &mut x, Some((closure.nodes[side], &wrench)));
@@ -101,7 +101,7 @@ impl Tangent {
         Ok(())
     }
 
-    /// Adds the springs of the closures' ends to the tangents of their nodes, for the tree's factorisation.
+    /// Adds the springs at the closures' ends to the tangents of their nodes, for the tree's factorisation.
     pub(super) fn add_own_springs(&self, outer: &mut [nalgebra::Matrix6<f64>]) {
         for closure in &self.closures {
             for side in 0..2 {
@@ -124,7 +124,7 @@ impl Tangent {
         self.coupling = Some(coupling);
     }
 
-    /// `G x`: displacements of all points of the closures from the current displacements.
+    /// Displacements `G x` of all points of the closures, from the current node displacements.
     fn point_displacements(&self, closures: &[ClosureTangent]) -> DVector<f64> {
         let mut moved = DVector::zeros(6 * closures.len());
         for (i, closure) in closures.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Factorisation and solution in O(n): every element or pair eliminates its strains by a small LU, every joint its
-//! freedoms, and a 6×6 tangent passes inward; NOTATION eqs. (L5) and (L7).
+//! Factorisation and solution in O(n): in every element or pair the strains are eliminated by a small LU factorisation, in every joint its
+//! degrees of freedom, and a 6×6 tangent is passed inward; NOTATION eqs. (L5) and (L7).
 
 use crate::math::strain::Strain;
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
@@ -8,7 +8,7 @@ use crate::multibody::tangent::{Links, SingularTangent, Tangent, add, pair, stra
 use crate::multibody::workspace::Pair;
 use nalgebra::{Const, DMatrix, DimMin, LU, Matrix6, SMatrix, Vector6};
 
-/// Smallest pivot of a scaled block that is not treated as singular.
+/// Smallest pivot of a scaled block, below which the block counts as singular.
 const SMALLEST_PIVOT: f64 = 1e-13;
 
 /// Factor of one elimination.
@@ -18,13 +18,13 @@ where
     Const<U>: DimMin<Const<U>, Output = Const<U>>,
 {
     lu: LU<f64, Const<U>, Const<U>>,
-    /// Scales of the unknowns: inverse roots of the pivots' sizes; 1 beyond their number.
+    /// Scales of the unknowns: inverse square roots of the pivots' magnitudes; 1 for unused entries.
     pub(super) scale: Unknowns<U>,
-    /// Negative eigenvalues of the symmetric part of the pivot block.
+    /// Number of negative eigenvalues of the symmetric part of the pivot block.
     pub(super) negative: usize,
     xa: SMatrix<f64, U, 6>,
     ax: SMatrix<f64, 6, U>,
-    /// Right side of the last inward sweep.
+    /// Right-hand side of the last inward sweep.
     right: Unknowns<U>,
 }
 
@@ -48,7 +48,7 @@ where
         let negative = negative_eigenvalues(&scaled);
         let lu = scaled.lu();
         let upper = lu.u();
-        // a pivot that is NaN fails the comparison as well
+        // a NaN pivot fails the comparison as well
         if !(0..U).all(|k| upper[(k, k)].abs() > SMALLEST_PIVOT) {
             return None;
         }
@@ -70,7 +70,7 @@ where
     }
 }
 
-/// Of the symmetric part; almost always there are none, which a Cholesky factor shows.
+/// Number of negative eigenvalues of the symmetric part; it is almost always zero, which a Cholesky factorisation confirms.
 fn negative_eigenvalues<const U: usize>(block: &SMatrix<f64, U, U>) -> usize {
     let symmetric = (block + block.transpose()) * 0.5;
     if nalgebra::Cholesky::new(symmetric).is_some() {
@@ -116,17 +116,17 @@ impl Tangent {
         self.factorize_closures(model)
     }
 
-    /// Solves with the last factorisation: `x` holds the right side and then the solution. Held joints do not move.
+    /// Solves with the last factorisation: `x` holds the right-hand side and then the solution. Held joints do not move.
     pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
         self.solve_tree(model, x, None);
         self.correct_closures(x);
     }
 
-    /// Solves for the tree with the closures' own springs; the right side may hold a wrench on a node as well.
+    /// Solves for the tree with the springs at the closures' ends; the right-hand side may include a wrench on a node.
     pub(super) fn solve_tree(&mut self, model: &Model, x: &mut [f64], load: Option<(usize, &Vector6<f64>)>) {
         self.wrenches.fill(Pair::ZERO);
         if let Some((node, wrench)) = load {
-            // a wrench on the residual's side is negative on the right side
+            // a wrench on the side of the residual is negative on the right-hand side
             self.wrenches[node] = pair(&-wrench);
         }
         for (index, body) in model.bodies.iter().enumerate().rev() {

@@ -1,4 +1,4 @@
-//! Stability from the factors: the number of negative pivots, and whether the tangent has a potential.
+//! Stability from the factors: the number of negative pivots, and whether the loads have a potential.
 
 use crate::multibody::Model;
 use crate::multibody::tangent::Tangent;
@@ -6,22 +6,22 @@ use crate::multibody::tangent::factor::Factor;
 use nalgebra::{Const, DimMin};
 
 impl Tangent {
-    /// Number of negative eigenvalues of the tangent of the last factorisation, eq. (L16): unstable directions. Every elimination leaves
-    /// its Schur complement, so the numbers of the pivot blocks add up (Sylvester); closed loops enter as a border. Exact for a symmetric
-    /// tangent, that of loads with a potential.
+    /// Number of negative eigenvalues of the tangent in the last factorisation, eq. (L16): unstable directions. Every elimination leaves
+    /// its Schur complement, so the numbers of the pivot blocks add up (Sylvester's law of inertia); closed loops contribute as a border.
+    /// Exact for a symmetric tangent, which loads with a potential have.
     pub fn negative_directions(&self) -> usize {
         let blocks = self.plain.factors.iter().chain(&self.joint_factors).chain(&self.modal_factors).flatten();
         let sheared = self.sheared.factors.iter().flatten().map(|factor| factor.negative);
         let tree: usize = blocks.map(|factor| factor.negative).chain(sheared).sum();
         let Some(coupling) = &self.coupling else { return tree };
         let stiff = self.closures.iter().filter(|closure| closure.stiffness_n_m > 0.0).count();
-        // closures without stiffness contribute six ones
+        // each closure without stiffness contributes six eigenvalues of 1
         let slack = 6 * (self.closures.len() - stiff);
         (tree + coupling.positive).saturating_sub(3 * stiff + slack)
     }
 
-    /// Largest `|uᵀKv − vᵀKu|` over `|u||Kv|` of some vectors, in coordinates scaled to unit pivots: round-off for loads with a potential.
-    /// The factors of the same configuration must be current.
+    /// Largest `|uᵀKv − vᵀKu|` relative to `|u||Kv|` for some vectors, in coordinates scaled to unit pivots: at the level of round-off for
+    /// loads with a potential. The factors of the same configuration must be current.
     pub fn asymmetry(&mut self, model: &Model) -> f64 {
         let scale = self.scales(model);
         let n = model.coordinates;
@@ -48,7 +48,7 @@ impl Tangent {
         largest
     }
 
-    /// Scale of each coordinate: the inverse square root of its pivot's size; zero for held ones.
+    /// Scale of each coordinate: the inverse square root of its pivot's magnitude; zero for held ones.
     fn scales(&self, model: &Model) -> Vec<f64> {
         let mut scale = vec![0.0; model.coordinates];
         for (index, body) in model.bodies.iter().enumerate() {
@@ -72,7 +72,7 @@ impl Tangent {
     }
 }
 
-/// Vectors that [`Tangent::asymmetry`] compares two by two.
+/// Number of vectors that [`Tangent::asymmetry`] compares in pairs.
 const SAMPLES: usize = 4;
 
 fn spread<const U: usize>(factor: &Factor<U>, scale: &mut [f64])

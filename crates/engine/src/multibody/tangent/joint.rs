@@ -1,4 +1,5 @@
-//! Joints in the tangent: their freedoms and the arms between the nodes, NOTATION eqs. (L7) and (J8); held joints transmit everything.
+//! Joints in the tangent: their degrees of freedom and the arms between the nodes, NOTATION eqs. (L7) and (J8); held joints transmit the
+//! complete wrench.
 
 use crate::math::so3::hat;
 use crate::multibody::model::Model;
@@ -9,19 +10,19 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 /// Springs of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointTangent {
-    /// The joint can move; otherwise it is held.
+    /// Whether the joint can move; otherwise it is held.
     pub free: bool,
-    /// Change of the spring's forces on the freedoms with the freedoms, N·m/rad, of translations N/m; only the first entry for a joint with
-    /// one freedom.
+    /// Change of the spring's forces with the degrees of freedom, N·m/rad, for translations N/m; only the first entry for a joint with one
+    /// degree of freedom.
     pub stiffness: Matrix3<f64>,
 }
 
 impl JointTangent {
-    /// Held: by its lock, locked, or prescribed.
+    /// Held joint: by its lock, locked, or prescribed.
     pub const HELD: Self =
         Self { free: false, stiffness: Matrix3::from_array_storage(nalgebra::ArrayStorage([[0.0; 3]; 3])) };
 
-    /// A joint with one freedom and a spring of this stiffness, N·m/rad or N/m.
+    /// A joint with one degree of freedom and a spring of this stiffness, N·m/rad or N/m.
     pub fn one_freedom(stiffness: f64) -> Self {
         let mut matrix = Matrix3::zeros();
         matrix[(0, 0)] = stiffness;
@@ -29,24 +30,24 @@ impl JointTangent {
     }
 }
 
-/// Freedoms of one joint about its pose.
+/// Degrees of freedom of one joint, linearised about its pose.
 #[derive(Debug, Clone)]
 pub(super) struct JointBlock {
-    /// Index of the first freedom in the vectors.
+    /// Index of the first degree of freedom in the vectors.
     pub coordinate: usize,
-    /// Number of freedoms; 0 for a held or clamped joint.
+    /// Number of degrees of freedom; 0 for a held or clamped joint.
     pub freedoms: usize,
-    /// The freedoms are translations, all of them.
+    /// Whether all degrees of freedom are translations.
     slides: bool,
-    /// `S`: twist of the body per freedom; columns beyond the freedoms are zero.
+    /// `S`: twist of the body per degree of freedom; columns beyond the degrees of freedom are zero.
     map: Matrix6<f64>,
-    /// Change of the residual's projection with the freedoms: springs, and axes that turn.
+    /// Change of the residual's projection with the degrees of freedom: due to springs, and to axes that rotate.
     own: Matrix6<f64>,
-    /// Change of the residual's projection with the turn of the parent.
+    /// Change of the residual's projection with the rotation of the parent.
     turning: SMatrix<f64, 6, 3>,
-    /// Change of the wrench on the parent with the freedoms, in addition to that of the wrench itself: longer arms.
+    /// Change of the wrench on the parent with the degrees of freedom, in addition to that of the wrench itself: due to longer arms.
     lengthening: Matrix6<f64>,
-    /// From the parent's node to the body's first one, m.
+    /// Vector from the parent's node to the body's first node, m.
     arm: Vector3<f64>,
     /// Force at the body's first node, N.
     force: Vector3<f64>,
@@ -69,7 +70,7 @@ impl Default for JointBlock {
 }
 
 impl JointBlock {
-    /// The joint of a body at the poses and wrenches in `work`.
+    /// Linearises the joint of a body at the poses and wrenches in `work`.
     pub fn new(model: &Model, work: &Workspace, index: usize, tangent: &JointTangent) -> Self {
         let (body, scratch) = (&model.bodies[index], &work.joints[index]);
         let joint = &body.joint;
@@ -86,7 +87,7 @@ impl JointBlock {
         let translations = joint.kind.translations();
         block.slides = translations == block.freedoms;
         for k in 0..block.freedoms {
-            // the axis turns with the parent, and a displacement along it lengthens the arm
+            // the axis rotates with the parent, and a displacement along it lengthens the arm
             let along: Vector3<f64> = block.map.fixed_view::<3, 1>(0, k).into_owned();
             let about: Vector3<f64> = block.map.fixed_view::<3, 1>(3, k).into_owned();
             let turning = about.cross(&node.moment) + along.cross(&node.force);
@@ -108,12 +109,12 @@ impl JointBlock {
         freedoms
     }
 
-    /// Twist of the body for changes of the freedoms and the twist of the parent, eq. (J8).
+    /// Twist of the body due to changes of the degrees of freedom and the twist of the parent, eq. (J8).
     pub fn displaced(&self, x: &[f64], parent: &Vector6<f64>) -> Vector6<f64> {
         self.shift() * parent + self.map * self.freedoms_of(x)
     }
 
-    /// `Φ`: twist of the body's first node per twist of the parent's, the joint at rest.
+    /// `Φ`: twist of the body's first node per twist of the parent's node, with a fixed joint.
     fn shift(&self) -> Matrix6<f64> {
         let mut shift = Matrix6::identity();
         if self.arm != Vector3::zeros() {
@@ -132,12 +133,12 @@ impl JointBlock {
         self.carried(wrench) + self.lengthening * freedoms + self.swinging() * parent
     }
 
-    /// `Φᵀ`: change of the wrench on the parent for a change at the body's first node.
+    /// `Φᵀ`: change of the wrench on the parent due to a change at the body's first node.
     pub fn carried(&self, wrench: &Vector6<f64>) -> Vector6<f64> {
         self.shift().transpose() * wrench
     }
 
-    /// Change of the moment about the parent as the arm turns with it under the force.
+    /// Change of the moment about the parent when the arm rotates with it under the force.
     fn swinging(&self) -> Matrix6<f64> {
         let mut change = Matrix6::zeros();
         if self.arm != Vector3::zeros() {
@@ -146,7 +147,7 @@ impl JointBlock {
         change
     }
 
-    /// Transmits the tangent `outer` of the body behind a joint without freedoms.
+    /// Transmits the tangent `outer` of the body on the outer side of a joint without degrees of freedom.
     pub fn passed(&self, outer: &Matrix6<f64>) -> Matrix6<f64> {
         if self.arm == Vector3::zeros() {
             return *outer;
@@ -155,7 +156,7 @@ impl JointBlock {
         shift.transpose() * outer * shift + self.swinging()
     }
 
-    /// The joint's block with the tangent `outer` of the body behind it, and the sizes of the terms on the diagonal.
+    /// The joint's block with the tangent `outer` of the body on its outer side, and the magnitudes of the diagonal terms.
     pub fn block(&self, outer: &Matrix6<f64>) -> (Block, [f64; UNKNOWNS]) {
         let mut block = Block::<UNKNOWNS>::zeros();
         let mut scale = [1.0; UNKNOWNS];
@@ -175,7 +176,7 @@ impl JointBlock {
         (block, scale)
     }
 
-    /// `Sᵀ` on a wrench.
+    /// `Sᵀ` applied to a wrench.
     pub fn projected(&self, wrench: &Vector6<f64>) -> Unknowns {
         let projected = self.map.transpose() * wrench;
         let mut padded = Unknowns::<UNKNOWNS>::zeros();

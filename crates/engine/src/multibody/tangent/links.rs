@@ -1,4 +1,4 @@
-//! The elements of one kind in a tangent: links, loads inside them, products.
+//! The elements of one kind in a tangent: links, loads inside them, and products with them.
 
 use crate::beam::element::ElementKind;
 use crate::load::{LoadFrame, Wrench};
@@ -13,18 +13,18 @@ use crate::multibody::tangent::{accumulate, add, follower, strains_of, stride};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{Const, DimMin, Matrix6, SMatrix};
 
-/// Links of all elements; of use for those with `N` strains.
+/// Links of all elements; used for those with `N` strains.
 #[derive(Debug, Clone)]
 pub(super) struct Links<const N: usize, const U: usize>
 where
     Const<U>: DimMin<Const<U>, Output = Const<U>>,
 {
     pub(super) links: Vec<LinkTangent<N>>,
-    /// Inertia over the strains; empty without shear.
+    /// Inertia in the strains; empty without shear.
     pub(super) slopes: Vec<SlopeTangent<N>>,
     /// Station loads inside the element, or pair, that starts with this element.
     pub(super) stations: Vec<Option<Box<Block<U>>>>,
-    /// Of the element, or pair, that starts with this element.
+    /// Factor of the element, or pair, that starts with this element.
     pub(super) factors: Vec<Option<Factor<U>>>,
 }
 
@@ -42,7 +42,7 @@ where
     }
 }
 
-/// The link of an element about its pose; `place` are the element and its inner node.
+/// The link of an element linearised about its pose; `place` contains the element and its inner node.
 pub(super) fn link_tangent<const N: usize>(
     model: &Model,
     work: &Workspace,
@@ -72,7 +72,7 @@ where
         }
     }
 
-    /// Rows of the strains of a body, and the wrenches that pass inward; twists of the nodes are known.
+    /// Computes the rows of the strains of a body, and the wrenches transmitted inward; twists of the nodes must be known.
     pub(super) fn apply(
         &self,
         model: &Model,
@@ -129,8 +129,8 @@ where
     force
 }
 
-/// A load inside an element or pair: a massless branch of one or two links whose strains are mixed from those of the
-/// element, eqs. (K10) and (L6).
+/// Block of a load inside an element or pair: a massless branch of one or two links whose strains are mixed from those of the element, eqs.
+/// (K10) and (L6).
 fn station_block<const N: usize, const U: usize>(
     model: &Model,
     work: &Workspace,
@@ -151,7 +151,7 @@ fn station_block<const N: usize, const U: usize>(
     }
     let (load_force, load_moment) = turned(load, place.frame, &rotations[count]);
     let outer = if place.frame == LoadFrame::Section { follower(&load_force, &load_moment) } else { Matrix6::zeros() };
-    // loads are negative
+    // loads have a negative sign in the residual
     let (force, mut moment) = (-load_force, -load_moment);
     let mut tangents = [LinkTangent::<N>::ZERO; 2];
     for i in (0..count).rev() {

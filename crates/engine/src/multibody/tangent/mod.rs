@@ -1,12 +1,12 @@
-//! Exact tangent of the residual at rest: elasticity, gravity, dead or follower loads at stations, a rotating root.
+//! Exact tangent of the static residual: elasticity, gravity, dead or follower loads at stations, a rotating root.
 //!
-//! The tangent is not symmetric: forces and moments turn with the body or are fixed in the root frame, and rotations do not commute. It is
-//! stored link by link and never assembled: [`Tangent::apply`] multiplies by it, [`Tangent::factorize`] and [`Tangent::solve`] invert it,
-//! each in O(n); NOTATION eqs. (L1)–(L7). Closed loops add a small dense correction.
+//! The tangent is not symmetric: forces and moments rotate with the body or are fixed in the root frame, and rotations do not commute. It
+//! is stored link by link and never assembled: [`Tangent::apply`] multiplies by it, [`Tangent::factorize`] and [`Tangent::solve`] solve
+//! with it, each in O(n); NOTATION eqs. (L1)–(L7). Closed loops add a small dense correction.
 //!
-//! Vectors have [`Model::coordinates`] entries like the residual. A joint with redundant parameters uses the first of its entries for its
-//! freedoms (rotations about its axes, rad); the other entries are zero. [`Tangent::to_coordinates`] converts them to changes of the
-//! parameters.
+//! Vectors have [`Model::coordinates`] entries, like the residual. A joint with redundant parameters uses the first of its entries for its
+//! degrees of freedom (rotations about its axes, rad); the other entries are zero. [`Tangent::to_coordinates`] converts them to changes of
+//! the parameters.
 
 mod block;
 mod closure;
@@ -37,7 +37,7 @@ use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Ve
 use slope::SlopeTangent;
 use std::ops::Range;
 
-/// No solution: a pivot of the tangent vanishes.
+/// No solution: the tangent has a zero pivot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the static tangent is singular at coordinate {coordinate}")]
 pub struct SingularTangent {
@@ -45,12 +45,12 @@ pub struct SingularTangent {
     pub coordinate: usize,
 }
 
-/// Quantities besides the configuration on which the tangent depends.
+/// Quantities other than the configuration on which the tangent depends.
 #[derive(Debug, Clone, Copy)]
 pub struct Surroundings<'a> {
     /// Gravity and motion of the root.
     pub root: &'a RootMotion,
-    /// Wrench per station, in its station's frame; empty without loads.
+    /// Wrench per station, in the station's frame; empty without loads.
     pub stations: &'a [Wrench],
     /// Per body: springs of its joint. Entries of clamped bodies are ignored.
     pub joints: &'a [JointTangent],
@@ -59,7 +59,7 @@ pub struct Surroundings<'a> {
 /// The tangent, link by link, with its factors.
 #[derive(Debug, Clone)]
 pub struct Tangent {
-    /// Change of each node's own wrench with its twist.
+    /// Change of the wrench on each node itself with its twist.
     nodes: Vec<Matrix6<f64>>,
     /// Elements without shear.
     plain: Links<STRAINS, UNKNOWNS>,
@@ -79,7 +79,7 @@ pub struct Tangent {
 }
 
 impl Tangent {
-    /// Space for the tangent of a model.
+    /// Allocates the tangent of a model.
     pub fn new(model: &Model) -> Self {
         let (nodes, elements, bodies) = (model.nodes.len(), model.elements.len(), model.bodies.len());
         Self {
@@ -98,13 +98,13 @@ impl Tangent {
         }
     }
 
-    /// Linearises about `q`. `work` must hold the residual of `q` at rest (rates and accelerations zero) in the same
-    /// surroundings.
+    /// Linearises about `q`. `work` must hold the static residual of `q` (zero rates and accelerations) under the same loads and root
+    /// motion.
     pub fn linearize(&mut self, model: &Model, work: &Workspace, q: &[f64], surroundings: Surroundings) {
         self.linearize_shifted(model, work, q, surroundings, 0.0);
     }
 
-    /// [`Self::linearize`] of `K + σ BᵀMB`, with `σ` in 1/s²; eq. (L15).
+    /// [`Self::linearize`] for `K + σ BᵀMB`, with `σ` in 1/s²; eq. (L15).
     pub fn linearize_shifted(
         &mut self,
         model: &Model,
@@ -160,7 +160,7 @@ impl Tangent {
         self.linearize_closures(model, work);
     }
 
-    /// Nodal forces turn with their node, and change with its place in a rotating frame, eq. (L4).
+    /// Linearises the nodal forces, which rotate with their node and depend on its position in a rotating frame, eq. (L4).
     fn linearize_nodes(&mut self, model: &Model, work: &Workspace, frame: &Matrix3<f64>) {
         for (n, (tangent, mass)) in self.nodes.iter_mut().zip(&model.nodes).enumerate() {
             let node = &work.nodes[n];
@@ -205,8 +205,7 @@ impl Tangent {
         }
     }
 
-    /// `y = K x`: change of the residual with a change of the coordinates. Entries of held joints are not read, and
-    /// zero in `y`.
+    /// `y = K x`: change of the residual due to a change of the coordinates. Entries of held joints are not read, and are zero in `y`.
     pub fn apply(&mut self, model: &Model, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         self.displace(model, x);
@@ -244,7 +243,7 @@ impl Tangent {
         }
     }
 
-    /// Twists of all nodes that a change of the coordinates causes.
+    /// Computes the twists of all nodes due to a change of the coordinates.
     fn displace(&mut self, model: &Model, x: &[f64]) {
         for (index, body) in model.bodies.iter().enumerate() {
             let mut moved = self.joints[index].displaced(x, &self.base_twist(body));
@@ -271,13 +270,13 @@ impl Tangent {
         }
     }
 
-    /// Displacement (m) and rotation vector (rad) of every node, root frame, for a change of the coordinates.
+    /// Displacement (m) and rotation vector (rad) of every node, root frame, due to a change of the coordinates.
     pub fn node_displacements(&mut self, model: &Model, x: &[f64]) -> Vec<(Vector3<f64>, Vector3<f64>)> {
         self.displace(model, x);
         self.displaced.iter().map(|moved| (moved.linear, moved.angular)).collect()
     }
 
-    /// The whole matrix, column by column: for modes and linearisation of small models, O(n²).
+    /// The whole matrix, column by column, for modes and linearisation of small models, O(n²).
     pub fn dense(&mut self, model: &Model) -> DMatrix<f64> {
         let n = model.coordinates;
         let (mut unit, mut column) = (vec![0.0; n], vec![0.0; n]);
@@ -291,7 +290,7 @@ impl Tangent {
         matrix
     }
 
-    /// Turns changes of freedoms into changes of coordinates, in place; `work` holds the poses of the linearisation.
+    /// Converts changes of the degrees of freedom to changes of the coordinates, in place; `work` holds the poses of the linearisation.
     pub fn to_coordinates(model: &Model, work: &Workspace, x: &mut [f64]) {
         for (body, joint) in model.bodies.iter().zip(&work.joints) {
             body.joint.expand_freedoms(joint, x);
@@ -299,7 +298,7 @@ impl Tangent {
     }
 }
 
-/// Number of elements in one elimination: both halves of a pair.
+/// Number of elements eliminated together: both halves of a pair.
 fn stride(body: &Body) -> usize {
     if body.kind == ElementKind::Linear { 2 } else { 1 }
 }
@@ -309,7 +308,7 @@ fn strains_of(model: &Model, element: usize, stride: usize) -> Range<usize> {
     model.elements[element].coordinate..model.elements[element + stride - 1].range().end
 }
 
-/// Adds the first of some values.
+/// Adds as many of the values as `y` has entries.
 fn accumulate<const N: usize>(y: &mut [f64], values: &SVector<f64, N>) {
     for (y, value) in y.iter_mut().zip(values.iter()) {
         *y += value;
@@ -326,8 +325,8 @@ fn add(sum: &mut Pair, wrench: &Vector6<f64>) {
     sum.angular += more.angular;
 }
 
-/// Nodal forces of the acceleration `frame·e`, in twist form: rows of the node with axes `row`, columns of `column`,
-/// eq. (L4).
+/// Nodal forces due to the acceleration `frame·e`, in twist form: rows for the node with axes `row`, columns for the one with axes
+/// `column`, eq. (L4).
 fn inertia(mass: &Matrix4<f64>, frame: &Matrix3<f64>, row: &Matrix3<f64>, column: &Matrix3<f64>) -> Matrix6<f64> {
     if *frame == Matrix3::zeros() {
         return Matrix6::zeros();
@@ -335,7 +334,7 @@ fn inertia(mass: &Matrix4<f64>, frame: &Matrix3<f64>, row: &Matrix3<f64>, column
     shares(mass, frame, &spread(row), &spread(column))
 }
 
-/// Nodal vectors per twist of a node with the given axes.
+/// Map from the twist of a node with the given axes to its nodal vectors.
 fn spread(axes: &Matrix3<f64>) -> SMatrix<f64, 12, 6> {
     let mut map = SMatrix::<f64, 12, 6>::zeros();
     map.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
@@ -345,7 +344,7 @@ fn spread(axes: &Matrix3<f64>) -> SMatrix<f64, 12, 6> {
     map
 }
 
-/// Forces of the acceleration `frame·e` on the freedoms of `row`, for changes of nodal vectors by those of `column`.
+/// Generalised forces on the variables of `row` due to the acceleration `frame·e`, for changes of nodal vectors according to `column`.
 fn shares<const R: usize, const C: usize>(
     mass: &Matrix4<f64>,
     frame: &Matrix3<f64>,
@@ -360,11 +359,11 @@ fn shares<const R: usize, const C: usize>(
             rows += share;
         }
     }
-    // virtual power: the transpose of the map turns nodal forces into a wrench
+    // virtual power: the transpose of the map converts nodal forces to a wrench
     row.transpose() * forces
 }
 
-/// Constant nodal forces on gradients that turn: `M = Σ r_k × f_k`, `δM = Σ [f_k][r_k] δφ`.
+/// Adds the effect of constant nodal forces on gradients that rotate: `M = Σ r_k × f_k`, `δM = Σ [f_k][r_k] δφ`.
 fn add_turning(tangent: &mut Matrix6<f64>, axes: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) {
     let mut spin = tangent.fixed_view_mut::<3, 3>(3, 3);
     for k in 0..3 {
@@ -372,7 +371,7 @@ fn add_turning(tangent: &mut Matrix6<f64>, axes: &Matrix3<f64>, forces: &[Vector
     }
 }
 
-/// Tangent of a load that turns with its node, as a share of the residual (loads are negative).
+/// Tangent of a load that rotates with its node, with the sign of the residual (loads are negative).
 fn follower(force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> Matrix6<f64> {
     let mut tangent = Matrix6::zeros();
     tangent.fixed_view_mut::<3, 3>(0, 3).copy_from(&hat(force_n));

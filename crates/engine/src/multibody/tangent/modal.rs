@@ -1,7 +1,7 @@
-//! Modal bodies in the tangent: a block over their coordinates and the twist of their first node, NOTATION eq. (M12).
+//! Modal bodies in the tangent: a block in their coordinates and the twist of their first node, NOTATION eq. (M12).
 //!
-//! Forces are projected on the coordinates with the partial velocities by which places and attitudes change with them, and
-//! the partial velocities change with the coordinates: with the shortening, and with the attitude that turns.
+//! Forces are projected on the coordinates with the partial velocities of positions and attitudes, and the partial velocities change with
+//! the coordinates, because of the shortening and of the rotating attitude.
 
 use crate::beam::modal::{ModalElement, ShapesAt};
 use crate::load::{LoadFrame, Wrench};
@@ -22,11 +22,11 @@ pub(super) struct ModalTangent {
     pub modes: usize,
     /// Partial velocities of the outer end: its twist per coordinate.
     pub partial: Columns,
-    /// From the first node to the outer end, m.
+    /// Vector from the first node to the outer end, m.
     arm: Vector3<f64>,
-    /// The part that does not depend on the tangent of the outer end.
+    /// Part of the block that does not depend on the tangent of the outer end.
     own: Block,
-    /// Scales of the pivots: the stiffnesses.
+    /// Magnitudes of the pivots for scaling: the stiffnesses.
     pub sizes: [f64; UNKNOWNS],
 }
 
@@ -36,7 +36,7 @@ struct Place<'a> {
     arm: Vector3<f64>,
 }
 
-/// A wrench at a point, root frame: share of the residual.
+/// A wrench at a point, root frame, with the sign of the residual.
 struct Acting<'a> {
     force: Vector3<f64>,
     moment: Vector3<f64>,
@@ -49,7 +49,7 @@ struct Acting<'a> {
 }
 
 impl ModalTangent {
-    /// At the pose in `work`, with the wrench on the outer end. `frame` converts positions to accelerations.
+    /// Linearises at the pose in `work`, with the wrench on the outer end. `frame` maps positions to accelerations.
     pub fn new(modal: &Modal, work: &ModalWork, [inner, outer]: [&Node; 2], frame: &Matrix3<f64>) -> Self {
         let (element, modes) = (&modal.element, modal.element.modes);
         let q = &work.q[..modes];
@@ -91,7 +91,7 @@ impl ModalTangent {
         Self { coordinate: modal.coordinate, modes, partial, arm: work.arm, own, sizes }
     }
 
-    /// Adds a load at a place of the body.
+    /// Adds a load at a position on the body.
     pub fn add_load(
         &mut self,
         modal: &Modal,
@@ -111,7 +111,7 @@ impl ModalTangent {
         }
         let (force, moment) = turned(load, frame, &place.rotation(node));
         let here = Place { partial: &partial, arm: place.arm };
-        // loads enter with a negative sign
+        // loads have a negative sign in the residual
         let acting = Acting {
             force: -force,
             moment: -moment,
@@ -131,7 +131,7 @@ impl ModalTangent {
         shift(&self.arm)
     }
 
-    /// The body's coordinates in a vector.
+    /// Reads the body's coordinates from a vector.
     pub fn read(&self, x: &[f64]) -> Unknowns {
         let mut part = Unknowns::<UNKNOWNS>::zeros();
         part.as_mut_slice()[..self.modes].copy_from_slice(&x[self.coordinate..self.coordinate + self.modes]);
@@ -143,8 +143,8 @@ impl ModalTangent {
         self.shift() * inner + self.partial * self.read(x)
     }
 
-    /// Adds the changes of the forces on the coordinates to `y`; returns the change of the wrench of the first node,
-    /// for changes of the coordinates, of the first node's twist and of the wrench at the outer end.
+    /// Adds the changes of the forces on the coordinates to `y`; returns the change of the wrench on the first node, for changes of the
+    /// coordinates, of the first node's twist and of the wrench at the outer end.
     pub fn push(&self, x: &[f64], inner: &Vector6<f64>, outer: &Vector6<f64>, y: &mut [f64]) -> Vector6<f64> {
         let own = self.read(x);
         let forces = self.own.xx * own + self.own.xa * inner + self.partial.transpose() * outer;
@@ -154,7 +154,7 @@ impl ModalTangent {
         self.own.ax * own + self.own.aa * inner + self.carried(outer)
     }
 
-    /// `Φᵀ` on a wrench.
+    /// `Φᵀ` applied to a wrench.
     pub fn carried(&self, wrench: &Vector6<f64>) -> Vector6<f64> {
         self.shift().transpose() * wrench
     }
@@ -168,7 +168,7 @@ impl ModalTangent {
 }
 
 impl Place<'_> {
-    /// A wrench that does not change with the pose.
+    /// Adds the contribution of a wrench that is constant in the root frame.
     fn add_geometry(&self, acting: &Acting, block: &mut Block) {
         let Acting { force, moment, element, shapes, q, axes } = acting;
         let along = axes.column(0).dot(force);
@@ -181,7 +181,7 @@ impl Place<'_> {
         }
         for i in 0..q.len() {
             let (velocity, spin) = halves(self.partial, i);
-            // the partial velocities turn with the first node
+            // the partial velocities rotate with the first node
             let turning = velocity.cross(force) + spin.cross(moment);
             let arm = velocity.cross(force);
             for k in 0..3 {
@@ -193,7 +193,7 @@ impl Place<'_> {
         spin += hat(force) * hat(&self.arm);
     }
 
-    /// A wrench that changes by `outer` with the twist of its place.
+    /// Adds the contribution of a wrench that changes by `outer` with the twist of its position.
     fn add_outer(&self, outer: &Matrix6<f64>, block: &mut Block) {
         let shift = shift(&self.arm);
         let (rows, columns) = (outer * self.partial, outer * shift);

@@ -1,4 +1,4 @@
-//! Inertia of elements with shear in the tangent: the slope of their axis at both ends turns with the nodes and changes with the strains.
+//! Inertia of elements with shear in the tangent: the slope of their axis at both ends rotates with the nodes and changes with the strains.
 
 use crate::math::so3::hat;
 use crate::math::strain::LINEAR;
@@ -23,15 +23,15 @@ pub(in crate::multibody::tangent) struct SlopeTangent<const N: usize> {
 }
 
 impl<const N: usize> SlopeTangent<N> {
-    /// Nothing.
+    /// Zero tangent.
     pub const ZERO: Self = Self {
         rows: [SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; 6])); 2],
         columns: [SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; N])); 2],
         own: SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; N])),
     };
 
-    /// Of an element between two nodes: also adds its lumps to the tangents of these, and returns their coupling. `frame` turns nodal
-    /// vectors into their accelerations.
+    /// Tangent of an element between two nodes: also adds its lumped inertias to the tangents of the nodes, and returns the coupling of the
+    /// nodes. `frame` maps nodal vectors to their accelerations.
     pub fn new(
         element: &Element,
         frame: &Matrix3<f64>,

@@ -1,4 +1,4 @@
-//! Growth and decay about a periodic motion: leading multipliers of a turn, NOTATION eqs. (L34) to (L36).
+//! Stability of a periodic motion: leading multipliers over a revolution, NOTATION eqs. (L34) to (L36).
 
 use crate::run::Plant;
 use crate::run::periodic::shooting::{PeriodicMotion, Shooting};
@@ -10,96 +10,98 @@ use crate::system::{ENERGY_SHARES, ModeShape, PlantError, WhirlShare};
 use nalgebra::{Complex, DVector};
 use std::f64::consts::TAU;
 
-/// Central difference by which a product is found, in the measure of the states.
+/// Step of the central difference for a product, in scaled states.
 const STEP: f64 = 1e-4;
-/// Share of the product in the curvature of the turn over a step above which the step is shortened, by how much, and how often.
+/// Nonlinearity of the revolution over a difference step, relative to the product, above which the step is shortened; the factor of
+/// shortening and its maximum number.
 const CURVED: f64 = 1e-4;
 const SHORTER: f64 = 0.1;
 const SHORTENINGS: usize = 2;
-/// Length of a product, of a direction of length 1, below which it is round-off.
+/// Length of a product for a direction of unit length, below which the product is round-off.
 const SMALL: f64 = 1e-2;
-/// Steps per period below which a motion is not resolved: the error of fourth order is 4e-6 of its frequency at this number.
+/// Steps per period below which a mode is not resolved: with this number the fourth-order error of its frequency is 4e-6.
 const STEPS_IN_A_PERIOD: f64 = 24.0;
-/// Magnitude of `ln μ` below which a mode has neither stiffness nor damping: two multipliers of 1 are moved by the square root of the error
-/// of products, 1e-8.
+/// Magnitude of `ln μ` below which a mode has neither stiffness nor damping: two multipliers of 1 are perturbed by the square root of the
+/// error of products, 1e-8.
 const NEUTRAL: f64 = 1e-4;
-/// Relative distance of an averaged mode due to steps and products if the average is exact.
+/// Relative distance of an averaged mode due to errors of steps and products if the average is exact.
 const SAME: f64 = 1e-3;
-/// Error of a multiplier over its magnitude beyond which it is left out.
+/// Relative error of a multiplier above which it is omitted.
 const ERROR: f64 = 1e-4;
-/// Errors of a multiplier that it must be beyond 1 by to grow: they are estimates.
+/// Number of estimated errors by which a multiplier must exceed 1 to count as growing.
 const ERRORS: f64 = 10.0;
-/// Multiplier below which a mode has vanished within a turn: round-off and differences are larger.
+/// Multiplier below which a mode has decayed within a revolution: round-off and difference errors are larger.
 const GONE: f64 = 1e-5;
-/// Relative distance of multipliers up to which their modes may be arbitrarily mixed: ten times the error of differences.
+/// Relative distance of multipliers up to which their modes may be arbitrarily mixed: ten times the difference error.
 const ALIKE: f64 = 1e-6;
-/// Samples of the turn that the averaged model is made of.
+/// Number of samples of the revolution in the averaged model.
 const AVERAGED: usize = 24;
 
-/// A Floquet mode about a periodic motion, eq. (L35).
+/// A Floquet mode of a periodic motion, eq. (L35).
 #[derive(Debug, Clone, PartialEq)]
 pub struct FloquetMode {
-    /// Factor of the mode over one turn; one of a complex pair.
+    /// Factor by which the mode changes over one revolution; one of a complex pair.
     pub multiplier: Complex<f64>,
-    /// Exponent `λ` in 1/s, with the frequency that the largest part of the motion shows to the ground.
+    /// Exponent `λ` in 1/s, with the frequency in the ground frame of the harmonic with the largest participation.
     pub exponent_1_s: Complex<f64>,
     /// `|λ|/2π` in Hz.
     pub frequency_hz: f64,
-    /// `−Re λ/|λ|`; 0 for a freedom without stiffness and damping ([`FloquetMode::is_neutral`]).
+    /// Damping ratio `−Re λ/|λ|`; 0 for a degree of freedom without stiffness and damping ([`FloquetMode::is_neutral`]).
     pub damping_ratio: f64,
-    /// Frequencies that it shows, largest share first.
+    /// Frequencies in its response, largest participation first.
     pub harmonics: Vec<Harmonic>,
-    /// Whether the second harmonic has more than half the share of the first.
+    /// Whether the participation of the second harmonic is more than half that of the first.
     pub ambiguous: bool,
-    /// Moving parts, largest share first.
+    /// Moving parts, largest participation first.
     pub parts: Vec<WhirlShare>,
-    /// Error of the multiplier over its magnitude, as Arnoldi's iteration and the curvature of the turn over the differences have it.
+    /// Relative error of the multiplier, estimated from Arnoldi's iteration and from the nonlinearity of the revolution over the difference
+    /// steps.
     pub error: f64,
-    /// Principal exponent in 1/s: `ln μ` over the period, with an imaginary part of at most half the speed of the shaft.
+    /// Principal exponent in 1/s: `ln μ` divided by the period, with an imaginary part of at most half the shaft speed.
     pub principal_1_s: Complex<f64>,
-    /// Periodic part of the motion at the [`SAMPLES`] of the turn: changes of the free coordinates
+    /// Periodic part of the motion at the [`SAMPLES`] of the revolution: changes of the degrees of freedom
     /// ([`System::freedoms`](crate::system::System::freedoms)), `u(t) = p(t) exp(λ t)` with the principal exponent.
     pub motion: Vec<DVector<Complex<f64>>>,
-    /// Nearest eigenvalue of the averaged model in 1/s, if its distance is not more than the change of its stiffness over the turn.
+    /// Nearest eigenvalue of the averaged model in 1/s, if its distance is at most the variation due to the stiffness over the revolution.
     pub averaged_1_s: Option<Complex<f64>>,
 }
 
 impl FloquetMode {
-    /// Whether it is a freedom without stiffness and damping: its multiplier is 1 within the error of the products.
+    /// Whether it is a degree of freedom without stiffness and damping: its multiplier is 1 within the error of the products.
     pub fn is_neutral(&self) -> bool {
         self.multiplier.ln().norm() < NEUTRAL && self.harmonics.first().is_none_or(|harmonic| harmonic.number == 0)
     }
 
-    /// Whether it grows by more than its error and by more than the error of the multipliers of free motions, which are 1.
+    /// Whether it grows by more than its error and by more than the error of the multipliers of rigid-body modes, which are 1.
     pub fn is_growing(&self) -> bool {
         self.multiplier.norm() > 1.0 + NEUTRAL.max(ERRORS * self.error)
     }
 }
 
-/// Floquet modes about a periodic motion; empty without free coordinates.
+/// Floquet modes about a periodic motion; empty without degrees of freedom.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Floquet {
     /// Modes, slowest decay first.
     pub modes: Vec<FloquetMode>,
-    /// Modes left out since steps or samples of the turn do not follow them.
+    /// Number of modes omitted because steps or samples of the revolution do not resolve them.
     pub coarse: usize,
-    /// Modes left out since the directions do not find them to four digits.
+    /// Number of modes omitted because the directions do not resolve them to four digits.
     pub unfound: usize,
-    /// Largest magnitude of their multipliers.
+    /// Largest magnitude of the multipliers of those modes.
     pub largest_unfound: f64,
-    /// Reason why frequencies are those of the machine's own coordinates instead of the ground frame; `None` for frequencies in the ground
+    /// Reason why frequencies refer to the coordinates of the machine instead of the ground frame; `None` for frequencies in the ground
     /// frame.
     pub unseen: Option<String>,
-    /// Modes of the averaged model, of machines without air whose rotor has equal blades.
+    /// Modes of the averaged model, for machines without aerodynamics whose rotor has equal blades.
     pub averaged: Option<AveragedModes>,
-    /// States of the motion.
+    /// Number of states of the motion.
     pub states: usize,
-    /// Turns marched.
+    /// Number of revolutions marched.
     pub turns: usize,
 }
 
 impl ModeShape {
-    /// A mode about a periodic motion: its exponent and moving parts; it has no shape, as this varies over the turn.
+    /// A mode about a periodic motion: its exponent and moving parts; it has no shape, because the shape varies over the revolution.
     pub fn of_floquet(mode: FloquetMode) -> Self {
         Self {
             frequency_hz: mode.frequency_hz,
@@ -118,22 +120,23 @@ impl ModeShape {
 
 impl Plant {
     /// Finds a periodic motion of the machine prepared by [`Turn::of`], NOTATION eqs. (L32) and (L33). The search starts from the state of
-    /// an initialised plant. The plant is then at the start of the turn.
+    /// an initialised plant. The plant is then at the start of the revolution.
     ///
-    /// `accuracy` bounds the distance between start and end of the turn: rotation in rad or displacement over the machine's length, rates
-    /// over the speed of the shaft.
+    /// `accuracy` bounds the difference between start and end of the revolution: rotation in rad or displacement divided by the machine's
+    /// length, rates also divided by the shaft speed.
     ///
     /// # Errors
-    /// [`PlantError::Periodic`] if no motion is found, or a joint reaches a latch or end stop within the turn; those of [`Plant::step`].
+    /// [`PlantError::Periodic`] if no motion is found, or a joint reaches a latch or end stop within the revolution; errors of
+    /// [`Plant::step`].
     pub fn periodic(&mut self, turn: &Turn, accuracy: f64) -> Result<PeriodicMotion, PlantError> {
         Shooting::new(self, *turn).close(accuracy)
     }
 
-    /// Marches the turn of a periodic motion; `seen` is called with the plant and the number of the sample, from 0 to [`SAMPLES`], the end
-    /// of the turn.
+    /// Marches the revolution of a periodic motion; `seen` is called with the plant and the number of the sample, from 0 to [`SAMPLES`],
+    /// the end of the revolution.
     ///
     /// # Errors
-    /// Those of [`Plant::restore`], [`Plant::step`] and `seen`.
+    /// Errors of [`Plant::restore`], [`Plant::step`] and `seen`.
     pub fn trace(
         &mut self,
         turn: &Turn,
@@ -146,13 +149,13 @@ impl Plant {
         shooting.march(&states, seen).map(|_| ())
     }
 
-    /// Modes about a periodic motion from at most `products` directions, each of which costs two turns. Modes that vanish within a turn are
-    /// omitted; modes that steps and samples do not resolve, and modes that the directions do not resolve to four digits, are omitted and
-    /// counted. Without a rotor of equal blades ([`crate::study::Study::rotor`]) the modes are in the machine's own coordinates, and there
-    /// is no averaged model.
+    /// Modes about a periodic motion from at most `products` directions, each of which costs two revolutions. Modes that decay within a
+    /// revolution are omitted; modes that steps and samples do not resolve, and modes that the directions do not resolve to four digits,
+    /// are omitted and counted. Without a rotor of equal blades ([`crate::study::Study::rotor`]) the modes refer to the coordinates of the
+    /// machine, and there is no averaged model.
     ///
     /// # Errors
-    /// As [`Plant::trace`].
+    /// As for [`Plant::trace`].
     pub fn floquet(&mut self, turn: &Turn, motion: &PeriodicMotion, products: usize) -> Result<Floquet, PlantError> {
         self.restore(&motion.start)?;
         let speed_rad_s = turn.speed_rad_s;
@@ -194,7 +197,7 @@ impl Plant {
                 }
                 seen.push(view.components(&sum[0], speed_rad_s.signum() * TAU * sample as f64 / SAMPLES as f64));
             }
-            // frequency from its rates, without the samples
+            // frequency from the rates, without the samples
             if square[1] <= square[0] * highest_rad_s.powi(2) {
                 followed.push((pair, seen));
             }
@@ -247,7 +250,7 @@ impl Plant {
         self.study().rotor(machine.experiment.start_time_s, Some(shaft))
     }
 
-    /// Modes of the equations averaged over the turn, eq. (L36).
+    /// Modes of the equations averaged over the revolution, eq. (L36).
     fn average(
         &mut self,
         turn: &Turn,
@@ -269,7 +272,7 @@ impl Plant {
 /// Samples of a motion in the ground frame.
 type Seen = Vec<DVector<Complex<f64>>>;
 
-/// Separates modes of equal multipliers, which may be arbitrarily mixed, by their harmonics, eq. (L35).
+/// Separates modes with equal multipliers, which may be arbitrarily mixed, by their harmonics, eq. (L35).
 fn unmixed<'p>(
     mut motions: Vec<(&'p RitzPair, Seen)>,
     period_s: f64,
@@ -297,19 +300,19 @@ fn unmixed<'p>(
     list
 }
 
-/// Coordinates and rates at a sample of a turn.
+/// Coordinates and rates at each sample of a revolution.
 type Path = Vec<[DVector<f64>; 2]>;
 
-/// Turns beside a motion.
+/// Revolutions near a periodic motion.
 struct Beside<'p> {
     shooting: Shooting<'p>,
-    /// States at the start and at the end of the turn.
+    /// States at the start and at the end of the revolution.
     begin: DVector<f64>,
     end: DVector<f64>,
-    /// Motions of the directions.
+    /// Motions that start in the directions.
     paths: Vec<Path>,
     step: f64,
-    /// Error of the products by the curvature of the turn.
+    /// Error of the products due to the nonlinearity of the revolution.
     spoiled: f64,
 }
 
@@ -322,7 +325,7 @@ impl<'p> Beside<'p> {
         Ok(Self { shooting, begin, end, paths: Vec::new(), step: STEP, spoiled: 0.0 })
     }
 
-    /// Product of the turn's matrix with a direction of length 1, by a central difference that is short enough for it.
+    /// Product of the monodromy matrix with a direction of unit length, by a central difference with a sufficiently short step.
     fn product(&mut self, direction: &DVector<f64>) -> Result<DVector<f64>, PlantError> {
         for shortening in 0.. {
             let [above, below] = [self.step, -self.step].map(|step| self.march(&(direction * step)));
@@ -335,7 +338,7 @@ impl<'p> Beside<'p> {
                 self.step *= SHORTER;
                 continue;
             }
-            // the error of a one-sided difference is of first order, that of a central one of second order
+            // the error of a one-sided difference is of first order, that of a central difference of second order
             self.spoiled = self.spoiled.max(curved * curved / size);
             let difference = |(above, below): (&[DVector<f64>; 2], &[DVector<f64>; 2])| {
                 [0, 1].map(|rate| (&above[rate] - &below[rate]) / width)
@@ -346,7 +349,7 @@ impl<'p> Beside<'p> {
         unreachable!("the last shortening returns")
     }
 
-    /// Marches a turn about the periodic one, and returns its end and motion.
+    /// Marches a revolution near the periodic one, and returns its end and motion.
     fn march(&mut self, change: &DVector<f64>) -> Result<(DVector<f64>, Path), PlantError> {
         let free = self.shooting.free.clone();
         let mut path: Path = Vec::with_capacity(SAMPLES);
@@ -373,7 +376,7 @@ mod tests {
 
     const SPEED_RAD_S: f64 = 2.0;
 
-    /// A hub that turns about `z`, and blades of 1 kg·m² about hinges on the shaft: axis, stiffness, damping, rest angle.
+    /// A hub that rotates about `z`, and blades of 1 kg·m² on hinges at the shaft: axis, stiffness, damping, neutral angle.
     fn modes_of(blades: &[([f64; 3], [f64; 3])], steps: usize) -> Floquet {
         let hub = Body::rigid("hub").inertia(1.0, [0.0; 3], Matrix3::identity());
         let mut builder = Machine::builder("Rotor").body(hub, Joint::revolute("shaft", [0.0, 0.0, 1.0]));
@@ -401,19 +404,19 @@ mod tests {
         plant.floquet(&turn, &motion, 8).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Of two blades with lead-lag springs, at 2.3 and 9.3 times the speed, 144 steps per turn resolve the first: 24 of them in its period
-    /// are enough up to 6 times the speed. The other is counted and omitted.
+    /// Of two blades with lead-lag springs, at 2.3 and 9.3 times the rotor speed, 144 steps per revolution resolve the first: 24 steps per
+    /// period are available up to 6 times the speed. The other mode is counted and omitted.
     #[test]
     fn motions_that_steps_do_not_follow_are_counted_only() {
         let lag = |ratio: f64| ([0.0, 0.0, 1.0], [(ratio * SPEED_RAD_S).powi(2), 0.02, 0.0]);
         let Floquet { modes, coarse, unfound, .. } = modes_of(&[lag(2.3), lag(9.3)], SAMPLES);
         assert_eq!((modes.len(), coarse, unfound), (1, 1, 0), "{modes:?}");
-        // 63 steps in a period: an error of fourth order of 1e-7
+        // 63 steps per period: a fourth-order error of 1e-7
         assert!((modes[0].frequency_hz * TAU / (2.3 * SPEED_RAD_S) - 1.0).abs() < 1e-6, "{:?}", modes[0]);
     }
 
-    /// The motion of a mode over the turn is in the own coordinates of the machine: a lead-lag blade has its own exponent relative to the hub
-    /// at any speed of the shaft, so that its periodic part times the principal exponent is one exponential function.
+    /// The motion of a mode over the revolution is in the coordinates of the machine: a lead-lag blade has its own exponent relative to the
+    /// hub at any speed of the shaft, so that its periodic part times the principal exponential is a single exponential function.
     #[test]
     fn motions_are_those_of_the_own_coordinates() {
         let (ratio, damping_n_m_s_rad) = (2.3, 0.02);
@@ -427,16 +430,16 @@ mod tests {
         for (sample, motion) in mode.motion.iter().enumerate() {
             let time_s = period_s * sample as f64 / SAMPLES as f64;
             let found = motion[0] * (mode.principal_1_s * time_s).exp() / mode.motion[0][0];
-            // of a complex pair either has been found
+            // either one of a complex pair may have been found
             let off = [own, own.conj()].map(|exponent| (found - (exponent * time_s).exp()).norm());
             assert!(off[0].min(off[1]) < 1e-5, "sample {sample}: {found} {off:?}");
         }
     }
 
-    /// A damped blade that flaps about a coned equilibrium: centrifugal moments are proportional to `sin 2β`, so that a turn is nonlinear
-    /// over the differences of its products. With all directions Arnoldi's iteration has no error; the error of the products has the same
-    /// size for all multipliers, so that the relative errors are inversely proportional to the multipliers. The lead-lag motion of a blade
-    /// hinged on the shaft is linear, and has only round-off.
+    /// A damped blade that flaps about a coned equilibrium: centrifugal moments are proportional to `sin 2β`, so that the revolution is
+    /// nonlinear over the difference steps of its products. With all directions Arnoldi's iteration has no error; the error of the products
+    /// has the same size for all multipliers, so that the relative errors are inversely proportional to the multipliers. The lead-lag
+    /// motion of a blade hinged on the shaft is linear, and has only round-off.
     #[test]
     fn curved_turns_spoil_small_multipliers_most() {
         let flaps = ([0.0, 1.0, 0.0], [2.5, 4.8, 0.6]);

@@ -1,4 +1,4 @@
-//! Periodic states by shooting: Newton's method with products of the matrix of a turn, NOTATION eqs. (L32) and (L33).
+//! Periodic states by shooting: Newton's method with products of the monodromy matrix, NOTATION eqs. (L32) and (L33).
 
 use crate::aero::memory::Measure;
 use crate::force::memory::JointMemory;
@@ -15,56 +15,57 @@ use crate::system::{PlantError, Snapshot, System};
 use nalgebra::DVector;
 use std::sync::Arc;
 
-/// Difference by which a product is found, in the measure of the states.
+/// Difference step for a product, in scaled states.
 const PRODUCT_STEP: f64 = 1e-5;
-/// Remaining share of the distance after the linear equations of a Newton step.
+/// Fraction of the distance that may remain after solving the linear equations of a Newton step.
 const LINEAR_SHARE: f64 = 1e-3;
-/// Remaining linear error as a share of the accuracy, where that is larger: the rest is for nonlinear terms.
+/// Remaining linear error as a fraction of the accuracy, if that is larger; the rest is left for nonlinear terms.
 const ENOUGH: f64 = 0.2;
-/// Maximum number of products with the matrix of one turn.
+/// Maximum number of products with the monodromy matrix.
 const MAXIMUM_PRODUCTS: usize = 300;
-/// Maximum number of Newton steps, and of turns marched instead of a Newton step that does not converge.
+/// Maximum number of Newton steps, and of revolutions marched in place of a Newton step that does not converge.
 const MAXIMUM_STEPS: usize = 40;
 const MAXIMUM_TURNS: usize = 12;
-/// Longest Newton step, in rad or over the machine's length.
+/// Largest Newton step, in rad or divided by the machine's length.
 const LONGEST: f64 = 0.5;
-/// Halvings of a step that does not reduce the distance.
+/// Maximum number of halvings of a step that does not reduce the distance.
 const HALVINGS: usize = 5;
-/// Reduction of the distance by a Newton step below which the products are those of another turn.
+/// Reduction of the distance by a Newton step above which the products are too inaccurate, because they belong to another revolution.
 const SLOW: f64 = 0.3;
 
-/// A state that is periodic over a turn of the shaft.
+/// A state that is periodic over a revolution of the shaft.
 #[derive(Debug, Clone)]
 pub struct PeriodicMotion {
-    /// State at the start of the turn.
+    /// State at the start of the revolution.
     pub start: Snapshot,
-    /// Number of states of the search: free coordinates, their rates, and the memories of the air.
+    /// Number of states of the search: degrees of freedom, their rates, and the aerodynamic memories.
     pub states: usize,
-    /// Distance between the ends of the turn: rotation in rad or displacement over the machine's length, rates over the shaft's speed.
+    /// Difference between the ends of the revolution: rotation in rad or displacement divided by the machine's length, rates also divided
+    /// by the shaft speed.
     pub distance: f64,
-    /// Newton steps.
+    /// Number of Newton steps.
     pub newton_steps: usize,
-    /// Turns marched.
+    /// Number of revolutions marched.
     pub turns: usize,
 }
 
-/// A periodic motion of a similar machine, with the products of its search: start of the next search.
+/// A periodic motion of a similar machine, with the products of its search: the start of the next search.
 #[derive(Debug, Clone)]
 pub struct NearbyMotion {
     states: DVector<f64>,
     weights: DVector<f64>,
     known: Directions,
-    /// Parts of the air that are not among the states.
+    /// Aerodynamic quantities that are not among the states.
     air: Option<AirHistory>,
-    /// Difference from the motion found before to this one.
+    /// Difference from the previous motion to this one.
     way: Option<DVector<f64>>,
-    /// Share of that difference by which the start of the next search is extrapolated.
+    /// Fraction of that difference by which the start of the next search is extrapolated.
     share: f64,
 }
 
 impl NearbyMotion {
-    /// Extrapolates the start of the next search by a share of the difference between the motion before and this one: for motions that vary
-    /// linearly, as over equidistant pitch angles.
+    /// Extrapolates the start of the next search by a fraction of the difference between the previous motion and this one, for motions that
+    /// vary linearly, for example over equidistant pitch angles.
     pub fn go_on(&mut self, share: f64) {
         self.share = share;
     }
@@ -78,38 +79,38 @@ impl NearbyMotion {
     }
 }
 
-/// Called with the plant at every sample of a turn.
+/// Function that is called with the plant at every sample of a revolution.
 pub type Seen<'s> = dyn FnMut(usize, &mut Plant) -> Result<(), PlantError> + 's;
 
-/// The turn as a function of the state at its start.
+/// The revolution as a function of the state at its start.
 pub(super) struct Shooting<'p> {
     pub plant: &'p mut Plant,
     pub turn: Turn,
-    /// Coordinates that are free, in the order of [`crate::system::System::freedoms`].
+    /// Coordinates of the degrees of freedom, in the order of [`crate::system::System::freedoms`].
     pub free: Vec<usize>,
-    /// A state at the start of the turn, including the parts that are not among the states.
+    /// A state at the start of the revolution, including the parts that are not among the states of the search.
     base: State,
-    /// Measure of the states: rotation in rad, displacement over the machine's length; rates over the speed of the shaft.
+    /// Scales of the states: rotation in rad, displacement divided by the machine's length; rates also divided by the shaft speed.
     weights: DVector<f64>,
     begin_s: f64,
     pub turns: usize,
-    /// Called for every turn that may be the final one.
+    /// Called in every revolution that may be the final one.
     pub seen: Option<&'p mut Seen<'p>>,
-    /// Steps of the marches for products, if they are longer than those of the turn.
+    /// Steps of the marches for products, if they are longer than those of the revolution.
     long: Option<Steps>,
 }
 
 /// Steps of marches.
 struct Steps {
     machine: Arc<Machine>,
-    /// Of no meaning without air.
+    /// Unused without aerodynamics.
     air_step_s: f64,
 }
 
 impl Steps {
-    /// One step of the structure and of a rotor's air in each sample of a turn. Newton's steps with this coarser turn converge to the same
-    /// motion, slightly more slowly; `None` if the machine's steps are no shorter. The memories of strips are means over their steps, so
-    /// that longer steps would give products of other states.
+    /// One step of structure and rotor aerodynamics in each sample of a revolution. Newton steps with this coarser revolution converge to
+    /// the same motion, slightly more slowly; `None` if the machine's steps are no shorter. The memories of strips are means over their
+    /// steps, so that longer steps would give products of other states.
     fn long(machine: &Machine, turn: &Turn) -> Option<Self> {
         let step_s = turn.period_s() / SAMPLES as f64;
         let shorter = |own_s: f64| own_s < step_s * (1.0 - 1e-9);
@@ -125,7 +126,7 @@ impl Steps {
 }
 
 impl<'p> Shooting<'p> {
-    /// From the present state of an initialised plant, at the start of the turn.
+    /// Starts from the present state of an initialised plant, at the start of the revolution.
     pub fn new(plant: &'p mut Plant, turn: Turn) -> Self {
         let free: Vec<usize> = plant.system.freedoms().iter().map(|freedom| freedom.index).collect();
         let mut base = plant.system.state.clone();
@@ -159,7 +160,7 @@ impl<'p> Shooting<'p> {
         self.weights.len()
     }
 
-    /// Scales coordinates of a stiff body by the speed after a release from their deflection, if that is larger than the deflection:
+    /// Scales the coordinates of a stiff body by the speed after a release from their deflection, if that is larger than the deflection:
     /// `frequencies` in rad/s for each coordinate alone.
     pub fn stiffen(&mut self, frequencies_rad_s: &[f64]) {
         for (weight, frequency_rad_s) in self.weights.iter_mut().zip(frequencies_rad_s) {
@@ -167,7 +168,7 @@ impl<'p> Shooting<'p> {
         }
     }
 
-    /// The states of a state, measured.
+    /// The scaled states of the search, from a state of the system.
     fn measured(&self, state: &mut State) -> DVector<f64> {
         let now = &state.now;
         let mut list: Vec<f64> = self.free.iter().map(|&c| now.q[c]).collect();
@@ -176,18 +177,18 @@ impl<'p> Shooting<'p> {
         DVector::from_vec(list).component_mul(&self.weights)
     }
 
-    /// The states at the start of the turn.
+    /// The states at the start of the revolution.
     pub fn at_begin(&self) -> DVector<f64> {
         self.measured(&mut self.base.clone())
     }
 
-    /// Sets the plant to the start of the turn with given states.
+    /// Sets the plant to the start of the revolution with given states.
     fn begin(&mut self, states: &DVector<f64>) -> Result<(), PlantError> {
         let states = states.component_div(&self.weights);
         let (n, system) = (self.free.len(), &mut self.plant.system);
         system.state.copy_from(&self.base);
         if let (Some(history), Some(air)) = (&mut system.state.air, &system.air) {
-            // the end of the present step is the start of the turn, for any step length
+            // the end of the present step is the start of the revolution, for any step length
             history.start_s = self.begin_s - history.steps as f64 * air.settings.step_s;
         }
         for (i, &c) in self.free.iter().enumerate() {
@@ -214,8 +215,8 @@ impl<'p> Shooting<'p> {
         Ok(())
     }
 
-    /// Marches a turn from given states and returns those at its end; `seen` is called with the plant at the start of every sample, from 0
-    /// on, and at the end of the turn.
+    /// Marches a revolution from given states and returns those at its end; `seen` is called with the plant at the start of every sample,
+    /// from 0, and at the end of the revolution.
     pub fn march(&mut self, states: &DVector<f64>, seen: &mut Seen<'_>) -> Result<DVector<f64>, PlantError> {
         self.begin(states)?;
         self.turns += 1;
@@ -233,7 +234,7 @@ impl<'p> Shooting<'p> {
         Ok(end)
     }
 
-    /// The same with the steps of products, and without accounts of energy.
+    /// Marches a revolution with the steps for products, and without energy accounts.
     fn march_long(&mut self, states: &DVector<f64>) -> Result<DVector<f64>, PlantError> {
         let booked = std::mem::replace(&mut self.plant.system.equations.booked, false);
         self.exchange_steps();
@@ -243,7 +244,7 @@ impl<'p> Shooting<'p> {
         end
     }
 
-    /// Exchanges the steps of the turn for those of products, and back.
+    /// Exchanges the steps of the revolution and those for products.
     fn exchange_steps(&mut self) {
         let (Some(long), System { machine, air, .. }) = (&mut self.long, &mut self.plant.system) else { return };
         std::mem::swap(machine, &mut long.machine);
@@ -252,7 +253,7 @@ impl<'p> Shooting<'p> {
         }
     }
 
-    /// Drops products that did not reduce the distance: first those of another motion, then those of long steps.
+    /// Discards products that did not reduce the distance: first those of another motion, then those of long steps.
     fn forget(&mut self, known: &mut Directions, of_another: &mut bool) {
         known.clear();
         if !std::mem::take(of_another) {
@@ -260,7 +261,7 @@ impl<'p> Shooting<'p> {
         }
     }
 
-    /// Returns an error for events of forces on joints within the turn.
+    /// Returns an error for events of joint forces within the revolution.
     fn check_memory(&self) -> Result<(), PlantError> {
         let quiet = |memory: &JointMemory| JointMemory { crossed: 0, ..*memory };
         let System { machine, state, .. } = &self.plant.system;
@@ -281,7 +282,7 @@ impl<'p> Shooting<'p> {
         PlantError::Periodic { time_s: self.begin_s, cause }
     }
 
-    /// Takes over the parts that are not among the states (of the air) at the end of a turn for the start of the next.
+    /// Takes over the (aerodynamic) quantities that are not among the states from the end of a revolution to the start of the next.
     fn carry(&mut self, left: Option<AirHistory>) {
         let period_s = self.turn.period_s();
         if let Some(mut air) = left {
@@ -290,7 +291,7 @@ impl<'p> Shooting<'p> {
         }
     }
 
-    /// Distance of two states: the largest of those of coordinates, rates, and lags of the air.
+    /// Distance of two states: the largest of the distances of coordinates, rates, and aerodynamic lag states.
     fn distance(&mut self, difference: &DVector<f64>) -> f64 {
         let plain = difference.component_div(&self.weights);
         let n = self.free.len();
@@ -306,8 +307,8 @@ impl<'p> Shooting<'p> {
         largest
     }
 
-    /// Marches a turn from given states; returns it with the final air and its distance. Energies are booked only if the plant watches
-    /// their accounts.
+    /// Marches a revolution from given states; returns it with the final aerodynamic state and its distance. Energies are booked only if
+    /// the plant watches their accounts.
     fn attempt(&mut self, states: DVector<f64>) -> Result<Attempt, PlantError> {
         let mut seen = self.seen.take();
         let watches_accounts = self.plant.system.watched.contains(OutputSet::ACCOUNTS);
@@ -324,13 +325,13 @@ impl<'p> Shooting<'p> {
         Ok(Attempt { states, end, left, distance: if distance.is_nan() { f64::INFINITY } else { distance } })
     }
 
-    /// Finds a turn that is periodic to `accuracy`, eq. (L33).
+    /// Finds a revolution that is periodic to `accuracy`, eq. (L33).
     pub fn close(&mut self, accuracy: f64) -> Result<PeriodicMotion, PlantError> {
         self.close_beside(accuracy, &mut None)
     }
 
-    /// The same, starting from the motion `nearby` with its products, if it has the same number of states and is not farther from its end
-    /// than the length of a Newton step; `nearby` is replaced by the motion found.
+    /// Finds a periodic revolution starting from the motion `nearby` with its products, if that has the same number of states and its
+    /// revolution starts within the length of a Newton step from its end; `nearby` is replaced by the motion found.
     pub fn close_beside(
         &mut self,
         accuracy: f64,
@@ -373,7 +374,7 @@ impl<'p> Shooting<'p> {
                         self.forget(&mut known, &mut of_another);
                     }
                     newton_steps += 1;
-                    // the parts of the air that are not among the states have changed with them
+                    // the aerodynamic quantities that are not among the states have changed too
                     let left = next.left.take();
                     let carries = left.is_some();
                     self.carry(left);
@@ -387,7 +388,7 @@ impl<'p> Shooting<'p> {
                 }
                 None if !fresh || self.long.is_some() => self.forget(&mut known, &mut of_another),
                 None if marched < MAXIMUM_TURNS => {
-                    // a turn marched on: decaying motions converge by themselves
+                    // a further revolution is marched: decaying motions converge by themselves
                     known.clear();
                     self.carry(present.left.take());
                     present = self.attempt(present.end)?;
@@ -406,8 +407,8 @@ impl<'p> Shooting<'p> {
         Ok(PeriodicMotion { start: self.plant.snapshot(), states, distance, newton_steps, turns })
     }
 
-    /// A Newton step, shortened until the distance decreases; `None` if it does not. Its equations are solved to the extent that `accuracy`
-    /// requires.
+    /// A Newton step, shortened until the distance decreases; `None` if it does not decrease. Its linear equations are solved only as
+    /// accurately as `accuracy` requires.
     fn nearer(
         &mut self,
         present: &Attempt,
@@ -426,7 +427,7 @@ impl<'p> Shooting<'p> {
         let left = LINEAR_SHARE.max(ENOUGH * accuracy / distance);
         let change = match known.solve(&(end - states), left, MAXIMUM_PRODUCTS, &mut product) {
             Ok((change, _)) => change,
-            // longer steps are not used in the final turn
+            // the final revolution does not use the longer steps
             Err(_) if self.long.is_some() => return Ok(None),
             Err(error) => return Err(error),
         };
@@ -436,7 +437,7 @@ impl<'p> Shooting<'p> {
         }
         let mut share = (LONGEST / size).min(1.0);
         for _ in 0..=HALVINGS {
-            // a march that fails is too far from the solution
+            // a march that fails starts too far from the solution
             if let Ok(next) = self.attempt(states + &change * share)
                 && next.distance < *distance
             {
@@ -457,7 +458,7 @@ impl<'p> Shooting<'p> {
     }
 }
 
-/// Memories of the air.
+/// Aerodynamic memories.
 fn memories<'h>(air: Option<&AirCoupling>, history: &'h mut Option<AirHistory>) -> Vec<(Measure, &'h mut f64)> {
     match (air, history) {
         (Some(air), Some(history)) => air.memories(history),
@@ -465,12 +466,12 @@ fn memories<'h>(air: Option<&AirCoupling>, history: &'h mut Option<AirHistory>) 
     }
 }
 
-/// A turn that was marched.
+/// A revolution that was marched.
 struct Attempt {
-    /// Scaled states at its start, and at its end.
+    /// Scaled states at its start and at its end.
     states: DVector<f64>,
     end: DVector<f64>,
-    /// Air at its end.
+    /// Aerodynamic state at its end.
     left: Option<AirHistory>,
     distance: f64,
 }

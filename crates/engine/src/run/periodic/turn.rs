@@ -1,4 +1,4 @@
-//! A machine made ready for turns of its shaft at a constant speed: the shaft is prescribed, steps divide the turn.
+//! A machine prepared for revolutions of its shaft at a constant speed: the shaft is prescribed, and steps divide the revolution.
 
 use crate::aero::AirOptions;
 use crate::aero::rotor::wind::Source;
@@ -6,44 +6,45 @@ use crate::machine::{Coupling, JointKind, JointMotion, Machine, Method, Motion, 
 use crate::study::shaft_of;
 use std::f64::consts::TAU;
 
-/// Azimuths of a turn at which motions are read, evenly spaced.
+/// Number of azimuths per revolution at which motions are sampled, evenly spaced.
 pub const SAMPLES: usize = 144;
-/// Maximum number of steps of a turn.
+/// Maximum number of steps per revolution.
 const MAXIMUM_STEPS: usize = 1_000_000;
-/// Tolerance of Newton's iteration times 100: differences of two turns need more digits than a run.
+/// Tolerance of the steps, a hundred times the accuracy of Newton's iteration: differences of two revolutions need more digits than a run.
 const TOLERANCE: f64 = 1e-10;
-/// Change of the loads at which the iterations of air and structure end: differences of two turns contain the remaining error.
+/// Change of the loads at which the aeroelastic iteration ends: differences of two revolutions contain the remaining error.
 const COUPLING_TOLERANCE: f64 = 1e-9;
-/// Maximum number of these iterations if the file has none.
+/// Maximum number of these iterations if the model has none.
 const COUPLING_ITERATIONS: usize = 50;
-/// Smallest factor by which a step is cut if its equations are not solved: a turn that needs shorter steps is not resolved.
+/// Smallest factor by which a step is cut if its equations cannot be solved: a revolution that needs shorter steps is not resolved.
 const SMALLEST_STEP: f64 = 0.1;
 
-/// One turn of a shaft at constant speed.
+/// One revolution of a shaft at constant speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turn {
-    /// Body behind the joint that is the shaft.
+    /// Body attached by the joint that is the shaft.
     pub(super) shaft: usize,
     /// Speed of the shaft in rad/s.
     pub speed_rad_s: f64,
-    /// Steps of the integrator in the turn, a multiple of [`SAMPLES`].
+    /// Number of integrator steps per revolution, a multiple of [`SAMPLES`].
     pub steps: usize,
 }
 
 impl Turn {
-    /// Duration of a turn in s.
+    /// Duration of a revolution in s.
     pub fn period_s(&self) -> f64 {
         TAU / self.speed_rad_s.abs()
     }
 
-    /// Prepares the machine with its shaft prescribed at `speed_rad_s`, from its start angle on, and steps of ESDIRK4 that divide the turn
-    /// into at least `steps`, a multiple of [`SAMPLES`]; aerodynamic steps divide it too and are no longer than stated. Without a speed the
-    /// shaft's motion must be prescribed at a constant rate, or its start rate is used. `shaft` is the name of its joint; by default the
-    /// only joint that turns without limit and carries a hub.
+    /// Prepares the machine with its shaft prescribed at `speed_rad_s`, from its initial angle, and with steps of ESDIRK4 that divide the
+    /// revolution into at least `steps`, a multiple of [`SAMPLES`]; aerodynamic steps divide it too and are no longer than those of the
+    /// model. Without a speed, the shaft's motion must be prescribed at a constant rate, or its initial rate is used. `shaft` is the name
+    /// of its joint; by default the only joint that rotates without limit and carries a hub.
     ///
     /// # Errors
-    /// If there is no such joint or no speed, and if the machine is not periodic: other joints with a prescribed law, failures, gusts, wind
-    /// from tables or turbulence; joints with redundant parameters, whose coordinates are no states; vortex lattices, whose wake grows.
+    /// If there is no such joint or no speed, and if the machine is not periodic: other joints with prescribed motion, failures, gusts,
+    /// wind from tables or turbulence; joints with redundant parameters, whose coordinates are not states; vortex lattices, whose wake
+    /// grows.
     pub fn of(
         machine: &Machine,
         shaft: Option<&str>,
@@ -90,7 +91,7 @@ impl Turn {
             air.step_s = sample_s / (sample_s / air.step_s * (1.0 - 1e-9)).ceil().max(1.0);
             match &mut air.coupling {
                 Coupling::Iterated { tolerance, .. } => *tolerance = tolerance.min(COUPLING_TOLERANCE),
-                // strips store earlier positions of their sections: those of one correction differ
+                // strips store earlier positions of their sections, which would differ with a single correction
                 coupling if !air.options.is_rotor() => {
                     *coupling =
                         Coupling::Iterated { tolerance: COUPLING_TOLERANCE, most_iterations: COUPLING_ITERATIONS };
@@ -102,7 +103,7 @@ impl Turn {
     }
 }
 
-/// Speed of a shaft by its own description.
+/// Speed of a shaft according to its description.
 fn own_speed_rad_s(hinge: &OneFreedom, name: &str) -> Result<f64, String> {
     match &hinge.motion {
         JointMotion::Prescribed(Motion::Polynomial(coefficients))

@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 const STEP_S: f64 = 0.01;
 
-/// The eigenvalues of a soft wing that rolls against a spring are independent of the far wake: a wake of 235 rows, with which a motion that
-/// decays as fast as the highest one oscillates overflows between the first and the last row, gives those of 40 rows. The air of the rows
-/// in between changes them by 1e-4.
+/// The eigenvalues of a soft wing that rolls against a spring are independent of the far wake: a wake of 235 rows, for which a motion that
+/// decays as fast as the highest mode oscillates overflows between the first and the last row, gives the eigenvalues of a wake of 40 rows.
+/// The additional rows change them by 1e-4.
 #[test]
 fn modes_are_found_beside_a_wake_of_many_rows() {
     let modes = |wake_rows: usize| {
@@ -41,7 +41,7 @@ fn modes_are_found_beside_a_wake_of_many_rows() {
     }
 }
 
-/// A soft wing that rolls against a spring without damping, in dense air.
+/// A soft wing that rolls against a spring without damping, at high air density.
 struct Wing {
     elements: usize,
     length_m: f64,
@@ -92,7 +92,7 @@ impl Wing {
     }
 }
 
-/// A wing with one growing motion, an oscillation: by `exp(0.0535)` in each step.
+/// A wing with one growing mode, an oscillation that grows by `exp(0.0535)` in each step.
 const FLUTTERS: Wing = Wing {
     elements: 1,
     length_m: 0.459,
@@ -108,7 +108,7 @@ const FLUTTERS: Wing = Wing {
     wake_rows: 40,
 };
 
-/// A wing that also diverges: its oscillation grows by `exp(0.181)` in each step and turns by 0.113 rad.
+/// A wing that also diverges: its oscillation grows by `exp(0.181)` and advances by 0.113 rad in each step.
 const LEAVES: Wing = Wing {
     elements: 2,
     length_m: 1.0,
@@ -120,7 +120,7 @@ const LEAVES: Wing = Wing {
     ..FLUTTERS
 };
 
-/// A wing of the test below, the first one between the axes, the others at random.
+/// A wing of the test below; the first one has its eigenvalue between the axes, the others are random.
 fn random_wing(seed: u64) -> Wing {
     if seed == 0 {
         return Wing { wake_rows: 150, ..LEAVES };
@@ -146,8 +146,8 @@ fn random_wing(seed: u64) -> Wing {
     }
 }
 
-/// Discs cover the eigenvalues between two magnitudes that decay by up to half of the fastest decay, together with the disc about 0 if
-/// these are within it. None extends further to the left than that decay.
+/// Discs, together with the disc about 0, cover the eigenvalues between two magnitudes that decay by up to half of the fastest decay. None
+/// extends further to the left than that decay.
 #[test]
 fn discs_cover_all_that_grows() {
     for (decay_1_s, from_1_s, to_1_s) in
@@ -169,8 +169,8 @@ fn discs_cover_all_that_grows() {
     }
 }
 
-/// Eigenvalues of the whole model in discrete time up to a magnitude, of motions of the machine or growing ones, within the decay covered
-/// by discs. Corrected like guesses: those of a matrix of hundreds of delays are accurate to 1e-6.
+/// Eigenvalues of the complete discrete-time model up to a magnitude, of modes of the machine or growing modes, within the decay covered by
+/// discs. They are corrected like estimates: those of a matrix with hundreds of delays are accurate to 1e-6.
 fn of_the_whole(space: &SampledSpace, delays: &Delays, to_1_s: f64, free_1_s: f64) -> Vec<Complex<f64>> {
     let own = eigen(&space.matrices.a).expect("eigenvalues");
     let mut list = Vec::new();
@@ -194,9 +194,9 @@ fn of_the_whole(space: &SampledSpace, delays: &Delays, to_1_s: f64, free_1_s: f6
     list
 }
 
-/// Beside a wake of many rows every motion that grows, and every one that decays more slowly than the limit of discs with that wake,
-/// is found once, on random soft wings against all eigenvalues of the whole model. Discs along the two axes missed strong flutter between
-/// them.
+/// With a wake of many rows, every growing mode, and every mode that decays more slowly than the limit of discs for that wake, is
+/// found once, on random soft wings in comparison with all eigenvalues of the complete model. Discs along the two axes missed strong
+/// flutter between them.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn q89_all_motions_between_the_axes_are_found() {
@@ -230,9 +230,9 @@ fn q89_all_motions_between_the_axes_are_found() {
     assert!(strong > 0 && count > 4 * SEEDS as usize, "{strong} of {count}");
 }
 
-/// A wing whose single growing motion is a fast-growing oscillation is unstable for any number of rows. With 280 it was reported as
-/// stable. The wake behind the 100th row acts with a factor of `exp(-100 · 0.054) = 0.005` and from 100 chords away: it changes the
-/// eigenvalue by 3e-8.
+/// A wing whose single growing mode is a fast-growing oscillation is unstable for any number of rows. With 280 rows it was reported
+/// as stable. The wake after the 100th row acts with a factor of `exp(-100 · 0.054) = 0.005` and from a distance of 100 chords: it changes
+/// the eigenvalue by 3e-8.
 #[test]
 fn q89_strong_flutter_beside_a_wake_of_many_rows_is_an_instability() {
     let of = |wake_rows: usize| {

@@ -1,5 +1,5 @@
-//! LR-11: the linear model in discrete time against differences of the machine itself, one aerodynamic step from states near static
-//! equilibrium.
+//! LR-11: the linear model in discrete time in comparison with finite differences of the machine, over one aerodynamic step from states
+//! near static equilibrium.
 
 use super::*;
 use crate::load::SectionMotion;
@@ -11,22 +11,22 @@ use crate::system::outputs::EnergyOutputs;
 use crate::system::state::{Snapshot, State};
 use std::sync::Arc;
 
-/// Largest difference over the scale of a row. Contributions: amplitudes to the fourth power, and the convergence of the coupling over the
-/// amplitudes.
+/// Largest difference relative to the scale of a row. Contributions: terms of fourth order in the amplitudes, and the convergence of the
+/// coupling divided by the amplitudes.
 const TOLERANCE: f64 = 1e-6;
 
-/// The machine at rest after a number of steps that is one less than the rows of its wake, so that the ring of the established flow is the
-/// last row of the linear model.
+/// The machine in equilibrium after a number of steps that is one less than the rows of its wake, so that the ring of the established flow
+/// is the last row of the linear model.
 struct AtRest {
     plant: Plant,
     snapshot: Snapshot,
     time_s: f64,
     freedoms: Vec<Freedom>,
-    /// Velocities and angular velocities of the sections by the rates of the freedoms, six rows each.
+    /// Derivatives of the sections' velocities and angular velocities with respect to the rates of the degrees of freedom, six rows each.
     sections_by_rate: DMatrix<f64>,
 }
 
-/// Outputs without energies: accounts of work are integrals, no functions of a state.
+/// Outputs without energies: accounts of work are integrals, not functions of a state.
 fn shown(outputs: &Outputs) -> DVector<f64> {
     let mut outputs = outputs.clone();
     *outputs.energy_mut() = EnergyOutputs::default();
@@ -89,7 +89,7 @@ impl AtRest {
         ]
     }
 
-    /// Central differences of a step by an amount, extrapolated from it, its half and its quarter.
+    /// Central differences of a step with respect to an amount, extrapolated from this amount, its half and its quarter.
     fn derivative(
         &mut self,
         amount: f64,
@@ -132,7 +132,7 @@ struct Column {
     change: Change,
 }
 
-/// The states of the linear model that act on the next step, and their counterparts.
+/// The states of the linear model that affect the next step, and their counterparts.
 fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
     let mut list = Vec::new();
     let mut add = |kind, place, amount, change: Change| {
@@ -142,7 +142,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
     for j in 0..n {
         let freedom = &rest.freedoms[j];
         let mut study = rest.plant.study();
-        // the coordinates are independent, and determine the sections
+        // the coordinates are independent and determine the motion of the sections
         let unit = study.direction(freedom);
         let now = study.system.state.now.q.clone();
         let places = move |amount: f64, study: &mut Study| -> Vec<SectionMotion> {
@@ -150,7 +150,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
             study.sections_at(&q, None, None).into_iter().map(|(motion, _)| motion).collect()
         };
         let amount = 1e-2 * if freedom.unit == "1/m" { 5.0 } else { 1.0 };
-        // the values at all amounts of the differences
+        // the values for all amounts of the differences
         let shares = [1.0, 0.5, 0.25, -1.0, -0.5, -0.25];
         let at: Vec<(f64, Vec<SectionMotion>)> =
             shares.iter().map(|share| (share * amount, places(share * amount, &mut study))).collect();
@@ -195,7 +195,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
         let change = move |state: &mut State, amount: f64| {
             let rings = &mut lattice(state).circulation_m2_s;
             rings[panel] += amount;
-            // the ring behind the trailing edge has the circulation of that before it
+            // the ring after the trailing edge has the circulation of the panel before it
             if panel >= PANELS - STRIPS {
                 rings[panel + STRIPS] += amount;
             }
@@ -210,7 +210,7 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
         add("load", layout.load.start + row, 0.1, Box::new(change));
     }
     for place in 0..(WAKE_ROWS - 1) * STRIPS {
-        // the last row of the linear model has the length of all rows behind
+        // the last row of the linear model has the length of all remaining rows
         let is_last = place / STRIPS == WAKE_ROWS - 2;
         let change = move |state: &mut State, amount: f64| {
             let rings = &mut lattice(state).wake_circulation_m2_s;
@@ -226,8 +226,8 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
         let (row, column) = (place / (3 * wide), place / 3 % wide);
         let change = move |state: &mut State, amount: f64| {
             let nodes = &mut lattice(state).wake_node_m;
-            // in the linear model the last two rows of nodes are the ends of one straight row of rings, which consists of two parts in the
-            // machine
+            // in the linear model the last two rows of nodes are the ends of one straight row of rings, which corresponds to two rows in
+            // the machine
             let [begin, joint, end] = [WAKE_ROWS - 2, WAKE_ROWS - 1, WAKE_ROWS].map(|row| row * wide + column);
             let share = (nodes[joint] - nodes[begin]).norm() / (nodes[end] - nodes[begin]).norm();
             let moved = if row < WAKE_ROWS - 1 { row * wide + column } else { end };
@@ -244,7 +244,8 @@ fn columns(rest: &mut AtRest, layout: &Layout) -> Vec<Column> {
 }
 
 /// LR-11. `A`, `B` and their products with `C` and `D`, by kind: a separate change of each state and input, in the linear model and in the
-/// machine. The displacement of the air in a step, 0.6 panels, is between two places of the table for (U9), where the slope has two sides.
+/// machine. The displacement of the air in a step, 0.6 panels, lies between two rows of the table for (U9), at which the left and right
+/// derivatives differ.
 #[test]
 fn a_step_of_the_linear_lattice_is_the_machines() {
     let mut plant = Plant::new(Arc::new(wing()));
@@ -269,7 +270,7 @@ fn a_step_of_the_linear_lattice_is_the_machines() {
     plant.step(time_s).unwrap_or_else(|error| panic!("{error}"));
     let mut state = plant.snapshot().state().clone();
     let way_m = plant.inputs().wind_m_s() * (STEP_S * WAKE_ROWS as f64);
-    // the far end has moved with the wind; that of the linear model is fixed
+    // the far end has moved with the wind, while that of the linear model is fixed
     let wide = STRIPS + 1;
     let nodes = &mut lattice(&mut state).wake_node_m;
     nodes[WAKE_ROWS * wide..][..wide].iter_mut().for_each(|node| *node -= way_m);
@@ -277,7 +278,7 @@ fn a_step_of_the_linear_lattice_is_the_machines() {
     let mut rest = AtRest { plant, snapshot, time_s, freedoms, sections_by_rate };
     let mut list = columns(&mut rest, &layout);
     let nothing = |_: &mut State, _: f64| {};
-    // switches are no real inputs
+    // switches are not real inputs
     for place in [0, 1].into_iter().chain(5..inputs) {
         list.push(Column { kind: "input", place, is_input: true, amount: 1e-2, change: Box::new(nothing) });
     }
@@ -326,7 +327,7 @@ fn a_step_of_the_linear_lattice_is_the_machines() {
             let largest = (0..count).map(size).fold(0.0, f64::max);
             let (mut off, mut at) = (0.0f64, (0, 0));
             for i in 0..count {
-                // round-off for rows without a response
+                // at least the round-off of rows without a response
                 let scale = size(i).max(1e-2 * largest).max(1e-6);
                 for &j in &own {
                     let this = (found[j][rows].1[i] - expected[j][rows].1[i]).abs() * list[j].amount / scale;

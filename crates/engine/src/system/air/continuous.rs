@@ -17,17 +17,17 @@ use crate::system::{PlantError, System};
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
-/// Maximum number of corrections of the accelerations by the apparent mass.
+/// Maximum number of corrections of the accelerations for the apparent mass.
 const MAXIMUM_CORRECTIONS: usize = 100;
-/// Convergence threshold of the loads: change over the largest load, at the level of round-off.
+/// Convergence threshold of the loads: change relative to the largest load, at the level of round-off.
 const AGREED: f64 = 1e-12;
-/// Convergence threshold of the accelerations over their round-off: in air that is light or slow compared with the structure, the
+/// Convergence threshold of the accelerations relative to their round-off: if the air is light or slow compared with the structure, the
 /// aerodynamic loads vanish in the round-off of the structural loads.
 const AGREED_NOISES: f64 = 4.0;
 
-/// Scratch of strips with loads at an instant, and their lag states.
+/// Workspace for the loads of strip theory at an instant, with their lag states.
 pub(crate) struct ContinuousAir {
-    /// Gusts have separate lag states.
+    /// Whether gusts have separate lag states.
     pub gusts: bool,
     /// Lag states in m/s, in the order of [`Strips::lags`].
     pub lags_m_s: Vec<f64>,
@@ -41,7 +41,7 @@ pub(crate) struct ContinuousAir {
 }
 
 impl ContinuousAir {
-    /// Of a model of the air that has a continuous form; `None` for others.
+    /// Workspace for an aerodynamic model with a continuous-time form; `None` for other models.
     pub fn new(model: &AirModel, sections: usize, gusts: bool) -> Option<Self> {
         let AirModel::Strips(strips) = model else { return None };
         let loads = LOAD_ROWS * sections;
@@ -57,12 +57,12 @@ impl ContinuousAir {
         })
     }
 
-    /// Rates of the lag states in m/s², as the accelerations were found last.
+    /// Rates of the lag states in m/s², from the last solution for the accelerations.
     pub fn lag_rates_m_s2(&self) -> &[f64] {
         &self.answer[self.guess.len()..][..self.lags_m_s.len()]
     }
 
-    /// Magnitudes of the change from the guess to the result and of the result in N; moments are divided by `length_m`.
+    /// Magnitudes in N of the change from the guess to the result and of the result; moments are divided by `length_m`.
     fn compare(&mut self, length_m: f64) -> (f64, f64) {
         let (mut change_n, mut size_n) = (0.0_f64, 0.0_f64);
         for (row, (residual, (answer, guess))) in
@@ -73,13 +73,13 @@ impl ContinuousAir {
             change_n = change_n.max(residual.abs() * share);
             size_n = size_n.max(answer.abs() * share);
         }
-        // `max` drops NaN, so that an explicit test is necessary
+        // `max` drops NaN: check for it explicitly
         let sound = self.residual.iter().all(|entry| entry.is_finite());
         (if sound { change_n } else { f64::NAN }, size_n)
     }
 }
 
-/// Wrenches of sections from their rows.
+/// Section wrenches from their rows.
 pub(crate) fn write(rows: &[f64], loads: &mut [Wrench]) {
     for (load, row) in loads.iter_mut().zip(rows.chunks_exact(LOAD_ROWS)) {
         load.force_n.copy_from_slice(&row[..3]);
@@ -88,17 +88,17 @@ pub(crate) fn write(rows: &[f64], loads: &mut [Wrench]) {
 }
 
 impl System {
-    /// Whether the machine has no air, or air that can be part of a hybrid system.
+    /// Whether the machine has no aerodynamics, or an aerodynamic model that can be part of a hybrid system.
     pub(crate) fn air_is_continuous(&self) -> bool {
         self.air.as_ref().is_none_or(|air| air.continuous.is_some())
     }
 
-    /// Number of lag states of the air in a hybrid system.
+    /// Number of aerodynamic lag states in a hybrid system.
     pub(crate) fn lag_count(&self) -> usize {
         self.air.as_ref().and_then(|air| air.continuous.as_ref()).map_or(0, |continuous| continuous.lags_m_s.len())
     }
 
-    /// A lag state of the machine's own motion at the present time, in m/s, and its rate in m/s²: linear over the aerodynamic step.
+    /// A lag state at the present time, in m/s, and its rate in m/s², from the internal integrator: linear over the aerodynamic step.
     pub(crate) fn own_lag(&self, lag: usize) -> [f64; 2] {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return [0.0; 2] };
         let AirCoupling { model: AirModel::Strips(strips), continuous: Some(continuous), settings, .. } = &**air else {
@@ -116,8 +116,8 @@ impl System {
         [before + (after - before) * share, (after - before) / settings.step_s]
     }
 
-    /// Takes over the lag states of the machine's own steps at the present time. The state then stores those of the present time, for later
-    /// calls, and not those at the end of an unfinished aerodynamic step.
+    /// Takes over the lag states of the internal integrator at the present time. The state then stores the present values, for later calls,
+    /// instead of those at the end of an unfinished aerodynamic step.
     pub(crate) fn hand_air_over(&mut self) {
         for lag in 0..self.lag_count() {
             let [own_m_s, _] = self.own_lag(lag);
@@ -154,8 +154,8 @@ impl System {
         }
     }
 
-    /// Solves for the present accelerations in air, with the corresponding loads and rates of the lag states: `M a + r(L) = 0` and
-    /// `L = L(a)`, eq. (W15). The equations must be prescribed and projected. Allocates nothing.
+    /// Solves for the present accelerations under aerodynamic loads, with these loads and the rates of the lag states: `M a + r(L) = 0` and
+    /// `L = L(a)`, eq. (W15). The equations must have been updated to the prescribed motions and projected. Allocates nothing.
     pub(crate) fn settle_in_air(&mut self) -> Result<(), PlantError> {
         let Self { equations, state, scratch, air, machine, .. } = self;
         let (time_s, none) = (state.now.time_s, Ok(()));
@@ -200,12 +200,12 @@ impl System {
             if !change_n.is_finite() {
                 return Err(refusal(time_s, "its loads are not finite"));
             }
-            // the first guess is arbitrary: its accelerations are not those of any loads
+            // the first guess is arbitrary: its loads and accelerations are not consistent
             found = correction > 0 && change_n <= AGREED * size_n;
             if found {
                 break;
             }
-            // the residual of accelerations that satisfy these very loads is round-off
+            // the residual of accelerations that satisfy these loads is round-off
             let noise_1_s2 = if correction > 0 { equations.solve(&mut scratch[0]) } else { 0.0 };
             if correction == 0 {
                 let loads = own.guess.len();
@@ -258,7 +258,7 @@ impl System {
     }
 }
 
-/// Updates a history to the instant, from which the machine's own steps can continue.
+/// Updates a history to the present time, so that the internal integrator can continue from it.
 fn remember(strips: &Strips, own: &ContinuousAir, history: &mut AirHistory) {
     for state in [&mut history.before, &mut history.after] {
         if let AirState::Strips(state) = state {

@@ -1,4 +1,4 @@
-//! Flaps of the machine: their angles from the inputs, their hinge moments for the outputs.
+//! Control surfaces of the machine: their angles from the inputs, and their hinge moments for the outputs.
 
 use crate::aero::flap::{Deflection, Flap};
 use crate::machine::Air;
@@ -22,7 +22,7 @@ fn deflection(inputs: &FlapInputs) -> Deflection {
     Deflection { angle_rad: inputs.command_rad, rate_rad_s: inputs.command_rate_rad_s }
 }
 
-/// Inputs of a control surface `elapsed_s` after the given ones, with their rates per second.
+/// Angle and rate of a control surface `elapsed_s` after the time of `inputs`, with the rates per second in `rates`.
 fn later(inputs: &FlapInputs, rates: &FlapInputs, elapsed_s: f64) -> Deflection {
     Deflection {
         angle_rad: inputs.command_rad + rates.command_rad * elapsed_s,
@@ -36,7 +36,7 @@ fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
         return Ok(());
     }
     let Flap { name, lower_rad, upper_rad, .. } = flap;
-    // degrees of the model file, without the last bits of the conversion
+    // in degrees, as in the model file, without the round-off of the conversion
     let degrees = [*lower_rad, *upper_rad].map(|rad| (rad.to_degrees() * 1e6).round() / 1e6);
     let cause = format!(
         "aero.control_surface.{name}.angle_command puts flap {name} at {angle_rad} rad; allowed: from {lower_rad:.6} to {upper_rad:.6} rad, \
@@ -50,7 +50,7 @@ impl AirCoupling {
     /// Passes the control surface angles at a time of the present communication step to the aerodynamic model.
     ///
     /// # Errors
-    /// If an angle is beyond its limits.
+    /// If an angle exceeds its limits.
     pub fn deflect(&mut self, state: &State, time_s: f64) -> Result<(), PlantError> {
         if self.settings.flaps.is_empty() {
             return Ok(());
@@ -65,7 +65,7 @@ impl AirCoupling {
         Ok(())
     }
 
-    /// Outputs of the control surfaces at a time, after a fraction `share` of the aerodynamic step.
+    /// Writes the outputs of the control surfaces at a time, after the fraction `share` of the aerodynamic step.
     pub(super) fn report_flaps(
         &self,
         equations: &Equations,

@@ -1,4 +1,4 @@
-//! Lifting surfaces close to each other: doubts of `foldwing check`, and the errors that stop a run.
+//! Lifting surfaces close to each other: warnings of `foldwing check`, and errors that stop a run.
 
 pub use crate::aero::near_sheets::CLOSED_PANELS;
 
@@ -11,20 +11,20 @@ use crate::solve::EquationsOfMotion;
 use crate::system::PlantError;
 use crate::system::System;
 
-/// Two lattices above each other.
+/// Two lattices that lie close above each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceGap {
     /// Indices into the machine's bodies.
     pub bodies: [usize; 2],
-    /// Smallest distance of a control point of one to the sheet of the other, over the size of a panel there.
+    /// Smallest distance of a control point of one lattice from the sheet of the other, divided by the local panel size.
     pub least_panels: f64,
-    /// Largest of the distances that are within about a panel.
+    /// Largest such distance among those of up to about one panel.
     pub widest_panels: f64,
-    /// Whether the lattice cannot resolve the gap between the sheets, which is an error at the start of a run.
+    /// Whether the gap between the sheets is too small for the lattice to resolve, which is an error at the start of a run.
     pub closed: bool,
 }
 
-/// A failure of the model of the air by the names of the bodies.
+/// Converts an error of the aerodynamic model to an error that names the bodies.
 pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failure: NoCirculation) -> PlantError {
     match failure {
         NoCirculation::Singular(_) => PlantError::Air { time_s, cause: failure.to_string() },
@@ -62,7 +62,7 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
     }
 }
 
-/// Error for a sheet of a lattice that passes through another.
+/// Error if the sheet of one lattice passes through another.
 pub(crate) fn crossing(machine: &Machine, air: &machine::Air, model: &AirModel, time_s: f64) -> Option<PlantError> {
     let AirModel::Lattice(lattice) = model else { return None };
     lattice.crossed_sheets().map(|crossed| PlantError::CrossedSheets {
@@ -72,7 +72,7 @@ pub(crate) fn crossing(machine: &Machine, air: &machine::Air, model: &AirModel, 
     })
 }
 
-/// Index of the first surface with flow mainly from its trailing edge.
+/// Index of the first surface whose flow comes mainly from its trailing edge.
 pub(crate) fn blown_from_behind(air: &machine::Air, motions: &[SectionMotion], flow: &Flow) -> Option<usize> {
     let mut first = 0;
     air.surfaces.iter().position(|surface| {
@@ -87,8 +87,8 @@ pub(crate) fn blown_from_behind(air: &machine::Air, motions: &[SectionMotion], f
 }
 
 impl System {
-    /// Pairs of lattices above each other in the unstrained start pose within about a panel; empty without a lattice. Leaves the plant at
-    /// this pose; it must be initialised.
+    /// Pairs of lattices that lie above each other within about one panel in the unstrained start pose; empty without a lattice. Leaves the
+    /// plant in this pose, so that it must be initialised afterwards.
     pub fn surface_gaps(&mut self) -> Vec<SurfaceGap> {
         if self.air.is_none() {
             return Vec::new();

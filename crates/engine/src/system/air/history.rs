@@ -1,4 +1,4 @@
-//! State of the air over an aerodynamic step, as part of the machine's state.
+//! State of the aerodynamics over an aerodynamic step, as part of the machine's state.
 
 use crate::aero::AirState;
 use crate::load::Wrench;
@@ -6,20 +6,20 @@ use crate::system::air::{Gain, Sample, StepLoads};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// State of the air in the state of the plant.
+/// Aerodynamic part of the plant's state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct AirHistory {
-    /// Start time of the steps in s.
+    /// Start time of the aerodynamic steps in s.
     pub start_s: f64,
-    /// Number of aerodynamic steps started since.
+    /// Number of aerodynamic steps since `start_s`.
     pub steps: u64,
-    /// Air at the start of the present step.
+    /// Aerodynamic state at the start of the present step.
     pub before: AirState,
-    /// Air at its end.
+    /// Aerodynamic state at the end of the present step.
     pub after: AirState,
     /// Motion of the sections at the start of the present step, with the averaged velocities of eq. (Q4).
     pub begin: Vec<Sample>,
-    /// Sections at its end.
+    /// Motion of the sections at the end of the present step.
     pub end: Vec<Sample>,
     /// Loads of the present step.
     pub loads: StepLoads,
@@ -27,26 +27,26 @@ pub(crate) struct AirHistory {
     pub at_begin: Vec<Wrench>,
     /// Displacement of the wind from the start of the step to that of `loads`, in m.
     pub carried_m: Vector3<f64>,
-    /// Gain of the wind in that time.
+    /// Change of the wind in that time.
     pub gain: Gain,
     /// Largest force so far, in N.
     pub scale_n: f64,
-    /// Allowed displacement error of Newton's iteration in the present aerodynamic step in the kinematic norm, with a negligible effect on
-    /// the loads; eq. (Q2).
+    /// Allowed displacement error of Newton's iteration in the present aerodynamic step, in the kinematic norm, so small that it has a
+    /// negligible effect on the loads; eq. (Q2).
     pub motion_tolerance: f64,
-    /// Structural step within the present aerodynamic step in s: the smallest one that the error estimate required in the first trial
-    /// march, except steps bounded by `after_jump_s`. If the step changed between trials, the loads at the end would jump by the
-    /// integration error that the tolerance allows, and the iteration would not converge.
+    /// Structural step within the present aerodynamic step in s: the smallest step that the error estimate required in the first trial
+    /// march, apart from steps bounded by `after_jump_s`. If the step changed between trials, the loads at the end would jump by the
+    /// integration error within the tolerance, and the iteration would not converge.
     pub structure_step_s: f64,
-    /// Bound on the structural steps in s after the last jump of the accelerations; it grows with the time since the jump, and is 0 without
-    /// a bound. So the steps of all marches through an impact are equally short.
+    /// Bound in s on the structural steps after the last jump of the accelerations; it grows with the time since the jump, and is 0 if
+    /// there is no bound. It makes the steps of all marches through an impact equally short.
     pub after_jump_s: f64,
-    /// Aerodynamic steps in a row in which the staggered coupling's prediction missed the loads by more than `scale_n`.
+    /// Number of consecutive aerodynamic steps in which the load prediction of the staggered coupling was off by more than `scale_n`.
     pub strayed: u32,
 }
 
 impl AirHistory {
-    /// Shifts all times by the round-off of the caller's clock.
+    /// Shifts all times, to correct the round-off of the caller's clock.
     pub fn shift(&mut self, shift_s: f64) {
         self.start_s += shift_s;
         self.loads.begin_s += shift_s;
@@ -67,7 +67,7 @@ impl AirHistory {
         (self.motion_tolerance, self.after_jump_s) = (other.motion_tolerance, other.after_jump_s);
     }
 
-    /// Size of its numbers in bytes.
+    /// Size of the stored numbers in bytes.
     pub fn bytes(&self) -> usize {
         let states = [&self.before, &self.after].into_iter().map(|state| match state {
             AirState::Strips(state) => size_of_val(&state.strips[..]),

@@ -1,5 +1,5 @@
-//! The present as an instant: accelerations, loads of the air and rates of its lag states from the coordinates, rates, lag states and
-//! inputs of the state, instead of those of the steps.
+//! Evaluation at the present instant: accelerations, aerodynamic loads and rates of the lag states from the coordinates, rates, lag states
+//! and inputs, instead of the values interpolated over the steps.
 
 use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::strip::continuous::{Instant, LOAD_ROWS};
@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 use std::borrow::Cow;
 
 impl System {
-    /// Share of the aerodynamic step that has passed at the present; 1 after the step.
+    /// Elapsed fraction of the present aerodynamic step; 1 at its end.
     pub(crate) fn share_of_air_step(&self) -> f64 {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return 1.0 };
         match history.steps {
@@ -27,7 +27,7 @@ impl System {
         }
     }
 
-    /// Lag states of the air at the present time in the order of linear models: linear over the aerodynamic step. `None` without lag
+    /// Aerodynamic lag states at the present time in the order of linear models: linear over the aerodynamic step. `None` without lag
     /// states, [`System::air_is_linearised`].
     pub(crate) fn present_lags(&self, gusts: bool) -> Option<Vec<f64>> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
@@ -37,18 +37,18 @@ impl System {
         Some(before?.iter().zip(after?).map(|(a, b)| a + (b - a) * share).collect())
     }
 
-    /// Solves for the present accelerations, with the corresponding loads of strips and rotors; loads of lattices are kept, and have no lag
-    /// states. (Integrators find accelerations only to their tolerance, and interpolate loads of the air linearly over an aerodynamic
-    /// step.) `lags` replaces the present lag states.
+    /// Solves for the present accelerations, with the corresponding loads of strips and rotors; loads of lattices are kept constant, since
+    /// lattices have no lag states. (Integrators find accelerations only to their tolerance, and interpolate aerodynamic loads linearly
+    /// over an aerodynamic step.) `lags` replaces the present lag states.
     ///
     /// Returns the rates of the lag states in their units per s.
     ///
     /// # Errors
-    /// If the mass matrix is singular, or if the loads cannot be found.
+    /// If the mass matrix is singular, or if no consistent loads are found.
     pub(crate) fn settle_present(&mut self, lags: Option<&[f64]>) -> Result<Vec<f64>, PlantError> {
         let Self { equations, state, .. } = self;
         let (time_s, now) = (state.now.time_s, &mut state.now);
-        // a step that ends at a kink uses the values before it
+        // at a kink, a step that ends there uses the values before it
         let begun_s = state.start.time_s;
         equations.branch_s = if time_s > begun_s { 0.5 * (begun_s + time_s) } else { time_s };
         equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
@@ -74,7 +74,7 @@ impl System {
         Ok(rates)
     }
 
-    /// Sets the loads of a rotor for the present motion: the air has no mass, so that accelerations have no effect.
+    /// Sets the loads of a rotor for the present motion: without apparent mass, accelerations have no effect.
     fn load_rotor(&mut self, lags: Option<&[f64]>) -> Vec<f64> {
         let present = self.present_lags(false).unwrap_or_default();
         let Self { equations, state, scratch, air, .. } = self;

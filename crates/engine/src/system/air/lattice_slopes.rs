@@ -1,4 +1,4 @@
-//! The linear lattice of a machine: its derivatives about the present place, and the names of its states.
+//! The linear vortex lattice of a machine: its derivatives at the present pose, and the names of its states.
 
 use crate::aero::flow::Flow;
 use crate::aero::lattice_linear::{LatticeSlopes, NoLinearLattice};
@@ -10,7 +10,7 @@ use crate::system::air::start::flow;
 use crate::system::{PlantError, System};
 use nalgebra::Vector3;
 
-/// Name of a gust that blows somewhere on a surface.
+/// Name of a gust that acts on some surface.
 fn over<'a>(air: &'a machine::Air, motions: &[SectionMotion], flow: &Flow) -> Option<&'a str> {
     let chords = air.surfaces.iter().flat_map(|surface| &surface.chords);
     let edges = motions.iter().zip(chords).flat_map(|(motion, chord)| {
@@ -21,15 +21,15 @@ fn over<'a>(air: &'a machine::Air, motions: &[SectionMotion], flow: &Flow) -> Op
 }
 
 impl System {
-    /// Whether the air is a lattice with a linear model in discrete time.
+    /// Whether the aerodynamic model is a lattice, which has a linear model in discrete time.
     pub fn has_linear_lattice(&self) -> bool {
         self.air.as_ref().is_some_and(|air| matches!(air.settings.options, AirOptions::Lattice(_)))
     }
 
-    /// Derivatives of the lattice about the steady flow around sections at rest; `None` without a lattice.
+    /// Derivatives of the lattice about the steady flow around sections without motion; `None` without a lattice.
     ///
     /// # Errors
-    /// Where the lattice has no steady flow with a straight wake.
+    /// If the lattice has no steady flow with a straight wake.
     pub(crate) fn lattice_slopes(
         &mut self,
         motions: &[SectionMotion],
@@ -77,13 +77,13 @@ impl System {
         air.settings.surfaces.iter().map(|surface| strips(surface) * (surface.chord_panels + options.wake_rows)).sum()
     }
 
-    /// Aerodynamic step in s; `None` without air.
+    /// Aerodynamic step in s; `None` without aerodynamics.
     pub fn air_step_s(&self) -> Option<f64> {
         self.air.as_ref().map(|air| air.settings.step_s)
     }
 
-    /// Names of all panels of the lattice, `wing.panel[row][strip]`, surface by surface, row by row from the leading edge; and of its
-    /// strips, `wing.strip[3]`.
+    /// Names of all panels of the lattice, `wing.panel[row][strip]`, surface by surface and row by row from the leading edge, and names of
+    /// its strips, `wing.strip[3]`.
     pub(crate) fn lattice_names(&self) -> [Vec<String>; 2] {
         let (mut panels, mut strips) = (Vec::new(), Vec::new());
         for surface in self.machine.air.iter().flat_map(|air| &air.surfaces) {

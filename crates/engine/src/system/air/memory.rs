@@ -1,4 +1,4 @@
-//! Memory of the air from one step to the next, as states of a periodic motion, NOTATION eq. (L32).
+//! Aerodynamic quantities carried from one step to the next, as states of a periodic motion, NOTATION eq. (L32).
 
 use crate::aero::memory::Measure;
 use crate::aero::{AirModel, AirState};
@@ -8,8 +8,8 @@ use crate::system::air::{AirCoupling, AirHistory, Sample, gaps};
 use crate::system::{PlantError, System};
 
 impl AirCoupling {
-    /// Quantities besides the motion of the sections on which later loads depend, in a fixed order: lags of the features in use, and for
-    /// strips also the velocities from which eq. (Q4) continues. All other quantities follow from these and the motion
+    /// Quantities other than the motion of the sections on which later loads depend, in a fixed order: lag states of the effects in use,
+    /// and for strips also the velocities from which eq. (Q4) continues. All other quantities follow from these and from the motion
     /// ([`System::refresh_air`]).
     pub fn memories<'h>(&self, history: &'h mut AirHistory) -> Vec<(Measure, &'h mut f64)> {
         let AirHistory { after, end, .. } = history;
@@ -32,12 +32,12 @@ impl AirCoupling {
 }
 
 impl System {
-    /// Makes the air of the present instant consistent with the motion and with its [`AirCoupling::memories`], both of which may have been
-    /// changed: positions and attitudes of the sections, their relative velocities, and the circulatory loads at the start of the next
+    /// Makes the aerodynamics at the present time consistent with the motion and with its [`AirCoupling::memories`], both of which may have
+    /// been changed: positions and attitudes of the sections, their relative velocities, and the circulatory loads at the start of the next
     /// step.
     ///
     /// # Errors
-    /// As for the solution of a step.
+    /// If the aerodynamic model has no solution.
     pub(crate) fn refresh_air(&mut self, time_s: f64) -> Result<(), PlantError> {
         let Self { air: Some(air), state, equations, machine, .. } = self else { return Ok(()) };
         let air = &mut **air;
@@ -57,7 +57,7 @@ impl System {
         }
         let AirHistory { before, after, loads: acting, at_begin, .. } = history;
         before.copy_from(after);
-        // a step without length moves no lag
+        // a step of zero length leaves the lag states unchanged
         model
             .solve(before, motions, &flow, 0.0, after, loads)
             .map_err(|error| gaps::failure(machine, settings, time_s, error))?;
@@ -65,7 +65,7 @@ impl System {
         {
             let turned = motion.rotation.transpose();
             let now = Wrench { force_n: turned * load.force_n, moment_n_m: turned * load.moment_n_m };
-            // keeps the difference that the prediction of the next step adds to the present loads
+            // keeps the difference by which the prediction of the next step extrapolates the present loads
             earlier.force_n += now.force_n - to.force_n;
             earlier.moment_n_m += now.moment_n_m - to.moment_n_m;
             *to = now;
@@ -83,7 +83,7 @@ mod tests {
     use crate::run::Plant;
     use std::sync::Arc;
 
-    /// A rigid wing with strips in pitching motion, after some steps.
+    /// A pitching rigid wing with strip theory, after some steps.
     fn pitching() -> Plant {
         let drive = Motor { stiffness_n_m_rad: 5.0, damping_n_m_s_rad: 0.01, ..Motor::default() };
         let hinge = Joint::revolute("pitch", [1.0, 0.0, 0.0]).start_rate_rad_s(2.0).motor(drive);
@@ -104,11 +104,11 @@ mod tests {
         plant
     }
 
-    /// The memories are those of the present time: changed values persist when the air is made consistent with them, and act in the steps
-    /// that follow. Unchanged values have no effect.
+    /// Changed values of the memories at the present time persist when the aerodynamics is made consistent with them, and affect the
+    /// following steps. Unchanged values have no effect.
     #[test]
     fn moved_memories_stay_and_act() {
-        // values before and after the air has been made consistent, and the angle some steps later
+        // values before and after the aerodynamics has been made consistent, and the angle some steps later
         let moved = |by: f64| {
             let mut plant = pitching();
             let time_s = plant.time_s();
@@ -139,7 +139,7 @@ mod tests {
         }
         let alone = plant.outputs().joints()[0].angle_rad;
         let [unmoved, acted] = [0.0, 0.5].map(moved);
-        // the coupling of the step before agreed to its tolerance only
+        // the coupling in the previous step converged only to its tolerance
         assert!((unmoved - alone).abs() < 1e-6, "{unmoved} for {alone}");
         assert!((acted - unmoved).abs() > 1e-3, "{acted} for {unmoved}");
     }

@@ -1,4 +1,4 @@
-//! Air around the machine: loads over time, state and outputs.
+//! Aerodynamics of the machine: loads over time, state and outputs.
 
 pub(crate) mod continuous;
 pub(crate) mod controls;
@@ -34,18 +34,18 @@ use crate::system::outputs::Outputs;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Entries of a wrench in a vector of unknown loads.
+/// Number of entries of a wrench in a vector of unknown loads.
 const ENTRIES: usize = 6;
-/// Difference of two places over the body's length below which they are the same.
+/// Difference of two positions, relative to the body's length, below which they coincide.
 const NEAR: f64 = 1e-9;
-/// Round-off of a section's motion within a step, in chords: some fifty units in the last place.
+/// Round-off of a section's motion within a step, in chords: about fifty units in the last place.
 const ROUND_OFF: f64 = 1e-14;
 
-/// Weights of eq. (Q4): of the mean velocity over the step, of that over the step before, and of the averaged velocity at the start of the
-/// step. Second order; jumps are damped by half per step.
+/// Weights of eq. (Q4): of the mean velocity over the step, of the mean velocity over the previous step, and of the averaged velocity at
+/// the start of the step. Second order; each step halves the response to a jump.
 pub(crate) const VELOCITY_WEIGHTS: [f64; 3] = [1.75, -0.25, -0.5];
 
-/// Loads of the air in an aerodynamic step, per section and in its frame.
+/// Aerodynamic loads in an aerodynamic step, per section and in the section frame.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct StepLoads {
     /// Time of `from` in s.
@@ -61,7 +61,7 @@ pub(crate) struct StepLoads {
 }
 
 impl StepLoads {
-    /// No loads on `sections` sections.
+    /// Zero loads on `sections` sections.
     pub fn none(sections: usize) -> Self {
         let none = vec![Wrench::default(); sections];
         Self { begin_s: 0.0, end_s: 0.0, from: none.clone(), to: none.clone(), impulsive: none }
@@ -80,7 +80,7 @@ impl StepLoads {
         self.scale(&[], 0.0);
     }
 
-    /// Sets constant loads: the circulatory loads at the end of `target` times a factor.
+    /// Sets constant loads: the circulatory loads at the end of `target`, multiplied by `factor`.
     pub fn scale(&mut self, target: &[Wrench], factor: f64) {
         (self.begin_s, self.end_s) = (0.0, 0.0);
         self.impulsive.fill(Wrench::default());
@@ -91,7 +91,7 @@ impl StepLoads {
         self.to.copy_from_slice(&self.from);
     }
 
-    /// Writes the loads that act, NOTATION eq. (Q1).
+    /// Writes the effective loads, NOTATION eq. (Q1).
     pub fn write(&self, loads: &mut [Wrench]) {
         let ends = self.from.iter().zip(&self.to);
         for ((load, (from, to)), impulsive) in loads.iter_mut().zip(ends).zip(&self.impulsive) {
@@ -105,7 +105,7 @@ impl StepLoads {
 /// eq. (Q4).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Sample {
-    /// Place, attitude and velocities.
+    /// Position, attitude and velocities.
     pub motion: SectionMotion,
     /// Mean velocity over the step in m/s.
     pub mean_m_s: Vector3<f64>,
@@ -114,7 +114,7 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// Sample of a motion that has lasted for a long time.
+    /// Sample of a steady motion.
     pub fn steady(motion: &SectionMotion) -> Self {
         Self { motion: *motion, mean_m_s: motion.velocity_m_s, mean_rad_s: motion.spin_rad_s }
     }
@@ -139,18 +139,18 @@ impl Sample {
     }
 }
 
-/// Change of the wind since the start of an aerodynamic step by the rates of the inputs, without jumps. Velocities are averaged relative to
-/// air with the same change, so that an accelerated root in still air and a wing in accelerated air give the same flow.
+/// Change of the wind since the start of an aerodynamic step due to the rates of the inputs, without jumps. Velocities are averaged
+/// relative to air with the same change, so that an accelerated root in still air and a wing in accelerated air see the same flow.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Gain {
     /// Velocity in m/s.
     velocity_m_s: Vector3<f64>,
-    /// Way that it has made in m.
+    /// Displacement in m by that velocity.
     way_m: Vector3<f64>,
 }
 
 impl Gain {
-    /// The same a time later, with a constant rate of the wind.
+    /// Gain a time `time_s` later, with a constant rate of the wind.
     pub fn after(&self, time_s: f64, rate_m_s2: &Vector3<f64>) -> Self {
         Self {
             velocity_m_s: self.velocity_m_s + rate_m_s2 * time_s,
@@ -159,7 +159,7 @@ impl Gain {
     }
 }
 
-/// Aerodynamic model with its coupling to the structure; scratch, except for the settings of the model.
+/// Aerodynamic model with its coupling to the structure; a workspace, except for the settings of the model.
 pub(crate) struct AirCoupling {
     pub model: AirModel,
     pub settings: machine::Air,
@@ -176,14 +176,14 @@ pub(crate) struct AirCoupling {
     pub length_m: f64,
     /// Widest strip in m.
     pub strip_m: f64,
-    /// Load station, section and share, for the report of the sections' loads at the load stations.
+    /// Load station, section and weight, for reporting the loads of the sections at the load stations.
     pub shares: Vec<(usize, usize, f64)>,
-    /// A history of the right sizes.
+    /// Empty history with the sizes of this model.
     pub blank: AirHistory,
 }
 
 impl AirCoupling {
-    /// Air of a machine, if it has any.
+    /// Aerodynamics of a machine; `None` if it has none.
     pub fn new(machine: &machine::Machine) -> Option<Self> {
         let settings = machine.air.clone()?;
         let mut sections = 0;
@@ -297,7 +297,7 @@ impl AirCoupling {
         }
     }
 
-    /// Adds the sections of the surfaces behind the load stations of a model.
+    /// Appends the sections of the surfaces to a model, after its load stations.
     pub fn add_sections(machine: &machine::Machine, model: &mut Model) {
         for surface in machine.air.iter().flat_map(|air| &air.surfaces) {
             model.add_stations(surface.body, &surface.positions_m, LoadFrame::Section);
@@ -342,15 +342,15 @@ impl AirCoupling {
         (if sound { change_n } else { f64::NAN }, size_n)
     }
 
-    /// Level of round-off of the loads in N: loads of motions by [`ROUND_OFF`] of a chord within a step. For a wing that the wind does not
-    /// bend there are no larger loads, and no relative convergence.
+    /// Round-off level of the loads in N: loads due to motions of [`ROUND_OFF`] chords within a step. A wing that is not loaded by the wind
+    /// has no larger loads, so that a relative threshold could not be met.
     pub fn round_off_n(&self, density_kg_m3: f64) -> f64 {
         let velocity_m_s = self.length_m / self.settings.step_s;
         ROUND_OFF * density_kg_m3 * (velocity_m_s * self.length_m).powi(2)
     }
 
-    /// Displacement in m of a section within an aerodynamic step that changes its load by `change_n`: the air of a strip, with a thickness
-    /// of its chord, is accelerated within the step to the velocity of that displacement over the step.
+    /// Displacement in m of a section within an aerodynamic step that changes its load by `change_n`: the inertia of the air around a
+    /// strip, in a layer as thick as the chord, accelerated within the step to the velocity of that displacement.
     pub fn unnoticed_m(&self, change_n: f64, density_kg_m3: f64) -> f64 {
         change_n * self.settings.step_s.powi(2) / (density_kg_m3 * self.length_m.powi(2) * self.strip_m)
     }
@@ -377,7 +377,7 @@ impl AirCoupling {
     }
 }
 
-/// Body whose inner end is the apex of a rotor, if there is one: its section is stored behind those of the surfaces.
+/// Body whose inner end is the apex of a rotor, if there is one: its section is stored after those of the surfaces.
 fn hub(air: &machine::Air) -> Option<usize> {
     match &air.options {
         AirOptions::Rotor(options) => Some(options.hub_body),
@@ -385,8 +385,8 @@ fn hub(air: &machine::Air) -> Option<usize> {
     }
 }
 
-/// Shared edges of surfaces: the outer edge of a surface with the inner edge of the surface of a body on its end, or the inner edges of two
-/// halves.
+/// Common edges of surfaces: the outer edge of a surface with the inner edge of the surface on the body at its end, or the inner edges of
+/// two halves.
 fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> Vec<[Edge; 2]> {
     let mut pairs = Vec::new();
     for (inner, parent) in surfaces.iter().enumerate() {
@@ -407,7 +407,8 @@ fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]
     pairs
 }
 
-/// Load stations that report the loads of each section, with weights: the load of a strip is assigned to the station nearest to its middle.
+/// Load stations at which the loads of each section are reported, with weights: the load of a strip is assigned to the station nearest to
+/// its middle.
 fn shares(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> Vec<(usize, usize, f64)> {
     let mut shares = Vec::new();
     let mut first_section = 0;
@@ -420,7 +421,7 @@ fn shares(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> V
             let middle_m = 0.5 * (edges[strip] + edges[strip + 1]);
             let distance_m = |station: &f64| (station - middle_m).abs();
             let Some(nearest_m) = stations.iter().map(distance_m).min_by(f64::total_cmp) else { break };
-            // a strip halfway between two stations is shared by both
+            // the load of a strip halfway between two stations is divided between both
             let near = NEAR * edges[edges.len() - 1];
             let takers: Vec<usize> =
                 (0..stations.len()).filter(|&i| distance_m(&stations[i]) <= nearest_m + near).collect();

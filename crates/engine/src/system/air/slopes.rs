@@ -1,5 +1,5 @@
-//! Derivatives of the response of the air to small motions of the machine, its lag states and its inputs: strips have them, NOTATION
-//! eqs. (W13) and (W14), and rotors, eqs. (B27) and (B31); in continuous time.
+//! Derivatives of the aerodynamic response to small motions of the machine, its lag states and its inputs, in continuous time: strips,
+//! NOTATION eqs. (W13) and (W14), and rotors, eqs. (B27) and (B31).
 
 use crate::aero::near_sheets::NoCirculation;
 use crate::aero::rotor::bem::Rotor;
@@ -20,28 +20,29 @@ use nalgebra::{DMatrix, Vector3};
 
 /// Variables of the motion of a section.
 pub(crate) const SECTION_VARIABLES: usize = MOTION_VARIABLES;
-/// Components of wind and of the angular velocity of the root frame, whose rates act too.
+/// Components of the wind and of the angular velocity of the root frame, whose rates have an effect too.
 const AIR_RATES: usize = 6;
 
-/// Response of the air per unit of its causes. Rows: loads of the sections in their frames (six each), rates of the
-/// lag states in their units per s, circulations of the strips in m²/s or, of a rotor, its loads and coefficients.
+/// Aerodynamic response per unit of each variable. Rows: loads of the sections in their frames (six each), rates of the lag states in their
+/// units per s, circulations of the strips in m²/s or, for a rotor, its loads and coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AirSlopes {
-    /// Number of rows that are loads.
+    /// Number of load rows.
     pub load_rows: usize,
     /// Names of the lag states.
     pub lags: Vec<String>,
-    /// By the degrees of freedom: coordinates, rates, accelerations.
+    /// Derivatives with respect to the degrees of freedom: coordinates, rates, accelerations.
     pub motion: [DMatrix<f64>; 3],
-    /// By the lag states.
+    /// Derivatives with respect to the lag states.
     pub lag: DMatrix<f64>,
-    /// By wind, angular velocity of the root frame, rates of the control surfaces, uniform gust, angles of the control surfaces.
+    /// Derivatives with respect to wind, angular velocity of the root frame, rates of the control surfaces, uniform gust, angles of the
+    /// control surfaces.
     pub air: DMatrix<f64>,
-    /// By the rates of the first three.
+    /// Derivatives with respect to the rates of wind, angular velocity of the root frame and rates of the control surfaces.
     pub air_rate: DMatrix<f64>,
 }
 
-/// A model of the air with derivatives.
+/// An aerodynamic model with derivatives in continuous time.
 pub(super) enum Continuous<'a> {
     Strips(&'a mut Strips),
     Rotor(&'a mut Rotor),
@@ -56,7 +57,7 @@ impl<'a> Continuous<'a> {
         }
     }
 
-    /// Lag states of a state; `None` for air without derivatives.
+    /// Lag states of a state; `None` for an aerodynamic model without derivatives.
     pub fn lags(model: &AirModel, state: &AirState, gusts: bool) -> Option<Vec<f64>> {
         match (model, state) {
             (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lags_m_s(state, gusts)),
@@ -65,7 +66,7 @@ impl<'a> Continuous<'a> {
         }
     }
 
-    /// Rows of a response.
+    /// Number of rows of a response.
     fn rows(&mut self, at: &Instant, gusts: bool) -> usize {
         match self {
             Self::Strips(strips) => strips.answer(at, gusts).len(),
@@ -82,17 +83,17 @@ impl<'a> Continuous<'a> {
 }
 
 impl System {
-    /// Whether the air has linear models: strips and rotors.
+    /// Whether the aerodynamic model has a linear model in continuous time: strips and rotors.
     pub fn air_is_linearised(&self) -> bool {
         self.air.as_ref().is_some_and(|air| air.settings.options.is_linearised())
     }
 
-    /// Derivatives of the response of the air at the present state. `sections` holds motion and accelerations of all sections; `by` holds
-    /// their derivatives by coordinates, rates and accelerations of the freedoms, [`SECTION_VARIABLES`] rows for each section. `None` if
-    /// there are no strips or rotors.
+    /// Derivatives of the aerodynamic response at the present state. `sections` holds motion and accelerations of all sections; `by` holds
+    /// their derivatives with respect to coordinates, rates and accelerations of the degrees of freedom, [`SECTION_VARIABLES`] rows for
+    /// each section. `None` if there are no strips or rotors.
     ///
     /// # Errors
-    /// If strips with a speed of sound reach Mach 1, or if the momentum balance of an annulus jumps.
+    /// If strips with a speed of sound reach Mach 1, or if the momentum balance of an annulus is discontinuous.
     pub(crate) fn air_slopes(
         &mut self,
         sections: &[(SectionMotion, SectionAcceleration)],
@@ -161,7 +162,7 @@ impl System {
         }))
     }
 
-    /// Names, units and values of the lag states of the air at the present state, in the order of linear models.
+    /// Names, units and values of the aerodynamic lag states at the present state, in the order of linear models.
     pub fn air_lags(&self, gusts: bool) -> Vec<(String, &'static str, f64)> {
         let Some(air) = &self.air else { return Vec::new() };
         let values = self.present_lags(gusts).unwrap_or_default();
@@ -193,7 +194,7 @@ impl System {
         }
     }
 
-    /// `blade1.station[3]`: places of the sections of a rotor's blades.
+    /// Names of the sections of a rotor's blades: `blade1.station[3]`.
     fn stations_of_blades(&self) -> Vec<String> {
         let blades = self.machine.air.iter().flat_map(|air| &air.surfaces);
         let of = |blade: &machine::LiftingSurface| {
@@ -203,7 +204,7 @@ impl System {
         blades.flat_map(of).collect()
     }
 
-    /// An annulus whose momentum balance jumps has no linear model.
+    /// Error: the momentum balance of an annulus is discontinuous, so that there is no linear model.
     fn no_slope(&self, section: usize) -> PlantError {
         let place = &self.stations_of_blades()[section];
         let cause = format!(
@@ -213,7 +214,7 @@ impl System {
         PlantError::Linearization { time_s: self.state.now.time_s, cause }
     }
 
-    /// Largest load of the air so far in N.
+    /// Largest aerodynamic load so far in N.
     pub(crate) fn air_scale_n(&self) -> f64 {
         self.state.air.as_ref().map_or(0.0, |history| history.scale_n)
     }
@@ -232,7 +233,7 @@ impl System {
             }
         }
         if let [AirState::Rotor(before), AirState::Rotor(after)] = [&mut history.before, &mut history.after] {
-            // the last rows are the rotor's own
+            // the last rows are the loads and coefficients of the rotor
             let own = &rest[rest.len() - size_of::<RotorLoads>() / size_of::<f64>()..];
             for state in [before, after] {
                 let numbers: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut state.loads));
@@ -269,7 +270,7 @@ impl System {
         self.configure();
     }
 
-    /// `wing.strip[3].lag[1]`, of gusts `wing.strip[3].gust_lag[1]`.
+    /// Name of a lag state, `wing.strip[3].lag[1]`, or for gusts `wing.strip[3].gust_lag[1]`.
     fn lag_name(&self, place: &LagPlace) -> String {
         let mut strip = place.strip;
         let surfaces = self.machine.air.iter().flat_map(|air| &air.surfaces);

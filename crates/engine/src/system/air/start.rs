@@ -1,4 +1,4 @@
-//! Air at the start of a run and at a cut of its step.
+//! Aerodynamics at the start of a run and when a step is cut.
 
 use crate::aero::AirModel;
 use crate::aero::established::Established;
@@ -9,7 +9,7 @@ use crate::system::air::{AirCoupling, AirHistory, Sample, gaps};
 use crate::system::state::State;
 use crate::system::{PlantError, System};
 
-/// The flow at a time, with the wind and the turning of the root frame at that time.
+/// Flow at a time, with the wind and the angular velocity of the root frame at that time.
 pub(crate) fn flow<'a>(settings: &'a machine::Air, state: &State, time_s: f64) -> Flow<'a> {
     Flow {
         time_s,
@@ -20,14 +20,15 @@ pub(crate) fn flow<'a>(settings: &'a machine::Air, state: &State, time_s: f64) -
     }
 }
 
-/// The air has no solution.
+/// Error if the aerodynamic model has no solution.
 pub(crate) fn refusal(time_s: f64, cause: impl std::fmt::Display) -> PlantError {
     PlantError::Air { time_s, cause: cause.to_string() }
 }
 
 impl System {
-    /// Initialises the air at the start of the run, with its loads for the present motion. If air exists since [`System::start`], strips of
-    /// a lattice continue from its circulation, eq. (U32), so that a search for an equilibrium stays on one of several.
+    /// Initialises the aerodynamics at the start of the run, with the loads for the present motion. If an aerodynamic state exists since
+    /// [`System::start`], strips of a lattice continue from its circulation, eq. (U32), so that a search for an equilibrium stays on one of
+    /// several branches.
     pub(crate) fn start_air(&mut self, time_s: f64) -> Result<(), PlantError> {
         let Some(air) = &mut self.air else { return Ok(()) };
         let now = &self.state.now;
@@ -79,11 +80,11 @@ impl System {
         Ok(())
     }
 
-    /// Ends the action of the previous inputs in the present step at the present time, because they change now.
+    /// Ends the effect of the previous inputs in the present step at the present time, because they change now.
     pub(crate) fn cut_step(&mut self) {
         let time_s = self.state.now.time_s;
         let Some(begin_s) = self.state.air.as_ref().map(|history| history.loads.begin_s) else { return };
-        // exact for a wind that runs linearly
+        // exact for a wind that varies linearly
         let wind_m_s = self.state.wind_at_m_s(0.5 * (begin_s + time_s));
         let rate_m_s2 = self.state.applied_rates.wind_m_s();
         let Some(AirHistory { loads, carried_m, gain, .. }) = &mut self.state.air else { return };

@@ -1,5 +1,5 @@
-//! An aerodynamic step of strips as a map, and its derivatives, NOTATION eq. (X12): from the memory of the air and the poses of the
-//! sections at the end to the memory there and the loads that act in the step, eq. (Q1).
+//! An aerodynamic step of strips as a map, and its derivatives, NOTATION eq. (X12): from the aerodynamic memory at the start and the poses
+//! of the sections at the end to the memory at the end and the effective loads in the step, eq. (Q1).
 //!
 //! A memory is a flat vector: a sample of each section (position, rotation, filtered and mean velocities of eq. (Q4)), the lag states of
 //! each strip, and the circulatory load of each section in its frame.
@@ -17,12 +17,12 @@ use crate::system::air::{AirCoupling, AirHistory, ENTRIES, Sample, VELOCITY_WEIG
 use crate::system::{PlantError, System};
 use nalgebra::{Matrix3, SVector, Vector3};
 
-/// Entries of a section's sample.
+/// Number of entries of a section's sample.
 const SAMPLE: usize = 18;
 
-/// Reason for which a step has no derivatives.
+/// Reason why a step has no derivatives.
 pub(crate) enum NoSlopes {
-    /// A strip of this body meets no air.
+    /// A strip of this body has no relative flow velocity.
     Still(usize),
     /// The step itself has no solution.
     Step(PlantError),
@@ -31,11 +31,11 @@ pub(crate) enum NoSlopes {
 /// Derivatives of an aerodynamic step.
 pub(crate) struct AirStepSlopes {
     step_s: f64,
-    /// Per section: of the mean angular velocity by its rotations at both ends of the step.
+    /// Per section: derivatives of the mean angular velocity with respect to its rotations at both ends of the step.
     turns: Vec<[Matrix3<f64>; 2]>,
     /// Per section, at the end: attitude, circulatory and impulsive load in the root frame.
     ends: Vec<(Matrix3<f64>, [Wrench; 2])>,
-    /// Per strip: its sections and its own derivatives.
+    /// Per strip: its sections and its derivatives.
     strips: Vec<([usize; 2], StripStep)>,
 }
 
@@ -54,8 +54,8 @@ impl AirStepSlopes {
         SAMPLE * self.ends.len() + STATE * self.strips.len()
     }
 
-    /// Variation of the memory at the end, and behind it that of the loads that act, from those of the memory at the start and of the poses
-    /// at the end (displacement and rotation of each section, root frame).
+    /// Variation of the memory at the end, followed by that of the effective loads, due to variations of the memory at the start and of the
+    /// poses at the end (displacement and rotation of each section, root frame).
     pub fn forward(&self, memory: &[f64], poses: &[f64]) -> Vec<f64> {
         let [own, earlier, last] = VELOCITY_WEIGHTS;
         let sections = self.ends.len();
@@ -103,7 +103,8 @@ impl AirStepSlopes {
         out
     }
 
-    /// The transpose: multipliers of the memory at the start and of the poses from those of the memory at the end and of the loads.
+    /// The transpose of [`Self::forward`]: multipliers of the memory at the start and of the poses, from those of the memory at the end and
+    /// of the loads.
     pub fn reverse(&self, on: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let [own, earlier, last] = VELOCITY_WEIGHTS;
         let sections = self.ends.len();
@@ -154,7 +155,7 @@ impl AirStepSlopes {
 }
 
 impl System {
-    /// A part of the air whose steps have no derivatives, and its name: all but smooth strips.
+    /// First aerodynamic feature whose steps have no derivatives, and its name; only smooth strips have them.
     pub(crate) fn air_without_slopes(&self) -> Option<(&'static str, &str)> {
         let air = self.machine.air.as_ref()?;
         let strips = match &air.options {
@@ -212,7 +213,7 @@ impl System {
         let turns = samples.iter().zip(&before.begin).map(|(end, begin)| {
             let left =
                 inverse_left_tangent(&rotation_vector(&(end.motion.rotation * begin.motion.rotation.transpose())));
-            // that of the rotation before is the same with the opposite turn
+            // apart from its sign, the derivative with respect to the rotation at the start is that of the opposite rotation vector
             [left.transpose() / step_s, left / step_s]
         });
         let ends = motions.iter().zip(loads.circulatory.iter().zip(&loads.impulsive));
@@ -224,8 +225,8 @@ impl System {
         })
     }
 
-    /// The air behind an aerodynamic step from `before` to the motion `at` its end; its loads are those that act in the step. `None` without
-    /// air.
+    /// Aerodynamic state after an aerodynamic step from `before` to the motion `at` its end; its loads are the effective loads in the step.
+    /// `None` without aerodynamics.
     pub(crate) fn air_step_after(&mut self, before: &AirHistory, at: &Point) -> Result<Option<AirHistory>, PlantError> {
         let samples = self.meet_end_of_air_step(before, at)?;
         let Self { air: Some(air), state, machine, .. } = self else { return Ok(None) };
@@ -246,7 +247,7 @@ impl System {
         Ok(Some(after))
     }
 
-    /// Memory behind an aerodynamic step, and behind it the loads that act; rotations relative to `reference`.
+    /// Aerodynamic memory after an aerodynamic step, followed by the effective loads; rotations relative to `reference`.
     pub(crate) fn air_step_values(
         &mut self,
         before: &AirHistory,
@@ -261,7 +262,7 @@ impl System {
         Ok(values)
     }
 
-    /// Memory of the air at the present; rotations relative to `reference`. Empty without air.
+    /// Aerodynamic memory at the present time; rotations relative to `reference`. Empty without aerodynamics.
     pub(crate) fn air_memory(&self, reference: &[Matrix3<f64>]) -> Vec<f64> {
         self.state.air.as_ref().map_or_else(Vec::new, |history| memory(history, reference))
     }
@@ -293,12 +294,12 @@ fn memory(history: &AirHistory, reference: &[Matrix3<f64>]) -> Vec<f64> {
     values
 }
 
-/// Loads as a flat vector.
+/// Entries of the loads in flat order.
 fn entries(loads: &[Wrench]) -> impl Iterator<Item = f64> {
     loads.iter().flat_map(|load| load.force_n.iter().chain(&load.moment_n_m).copied())
 }
 
-/// `N` vectors from the start of a slice.
+/// `N` consecutive vectors from the start of a slice.
 fn thirds<const N: usize>(values: &[f64]) -> [Vector3<f64>; N] {
     std::array::from_fn(|i| Vector3::from_column_slice(&values[3 * i..3 * i + 3]))
 }
@@ -309,10 +310,10 @@ fn write(values: &mut [f64], vectors: &[Vector3<f64>]) {
     }
 }
 
-/// Change of a rotation vector by a rotation behind it: `I − Θ̂/2 + (1/θ² − (1 + cos θ)/(2θ sin θ)) Θ̂²`.
+/// Derivative of a rotation vector with respect to a rotation applied on its left: `I − Θ̂/2 + (1/θ² − (1 + cos θ)/(2θ sin θ)) Θ̂²`.
 fn inverse_left_tangent(turn: &Vector3<f64>) -> Matrix3<f64> {
     let (angle, hat) = (turn.norm(), hat(turn));
-    // series below the limit: the next term is below 1e-16
+    // series below the limit: the next term is less than 1e-16
     let share = if angle < 1e-2 {
         let square = angle * angle;
         1.0 / 12.0 + square * (1.0 / 720.0 + square / 30_240.0)

@@ -10,14 +10,14 @@ use crate::system::state::State;
 
 /// Aerodynamic step in s.
 pub(crate) const STEP_S: f64 = 2.5e-3;
-/// Structural steps per aerodynamic step: the phase of its fastest motion advances by 0.02 rad in each.
+/// Structural steps per aerodynamic step: the phase of the fastest mode advances by 0.02 rad in each.
 const SUBSTEPS: usize = 128;
 pub(crate) const WAKE_ROWS: usize = 5;
 pub(crate) const STRIPS: usize = 3;
 const CHORD_PANELS: usize = 2;
 pub(crate) const PANELS: usize = STRIPS * CHORD_PANELS;
 
-/// A soft wing with a control surface on a hinge with a spring, in air with lift.
+/// A soft wing with a control surface on a hinge with a spring, at an airspeed with lift.
 pub(crate) fn wing() -> Machine {
     let foam = Material { youngs_modulus_pa: 7e6, shear_modulus_pa: 3e6, density_kg_m3: 140.0 };
     let drive = Motor { stiffness_n_m_rad: 60.0, damping_n_m_s_rad: 0.3, ..Motor::default() };

@@ -1,4 +1,4 @@
-//! Present lattice and wake, for reports, not for the step.
+//! Present lattice and wake, for reports; not used in the time step.
 
 use crate::aero::{AirModel, AirState};
 use crate::system::System;
@@ -14,15 +14,15 @@ pub struct SurfaceLattice {
     pub corner_m: Vec<Vec<Vector3<f64>>>,
     /// Circulation of the strips at the trailing edge in m²/s, about the span from the inner to the outer end.
     pub circulation_m2_s: Vec<f64>,
-    /// Nodes of the wake in m: rows from the trailing edge, columns from the inner section; one row before the first shedding.
+    /// Nodes of the wake in m: rows from the trailing edge, columns from the inner section; a single row before the first shedding.
     pub wake_node_m: Vec<Vec<Vector3<f64>>>,
     /// Circulation of the wake's rings in m²/s: rows from the trailing edge.
     pub wake_circulation_m2_s: Vec<Vec<f64>>,
 }
 
 impl System {
-    /// End in s of the aerodynamic step that contains the present time, with the vortex lattice there, surface by surface; `None` without a
-    /// lattice or before initialisation.
+    /// End time in s of the aerodynamic step that contains the present time, with the vortex lattice at that time, surface by surface;
+    /// `None` without a lattice or before initialisation.
     pub fn lattice(&self) -> Option<(f64, Vec<SurfaceLattice>)> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
         let (AirModel::Lattice(lattice), AirState::Lattice(state)) = (&air.model, &history.after) else { return None };
@@ -51,8 +51,8 @@ impl System {
         Some((history.loads.end_s, surfaces))
     }
 
-    /// Bodies with strips of a lattice beyond stall, whose lift is less than the maximum below their angle of attack, and the number of
-    /// these strips: neighbouring strips may then have several steady circulations, NOTATION eq. (U32). From the last solution of the air.
+    /// Bodies with lattice strips beyond stall, where the lift is below the maximum reached at a lower angle of attack, and the number of
+    /// these strips; neighbouring strips may then have several steady circulations, NOTATION eq. (U32). From the last aerodynamic solution.
     pub fn strips_beyond_stall(&self) -> Vec<(usize, usize)> {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return Vec::new() };
         let (AirModel::Lattice(lattice), AirState::Lattice(state)) = (&air.model, &history.after) else {

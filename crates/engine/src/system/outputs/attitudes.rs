@@ -1,4 +1,4 @@
-//! Last attitudes, for continuous signs of quaternions.
+//! Previous attitudes, for quaternions with continuous signs.
 
 use crate::force::joint::JointForces;
 use crate::math::so3::quaternion_near;
@@ -12,15 +12,16 @@ use crate::system::state::State;
 use nalgebra::{UnitQuaternion, Vector3};
 
 impl System {
-    /// Stores the attitudes at the end of the internal step just taken, for continuous signs of quaternions. The signs do not depend on
-    /// which outputs are read.
+    /// Stores the attitudes at the end of the last internal step, for quaternions with continuous signs. The signs do not depend on which
+    /// outputs are read.
     pub(crate) fn remember_attitudes(&mut self) {
         let State { ahead, spatial_rotations, tip_rotations, station_rotations, .. } = &mut self.state;
         let last = [spatial_rotations, tip_rotations, station_rotations];
         self.equations.remember_attitudes(&ahead.q, &self.tip_bodies, last);
     }
 
-    /// Also stores the present attitudes if the internal step turns so far that its end does not determine the sign.
+    /// Also stores the present attitudes if the rotation in the internal step is so large that the attitude at its end does not determine
+    /// the sign.
     pub(crate) fn remember_far_turns(&mut self) {
         let State { start, ahead, now, spatial_rotations, tip_rotations, station_rotations, .. } = &mut self.state;
         if turn_between(&self.equations, &start.q, &ahead.q) > FAR_TURN_RAD {
@@ -32,7 +33,7 @@ impl System {
 }
 
 impl Equations {
-    /// Updates the last attitudes of joints, tips and stations to the poses of the last sweep.
+    /// Updates the stored attitudes of joints, tips and stations to the poses of the last sweep.
     fn remember_attitudes(
         &self,
         q: &[f64],
@@ -52,11 +53,11 @@ impl Equations {
     }
 }
 
-/// Turn within one internal step above which attitudes are stored at every communication point, rad.
+/// Rotation within one internal step, in rad, above which attitudes are stored at every communication point.
 const FAR_TURN_RAD: f64 = 1.0;
 
-/// Largest angle in rad by which any part of the machine may turn between two sets of coordinates: sum of the turns of
-/// all joints and elements.
+/// Bound in rad on the rotation of any part of the machine between two sets of coordinates: sum of the rotations in all joints and
+/// elements.
 fn turn_between(equations: &Equations, from: &[f64], to: &[f64]) -> f64 {
     let change = |c: usize| to[c] - from[c];
     let turns = |joint: &&JointForces| equations.model.bodies[joint.body].joint.kind.translations() == 0;

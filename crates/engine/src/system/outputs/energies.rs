@@ -24,7 +24,7 @@ pub struct EnergyOutputs {
     pub total: f64,
 }
 
-/// Energies of the present, accounts excepted.
+/// Writes the present energies, except for the accounts.
 pub(crate) fn fill(output: &mut EnergyOutputs, present: &Present) {
     let (equations, motion) = (present.equations, present.motion);
     let (model, work) = (&equations.model, &equations.work);
@@ -41,7 +41,7 @@ pub(crate) fn fill(output: &mut EnergyOutputs, present: &Present) {
     };
 }
 
-/// Accounts of work and losses.
+/// Writes the accounts of work and dissipation.
 pub(crate) fn fill_accounts(output: &mut EnergyOutputs, present: &Present) {
     (output.work, output.dissipated) = (present.state.now.work, present.state.now.dissipated);
 }

@@ -9,18 +9,18 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct FailureOutputs {
-    /// It has happened.
+    /// Whether the failure has occurred.
     pub failed: Switch,
-    /// Time at which it did in s; −1 before.
+    /// Time in s at which it occurred; −1 before.
     pub time_s: f64,
 }
 
 impl FailureOutputs {
-    /// Of a failure that has not happened.
+    /// Outputs of a failure that has not occurred.
     pub(crate) const NONE: Self = Self { failed: Switch::OFF, time_s: -1.0 };
 }
 
-/// States of the failures.
+/// Writes the states of the failures.
 pub(crate) fn fill(outputs: &mut [FailureOutputs], present: &Present) {
     for (output, memory) in outputs.iter_mut().zip(&present.state.failures) {
         let FailureMemory { failed_s, .. } = memory;

@@ -1,7 +1,7 @@
-//! Outputs between steps with direct feedthrough of inputs.
+//! Direct feedthrough of inputs to outputs between steps.
 //!
-//! With the state frozen (coordinates, rates, locks, latches, loads of the air) an input that has been set since the last step changes
-//! accelerations, forces and potentials, NOTATION eq. (L14). Co-simulation masters that solve algebraic loops read them.
+//! With frozen states (coordinates, rates, locks, latches, aerodynamic loads), an input set since the last step changes accelerations,
+//! forces and potentials, NOTATION eq. (L14). Co-simulation masters need these outputs to solve algebraic loops.
 
 use crate::solve::EquationsOfMotion;
 use crate::system::System;
@@ -11,8 +11,8 @@ use crate::system::outputs::OutputSet;
 use crate::system::state::State;
 
 impl System {
-    /// Evaluates outputs at the present time with the set inputs, if these differ from the inputs at the end of the last step. Returns
-    /// false if they do not, or if the result is not finite. Allocates nothing.
+    /// Evaluates outputs at the present time with the newly set inputs, if these differ from the inputs at the end of the last step.
+    /// Returns false if they do not differ, or if the result is not finite. Allocates nothing.
     pub(crate) fn evaluate_with_set_inputs(&mut self, wanted: OutputSet) -> bool {
         let state = &self.state;
         if state.has_arrived_inputs() || !inputs_are_moderate(&state.inputs) {
@@ -40,8 +40,8 @@ impl System {
         settled
     }
 
-    /// The equations at the present time with the set inputs, parameters and switches of the last step; neutral angles jump with their
-    /// commands unless a rate limit is active.
+    /// Sets the equations to the present time with the newly set inputs, and with the parameters and switches of the last step; neutral
+    /// angles jump with their commands unless a rate limit is active.
     fn impose_set_inputs(&mut self) {
         let State { inputs, applied_inputs, applied_from_s, now, .. } = &mut self.state;
         let from_s = std::mem::replace(applied_from_s, now.time_s);
@@ -55,7 +55,7 @@ impl System {
 }
 
 impl State {
-    /// Whether the inputs are those at the end of the present step.
+    /// Whether the set inputs equal those at the end of the present step.
     fn has_arrived_inputs(&self) -> bool {
         let elapsed_s = self.now.time_s - self.applied_from_s;
         let applied = self.applied_inputs.values().iter().zip(self.applied_rates.values());

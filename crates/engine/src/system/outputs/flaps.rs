@@ -1,4 +1,4 @@
-//! Flaps of machines in air.
+//! Outputs of control surfaces.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -6,10 +6,10 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct FlapOutputs {
-    /// Angle in rad; positive moves the trailing edge towards the section's `−z`.
+    /// Angle in rad; a positive angle moves the trailing edge towards the section's `−z`.
     pub angle_rad: f64,
-    /// Its rate in rad/s.
+    /// Rate of the angle in rad/s.
     pub rate_rad_s: f64,
-    /// Moment of the air about the hinge in N·m, positive along positive angles.
+    /// Aerodynamic hinge moment in N·m, positive in the direction of positive angles.
     pub hinge_moment_n_m: f64,
 }

@@ -10,9 +10,9 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct GeneratorOutputs {
-    /// Speed of its shaft, behind the gearbox, in rad/s.
+    /// Speed of the generator's shaft, on the output side of the gearbox, in rad/s.
     pub speed_rad_s: f64,
-    /// Torque against the motion on its shaft in N·m.
+    /// Torque on the generator's shaft that opposes its rotation, in N·m.
     pub torque_n_m: f64,
     /// Electrical power in W.
     pub power_w: f64,
@@ -28,7 +28,7 @@ pub struct ModalOutputs {
     pub root: Wrench,
 }
 
-/// Generators, in the order of their joints.
+/// Writes the outputs of the generators, in the order of their joints.
 pub(crate) fn fill(outputs: &mut [GeneratorOutputs], present: &Present) {
     let rates = present.motion.v;
     let joints = present.equations.forces.joints().iter();
@@ -39,7 +39,7 @@ pub(crate) fn fill(outputs: &mut [GeneratorOutputs], present: &Present) {
     }
 }
 
-/// Deflections of bodies with a frame, in the order of the bodies; poses must be current.
+/// Writes the deflections of bodies with a reference frame, in the order of the bodies; poses must be current.
 pub(crate) fn fill_deflections(outputs: &mut [ModalOutputs], machine: &Machine, present: &Present) {
     let work = &present.equations.work;
     for (output, index) in outputs.iter_mut().zip(machine.framed_bodies()) {
@@ -53,7 +53,7 @@ pub(crate) fn fill_deflections(outputs: &mut [ModalOutputs], machine: &Machine, 
     }
 }
 
-/// Load at the inner end of a body with a frame, from that of its joint in the root frame.
+/// Writes the load at the inner end of a body with a reference frame, from that of its joint in the root frame.
 pub(crate) fn fill_root(
     output: &mut ModalOutputs,
     (body, machine): (usize, &Machine),

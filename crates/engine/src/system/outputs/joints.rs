@@ -4,7 +4,7 @@ use crate::force::joint::JointForces;
 use crate::system::outputs::Present;
 use bytemuck::{Pod, Zeroable};
 
-/// Outputs of one revolute or prismatic joint. Names are those of a revolute joint; for a prismatic one read m for rad and N for N·m.
+/// Outputs of one revolute or prismatic joint. Names are those of a revolute joint; for a prismatic joint read m for rad and N for N·m.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct JointOutputs {
@@ -12,15 +12,15 @@ pub struct JointOutputs {
     pub angle_rad: f64,
     /// Fold rate in rad/s.
     pub rate_rad_s: f64,
-    /// Neutral angle of the motor, behind its rate limit, in rad; 0 for joints without a motor.
+    /// Neutral angle of the motor after its rate limit, in rad; 0 for joints without a motor.
     pub neutral_angle_rad: f64,
-    /// Torque of motor, spring and external torque together on the outer body about `+θ`, in N·m.
+    /// Sum of motor, spring and external torque on the outer body in the direction of `+θ`, in N·m.
     pub torque_applied_n_m: f64,
-    /// Torque of the motor, limited, in N·m.
+    /// Torque of the motor after its limit, in N·m.
     pub motor_torque_n_m: f64,
-    /// Torque of the joint's own spring and damper in N·m.
+    /// Torque of the joint's spring and damper in N·m.
     pub spring_torque_n_m: f64,
-    /// External torque `τ_ext` that acts, in N·m.
+    /// Applied external torque `τ_ext` in N·m.
     pub external_torque_n_m: f64,
     /// Constraint torque of a held joint (lock, locked or prescribed motion) in N·m; 0 for a free joint, and while a closed rigid latch
     /// bears the torque.
@@ -30,8 +30,8 @@ pub struct JointOutputs {
 }
 
 impl JointOutputs {
-    /// Adds the motor's part to the rates of the outputs per second, on the present branch of its limits and slews: `motion` is angle, rate
-    /// and acceleration, `external_n_m_s` the rate of the external torque.
+    /// Adds the motor's contribution to the time derivatives of the outputs, on the present branch of its limits and slews: `motion` is
+    /// angle, rate and acceleration, `external_n_m_s` the rate of the external torque.
     pub(crate) fn add_drive(
         &mut self,
         joint: &JointForces,
@@ -54,7 +54,7 @@ impl JointOutputs {
     }
 }
 
-/// Fills all outputs except those that need the residual.
+/// Writes all outputs except those that need the residual.
 pub(crate) fn fill(outputs: &mut [JointOutputs], present: &Present) {
     let time_s = present.time_s();
     for (output, joint) in outputs.iter_mut().zip(present.equations.forces.joints()) {
@@ -78,12 +78,12 @@ pub(crate) fn fill(outputs: &mut [JointOutputs], present: &Present) {
     }
 }
 
-/// Fills the constraint torques of held joints, from the last residual.
+/// Writes the constraint torques of held joints, from the last residual.
 pub(crate) fn fill_holding(outputs: &mut [JointOutputs], present: &Present) {
     for (output, joint) in outputs.iter_mut().zip(present.equations.forces.joints()) {
         output.holding_torque_n_m = joint.holding_n_m;
         if joint.has_rigid_latch() {
-            // a closed latch bears the whole torque, even if the joint is held otherwise, eq. (A7)
+            // a closed latch bears the whole torque, even if the joint is also held otherwise, eq. (A7)
             let borne_n_m = if joint.is_latched() { joint.holding_n_m } else { 0.0 };
             output.latch_torque_n_m = borne_n_m;
             output.holding_torque_n_m -= borne_n_m;

@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct LatchOutputs {
-    /// Latch closed.
+    /// Whether the latch is closed.
     pub closed: Switch,
     /// Time of the last closing in s; −1 before the first.
     pub time_s: f64,
@@ -19,11 +19,11 @@ pub struct LatchOutputs {
 }
 
 impl LatchOutputs {
-    /// Of a latch that has not closed.
+    /// Outputs of a latch that has not closed yet.
     pub(crate) const OPEN: Self = Self { closed: Switch::OFF, time_s: -1.0, count: Count::NONE, impulse_n_m_s: 0.0 };
 }
 
-/// States of the latches.
+/// Writes the states of the latches.
 pub(crate) fn fill(outputs: &mut [LatchOutputs], present: &Present) {
     for ((output, joint), state) in outputs.iter_mut().zip(present.equations.forces.joints()).zip(&present.state.joints)
     {

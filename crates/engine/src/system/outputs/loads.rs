@@ -1,4 +1,4 @@
-//! Forces and moments: of joints, at sections, of closed loops, on the aircraft; strains of gauges.
+//! Forces and moments of joints, at sections, of closed loops and on the aircraft; strains of gauges.
 
 use crate::beam::recovery::axial_row;
 use crate::load::Wrench;
@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct LoopOutputs {
-    /// Second point less first point in m, eq. (C1).
+    /// Vector from the first to the second point in m, eq. (C1).
     pub gap_m: Vector3<f64>,
     /// Force on the first point in N, eq. (C2); its opposite acts on the second.
     pub force_n: Vector3<f64>,
@@ -28,7 +28,7 @@ pub(crate) fn gauge_points(machine: &Machine) -> Vec<GaugePoint> {
     machine.gauges.iter().map(point).collect()
 }
 
-/// Forces and moments of the joints on their bodies.
+/// Writes the forces and moments of the joints on their bodies.
 pub(crate) fn fill_reactions(outputs: &mut [Wrench], present: &Present) {
     let (equations, motion) = (present.equations, present.motion);
     let (model, work) = (&equations.model, &equations.work);
@@ -46,7 +46,7 @@ pub(crate) fn fill_reactions(outputs: &mut [Wrench], present: &Present) {
     }
 }
 
-/// Strains of the gauges.
+/// Writes the strains of the gauges.
 pub(crate) fn fill_gauges(outputs: &mut [f64], present: &Present, gauges: &[GaugePoint]) {
     let equations = present.equations;
     for (strain, gauge) in outputs.iter_mut().zip(gauges) {
@@ -54,7 +54,7 @@ pub(crate) fn fill_gauges(outputs: &mut [f64], present: &Present, gauges: &[Gaug
     }
 }
 
-/// Internal loads.
+/// Writes the internal loads.
 pub(crate) fn fill_sections(outputs: &mut [Wrench], present: &Present) {
     let equations = present.equations;
     let loads: &[Wrench] = if equations.loaded { &equations.stations } else { &[] };
@@ -63,7 +63,7 @@ pub(crate) fn fill_sections(outputs: &mut [Wrench], present: &Present) {
     }
 }
 
-/// Closed loops.
+/// Writes the outputs of closed loops.
 pub(crate) fn fill_loops(outputs: &mut [LoopOutputs], present: &Present) {
     let (model, work) = (&present.equations.model, &present.equations.work);
     for (output, closure) in outputs.iter_mut().zip(&model.closures) {
@@ -72,7 +72,7 @@ pub(crate) fn fill_loops(outputs: &mut [LoopOutputs], present: &Present) {
     }
 }
 
-/// Force and moment of the wing on the aircraft at the origin, root frame.
+/// Writes the force and moment of the wing on the aircraft at the origin, root frame.
 pub(crate) fn fill_root(output: &mut Wrench, present: &Present) {
     let work = &present.equations.work;
     *output = Wrench { force_n: -work.root_force, moment_n_m: -work.root_moment };

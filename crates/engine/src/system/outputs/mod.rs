@@ -1,4 +1,4 @@
-//! Outputs: one flat vector with one file per group, and their values at the present time.
+//! Outputs: one flat vector, with one source file per group, and their values at the present time.
 
 mod attitudes;
 mod energies;
@@ -78,19 +78,19 @@ pub struct OutputLayout {
     pub latches: Segment<LatchOutputs>,
     /// See [`Outputs::failures`].
     pub failures: Segment<FailureOutputs>,
-    /// Number of the values that move with time; those behind change at events.
+    /// Number of values that vary continuously; those after them change at events only.
     continuous: usize,
     /// Length of the vector.
     end: usize,
 }
 
 impl OutputLayout {
-    /// Whether a number changes at events only.
+    /// Whether a value changes at events only.
     pub(crate) fn changes_at_events(&self, index: usize) -> bool {
         index >= self.continuous
     }
 
-    /// The group that a number belongs to; everything for those of the air and of events.
+    /// Group of outputs that a value belongs to; all outputs for values of the aerodynamics and of events.
     pub(crate) fn group(&self, index: usize) -> OutputSet {
         let groups = [
             (self.joints.range(), OutputSet::JOINTS | OutputSet::HOLDING),
@@ -110,7 +110,7 @@ impl OutputLayout {
         groups.into_iter().find(|(range, _)| range.contains(&index)).map_or(OutputSet::ALL, |(_, group)| group)
     }
 
-    /// Of a machine.
+    /// Layout for a machine.
     pub fn new(machine: &Machine) -> Self {
         let mut end = 0;
         let (one_freedoms, bodies) = (machine.one_freedoms().count(), machine.bodies.len());
@@ -168,8 +168,8 @@ impl Outputs {
         joint_reactions, joint_reactions_mut: [Wrench];
         /// Axial strain per gauge.
         gauges, gauges_mut: [f64];
-        /// Per place of [`Machine::internal_loads`]: force and moment of the part outboard of the section on the part inboard
-        /// of it, section frame.
+        /// Per position of [`Machine::internal_loads`]: force and moment of the part outboard of the section on the part inboard of it,
+        /// section frame.
         internal_loads, section_loads_mut: [Wrench];
         /// Per closed loop, in the order of [`Machine::closures`].
         loops, loops_mut: [LoopOutputs];
@@ -177,7 +177,7 @@ impl Outputs {
         tips, tips_mut: [PointOutputs];
         /// Per station, in the order of [`crate::signal::Inputs::stations`].
         stations, stations_mut: [PointOutputs];
-        /// Per load station of machines in air: force and moment of the air on the part of the body that is nearest to it, at
+        /// Per load station of machines with aerodynamics: aerodynamic force and moment on the part of the body that is nearest to it, at
         /// the station, root frame.
         air_stations, air_stations_mut: [Wrench];
         /// Per strip, surfaces in the order of their bodies: circulation in m²/s.
@@ -195,11 +195,11 @@ impl Outputs {
         root, root_mut: Wrench;
         /// Energies.
         energy, energy_mut: EnergyOutputs;
-        /// Force and moment of the air at the origin, root frame; zero without air.
+        /// Aerodynamic force and moment at the origin, root frame; zero without aerodynamics.
         air_total, air_total_mut: Wrench;
     }
 
-    /// Outputs of the right sizes, before initialisation.
+    /// Zero outputs with the sizes of a machine, before initialisation.
     pub(crate) fn blank(machine: &Machine) -> Self {
         let layout = OutputLayout::new(machine);
         let mut outputs = Self { time_s: 0.0, layout, values: vec![0.0; layout.end] };
@@ -217,8 +217,8 @@ impl Outputs {
         &self.layout
     }
 
-    /// All of them, SI units: first those that vary in time, then those of [`Self::latches`] and [`Self::failures`]. Switches are 1 or 0,
-    /// quaternions are `x, y, z, w`.
+    /// All values in SI units: first those that vary continuously, then those of [`Self::latches`] and [`Self::failures`]. Switches are 1
+    /// or 0, quaternions are `x, y, z, w`.
     #[inline]
     pub fn values(&self) -> &[f64] {
         &self.values
@@ -229,12 +229,12 @@ impl Outputs {
         are_finite(&self.values)
     }
 
-    /// Zero derivatives of the same sizes. Attitudes then hold the derivatives of their four components.
+    /// Zero derivatives with the same layout. Attitudes then hold the derivatives of their four components.
     pub(crate) fn no_change(&self) -> Self {
         Self { time_s: 0.0, layout: self.layout, values: vec![0.0; self.values.len()] }
     }
 
-    /// Adds a multiple of other outputs; latches and the time stay.
+    /// Adds a multiple of other outputs; latches, failures and the time are unchanged.
     pub(crate) fn add(&mut self, other: &Self, weight: f64) {
         let continuous = ..self.layout.continuous;
         let terms = self.values[continuous].iter_mut().zip(&other.values[continuous]);
@@ -242,11 +242,11 @@ impl Outputs {
     }
 }
 
-/// The present as the files of this folder read it.
+/// The present motion, from which the files of this folder compute their outputs.
 pub(crate) struct Present<'a> {
-    /// State; its `now` is the present.
+    /// State of the system; its `now` is the present point.
     state: &'a State,
-    /// Equations, swept as far as necessary.
+    /// Equations, evaluated by the required sweep.
     equations: &'a Equations,
     /// Coordinates, rates, accelerations.
     motion: Motion<'a>,
@@ -260,11 +260,11 @@ impl Present<'_> {
 }
 
 impl System {
-    /// Selects the outputs that `Plant::step` evaluates; initially all. Those that are missing at present are evaluated immediately.
+    /// Selects the outputs that `Plant::step` evaluates; initially all. Selected outputs that are not up to date are evaluated immediately.
     ///
-    /// Other outputs keep an old value in [`System::outputs`] until [`System::provide`] is called for them. Descriptions of the whole wing
-    /// ([`System::sections`], [`System::shape`], [`System::section_strains`], linear models, modes) need [`OutputSet::ALL`]. Later steps do
-    /// not depend on the selection.
+    /// Other outputs keep their previous value in [`System::outputs`] until [`System::provide`] is called for them. Descriptions of the
+    /// whole wing ([`System::sections`], [`System::shape`], [`System::section_strains`], linear models, modes) need [`OutputSet::ALL`].
+    /// Later steps do not depend on the selection.
     pub fn watch(&mut self, wanted: OutputSet) {
         self.watched = wanted;
         if self.state.initialized {
@@ -272,7 +272,7 @@ impl System {
         }
     }
 
-    /// Evaluates those of `wanted` that are missing at the present time, with the set inputs: forces and accelerations have direct
+    /// Evaluates those of `wanted` that are not up to date at the present time, with the set inputs: forces and accelerations have direct
     /// feedthrough. Allocates nothing.
     pub fn provide(&mut self, wanted: OutputSet) {
         if self.state.initialized && !self.found.contains(wanted) {
@@ -283,7 +283,7 @@ impl System {
         }
     }
 
-    /// Evaluates all outputs again if inputs have been set since the last step, and replaces those of the applied inputs.
+    /// Evaluates all outputs again if inputs have been set since the last step, with these inputs instead of the applied ones.
     pub(crate) fn show_set_inputs(&mut self) {
         if self.inputs_may_differ && self.state.initialized {
             self.forget_outputs();
@@ -291,7 +291,7 @@ impl System {
         }
     }
 
-    /// Whether these outputs are those of the present time.
+    /// Whether these outputs are up to date at the present time.
     pub fn provides(&self, wanted: OutputSet) -> bool {
         !self.state.initialized || self.found.contains(wanted)
     }
@@ -301,7 +301,7 @@ impl System {
         self.evaluate_only(OutputSet::ALL);
     }
 
-    /// The same for some outputs.
+    /// Like [`Self::evaluate`], for the outputs in `wanted`.
     pub(crate) fn evaluate_only(&mut self, wanted: OutputSet) {
         self.found = OutputSet::NONE;
         self.evaluate_some(wanted);
@@ -315,7 +315,7 @@ impl System {
     }
 
     fn evaluate_some(&mut self, wanted: OutputSet) {
-        // loads of the air are read at the load stations and along the surfaces
+        // aerodynamic loads are read at the load stations and along the surfaces
         let wanted = if self.air.is_some() { OutputSet::ALL } else { wanted };
         self.found = self.found | wanted;
         self.sweep_for(wanted);
@@ -378,7 +378,7 @@ impl System {
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
         let sweep = wanted.sweep(self.gauges_need_forces);
         match sweep {
-            // linear models continue from a whole residual, and only it contains the constraint torques
+            // linear models continue from a complete residual, and only it contains the constraint torques
             _ if wanted == OutputSet::ALL || wanted.meets(OutputSet::HOLDING) => {
                 equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);
             }

@@ -1,16 +1,16 @@
-//! Sets of outputs: groups that are evaluated together, and their dependences.
+//! Sets of outputs: groups that are evaluated together, and the sweeps that they require.
 
 use std::ops::BitOr;
 
 /// A set of groups of [`crate::system::Outputs`].
 ///
 /// Outputs that are not read need no evaluation: angles follow from the coordinates, positions from a sweep of poses, velocities and
-/// energies from a sweep of motions, forces from a whole residual.
+/// energies from a sweep of motions, forces from a complete residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct OutputSet(u32);
 
 impl OutputSet {
-    /// Nothing.
+    /// The empty set.
     pub const NONE: Self = Self(0);
     /// Revolute joints: angles, rates, torques, latches.
     pub const JOINTS: Self = Self(1);
@@ -36,7 +36,7 @@ impl OutputSet {
     pub const LOOPS: Self = Self(1 << 10);
     /// Force and moment on the aircraft.
     pub const ROOT: Self = Self(1 << 11);
-    /// Loads of the air.
+    /// Aerodynamic loads.
     pub const AIR: Self = Self(1 << 12);
     /// Constraint torques of held revolute joints.
     pub const HOLDING: Self = Self(1 << 13);
@@ -44,16 +44,16 @@ impl OutputSet {
     pub const STATION_ACCELERATIONS: Self = Self(1 << 14);
     /// Internal loads.
     pub const SECTION_LOADS: Self = Self(1 << 15);
-    /// Everything; also the motion and the forces inside the wing that shapes, sections and strains are read from.
+    /// All outputs; also the motion and the forces inside the wing from which shapes, sections and strains are read.
     pub const ALL: Self = Self((1 << 16) - 1);
 
-    /// Whether all of `other` is contained.
+    /// Whether the set contains all of `other`.
     #[inline]
     pub fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 
-    /// Whether some of `other` is contained.
+    /// Whether the set contains some of `other`.
     #[inline]
     pub fn meets(self, other: Self) -> bool {
         self.0 & other.0 != 0
@@ -65,7 +65,7 @@ impl OutputSet {
         Self(self.0 & !other.0)
     }
 
-    /// Required sweep, if strains of gauges follow from forces (`recovered`) or from coordinates.
+    /// Sweep required for the outputs, depending on whether strains of gauges follow from forces (`recovered`) or from coordinates.
     pub(crate) fn sweep(self, recovered: bool) -> Sweep {
         let forces = Self::REACTIONS | Self::SECTION_LOADS | Self::LOOPS | Self::ROOT | Self::AIR | Self::HOLDING;
         let motions =
@@ -91,15 +91,15 @@ impl BitOr for OutputSet {
     }
 }
 
-/// Extent to which the equations are evaluated at the present time; each includes those before.
+/// Extent to which the equations are evaluated at the present time; each includes the previous ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Sweep {
-    /// Coordinates alone.
+    /// Coordinates only.
     Nothing,
     /// Poses of the nodes.
     Poses,
     /// Poses, velocities and accelerations.
     Motion,
-    /// And the forces.
+    /// Poses, velocities, accelerations and forces.
     Residual,
 }

@@ -26,7 +26,7 @@ pub struct PointOutputs {
 }
 
 impl PointOutputs {
-    /// Of a point that has not been found yet.
+    /// Outputs of a point that has not been evaluated yet.
     pub(crate) const BLANK: Self = Self {
         position_m: Vector3::new(0.0, 0.0, 0.0),
         velocity_m_s: Vector3::new(0.0, 0.0, 0.0),
@@ -37,10 +37,10 @@ impl PointOutputs {
     };
 }
 
-/// No rotation.
+/// Identity rotation.
 pub(crate) const UPRIGHT: UnitQuaternion<f64> = Unit::new_unchecked(Quaternion::new(1.0, 0.0, 0.0, 0.0));
 
-/// Free ends.
+/// Writes the outputs of free ends.
 pub(crate) fn fill_tips(outputs: &mut [PointOutputs], present: &Present, bodies: &[usize], wanted: OutputSet) {
     let (equations, root) = (present.equations, &present.equations.root);
     for ((tip, &body), last) in outputs.iter_mut().zip(bodies).zip(&present.state.tip_rotations) {
@@ -58,7 +58,7 @@ pub(crate) fn fill_tips(outputs: &mut [PointOutputs], present: &Present, bodies:
     }
 }
 
-/// Load stations.
+/// Writes the outputs of load stations.
 pub(crate) fn fill_stations(outputs: &mut [PointOutputs], present: &Present, wanted: OutputSet) {
     let (equations, motion) = (present.equations, present.motion);
     let (model, work) = (&equations.model, &equations.work);

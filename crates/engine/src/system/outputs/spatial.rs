@@ -15,7 +15,7 @@ pub struct SpatialOutputs {
     pub angular_velocity_rad_s: Vector3<f64>,
 }
 
-/// Attitudes and angular velocities of the last sweep.
+/// Writes the attitudes and angular velocities of the last sweep.
 pub(crate) fn fill(outputs: &mut [SpatialOutputs], present: &Present) {
     let last = &present.state.spatial_rotations;
     for ((output, joint), last) in outputs.iter_mut().zip(&present.equations.spatial).zip(last) {
