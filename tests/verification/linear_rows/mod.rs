@@ -3,6 +3,7 @@
 pub mod compare;
 mod stiff_end;
 mod still_shaft;
+mod thin_blade;
 
 use crate::whole::is_whole;
 use compare::{Rows, linear_rows_agree, linear_rows_agree_at};
