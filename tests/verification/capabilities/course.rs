@@ -5,7 +5,7 @@ use crate::coupling::wings;
 use foldwing::interface::Causality;
 
 const LOAD: &str = "load.outer[4].force.z";
-/// Amplitude in N of the load; it rotates the outer wing by about 0.1 rad.
+/// Amplitude in N and angular frequency in rad/s of the load, which rotates the outer wing by about 0.1 rad.
 const LOAD_N: f64 = 0.05;
 const OMEGA_1_S: f64 = 125.0;
 /// Phase at the start. Held loads act half a step late, which affects the angle through the load at the start: without this phase the
