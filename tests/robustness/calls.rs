@@ -1,4 +1,4 @@
-//! Every function of FMI 2.0 on an instance, with arguments that are good ones wherever it is legal.
+//! Calls of every function of FMI 2.0 on an instance, with arguments that are valid wherever the call is legal.
 
 use crate::fmu::Fmu;
 use foldwing_fmu::derivatives::*;
@@ -12,7 +12,7 @@ use std::ptr;
 /// Communication step in s.
 pub const STEP_S: f64 = 1e-3;
 
-/// Arguments of the calls besides the instance.
+/// Arguments of the calls in addition to the instance.
 pub struct Arguments<'a> {
     /// A saved state.
     pub state: fmi2FMUstate,
@@ -20,13 +20,13 @@ pub struct Arguments<'a> {
     pub bytes: &'a [u8],
     /// Present time in s.
     pub time_s: f64,
-    /// Continuous states; none of an instance without Model Exchange.
+    /// Continuous states; empty for an instance without Model Exchange.
     pub states: &'a [f64],
     /// Number of event indicators.
     pub indicators: usize,
 }
 
-/// An empty event.
+/// A cleared event-info structure.
 pub fn no_info() -> fmi2EventInfo {
     fmi2EventInfo {
         newDiscreteStatesNeeded: -1,
@@ -61,7 +61,7 @@ pub fn call(fmu: &Fmu, name: &str, arguments: &Arguments) -> fmi2Status {
             "fmi2GetString" => fmi2GetString(c, null, 0, ptr::null_mut()),
             "fmi2SetReal" => fmi2SetReal(c, &reference("fold.external_torque"), 1, &0.01),
             "fmi2SetInteger" => fmi2SetInteger(c, null, 0, ptr::null()),
-            // switches are not set while the importer integrates
+            // the importer cannot set switches while it integrates
             "fmi2SetBoolean" if nx == 0 => fmi2SetBoolean(c, &reference("fold.latch_enable"), 1, &fmi2False),
             "fmi2SetBoolean" => fmi2SetBoolean(c, null, 0, ptr::null()),
             "fmi2SetString" => fmi2SetString(c, null, 0, ptr::null()),

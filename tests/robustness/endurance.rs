@@ -1,6 +1,6 @@
-//! Many instances at once, many steps, and importers that end without a call.
+//! Many instances at once, many steps, and importers that end without freeing instances.
 //!
-//! Tests of whole processes run this program itself, started again with one of the ignored tests `child_…`.
+//! Tests of whole processes start this program again with one of the ignored tests `child_…`.
 
 use crate::fmu::{Fmu, Resources, WING, guid_of, table};
 use foldwing_fmu::functions::*;
@@ -48,8 +48,8 @@ fn unfold(fmu: &Fmu) -> Vec<u64> {
     fmu.bits()
 }
 
-/// D-01. 64 instances in 8 threads, eight of them with a lattice and its own pool, stepped in turns: each as one alone, to the
-/// bit.
+/// D-01. 64 instances in 8 threads, eight of them with a lattice and a separate pool, stepped alternately: results are bit-identical to
+/// those of a single instance.
 #[test]
 fn d01_sixty_four_instances_in_eight_threads() {
     let models = [WING.to_owned(), tunnel()];
@@ -69,7 +69,7 @@ fn d01_sixty_four_instances_in_eight_threads() {
     });
 }
 
-/// Starts this program again with one of its ignored tests, in an empty folder and with one for temporary files.
+/// Starts this program again with one of its ignored tests, in an empty folder and with a separate folder for temporary files.
 fn child(name: &str, place: &Resources, settings: &[(&str, &str)]) -> Command {
     let [here, temporary] = folders(place);
     for folder in [&here, &temporary] {
@@ -92,7 +92,7 @@ fn folders(place: &Resources) -> [PathBuf; 2] {
     ["here", "temporary"].map(|name| place.folder.join(name))
 }
 
-/// A place for a child: its folders, and the resources of a model.
+/// Folders of a child process, and the resources of a model.
 fn place(model: &str) -> Resources {
     let place = Resources::empty("child");
     let resources = place.folder.join("resources");
@@ -110,23 +110,23 @@ fn result(mut command: Command) -> String {
     line.1.to_owned()
 }
 
-/// The model of a child, where this process is one.
+/// The model of a child process; `None` if this process is not one.
 fn model_of_child() -> Option<String> {
     let folder = std::env::var("FOLDWING_RESOURCES").ok()?;
     Some(std::fs::read_to_string(Path::new(&folder).join("model.toml")).expect("readable"))
 }
 
-/// The anonymous memory of this process that is resident, in kilobytes: heap and stacks. It is counted page by page;
-/// `VmRSS` of `status` is not enough here, because it lags behind by up to some hundred kilobytes on many processors and
-/// also counts pages of the program itself, which come in whenever a line runs for the first time.
+/// Resident anonymous memory of this process in kilobytes: heap and stacks. Counted page by page, because `VmRSS` of `status` can lag by
+/// some hundred kilobytes on many processors, and also counts pages of the program itself, which are loaded when a line runs for the first
+/// time.
 fn anonymous_kb() -> i64 {
     let memory = std::fs::read_to_string("/proc/self/smaps").expect("Linux");
     let lines = memory.lines().filter_map(|line| line.strip_prefix("Anonymous:"));
     lines.map(|text| text.trim_end_matches("kB").trim().parse::<i64>().expect("a number")).sum()
 }
 
-/// D-02. A latched wing for `FOLDWING_STEPS` steps, with inputs set and outputs read in each, states saved, serialised,
-/// restored and freed, and refused calls in between: as much memory after all steps as after a tenth of them.
+/// D-02. A latched wing for `FOLDWING_STEPS` steps, with inputs set and outputs read in each, states saved, serialised, restored and freed,
+/// and rejected calls in between: memory use after all steps equals that after a tenth of them.
 #[test]
 fn d02_flat_memory() {
     if !cfg!(target_os = "linux") {
@@ -138,7 +138,7 @@ fn d02_flat_memory() {
     let numbers: Vec<i64> = told.split_whitespace().map(|number| number.parse().expect("a number")).collect();
     let [tenth_kb, all_kb] = numbers.as_slice() else { panic!("{told}") };
     println!("{steps} steps: {tenth_kb} kB after a tenth, {all_kb} kB after all");
-    // a page of the allocator here and there, no growth with the steps: a leak of 1 byte a step would be 900 kB of 10⁶
+    // a few pages of the allocator, but no growth with the steps: a leak of 1 byte per step would be 900 kB for 10⁶ steps
     assert!(all_kb - tenth_kb <= 128, "{tenth_kb} kB, then {all_kb} kB");
 }
 
@@ -173,7 +173,7 @@ fn child_steps_for_long() {
             }
         }
         if i == steps / 20 {
-            anonymous_kb(); // the memory that reading takes is there before it counts
+            anonymous_kb(); // allocates the memory for reading before it counts
         }
         if i == steps / 10 {
             tenth_kb = anonymous_kb();
@@ -183,7 +183,7 @@ fn child_steps_for_long() {
     println!("result {tenth_kb} {}", anonymous_kb());
 }
 
-/// Waits until a child reports that it steps.
+/// Waits until a child process reports that it is stepping.
 fn wait_for_steps(child: &mut Child) {
     let mut told = BufReader::new(child.stdout.take().expect("piped"));
     let mut line = String::new();
@@ -193,8 +193,8 @@ fn wait_for_steps(child: &mut Child) {
     }
 }
 
-/// D-03. The importer is killed in the middle of a step, at `FOLDWING_KILLS` random moments: no file and no lock stays
-/// behind, and the next run with the same resources gives what the first gave.
+/// D-03. The importer is killed in the middle of a step, at `FOLDWING_KILLS` random moments: no file or lock remains, and the next run with
+/// the same resources gives the same results as the first.
 #[test]
 fn d03_killed_importers() {
     for model in [WING.to_owned(), tunnel()] {
@@ -244,7 +244,7 @@ fn child_unfolds() {
     println!("result {:x?}", unfold(&running(&model)));
 }
 
-/// D-04. A process that ends without freeing its instances and their states ends with its own code.
+/// D-04. A process that ends without freeing its instances and their states ends with its regular exit code.
 #[test]
 fn d04_exit_without_freeing() {
     for model in [WING.to_owned(), tunnel()] {
@@ -277,11 +277,11 @@ type DoStep = unsafe extern "C" fn(fmi2Component, fmi2Real, fmi2Real, fmi2Boolea
 type GetReal = unsafe extern "C" fn(fmi2Component, *const fmi2ValueReference, usize, *mut fmi2Real) -> fmi2Status;
 type FreeInstance = unsafe extern "C" fn(fmi2Component);
 
-/// The shared library, as an importer loads it.
+/// The shared library, loaded as by an importer.
 fn load() -> libloading::Library {
     let tests = std::env::current_exe().expect("a path");
     let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    let path = tests.with_file_name(name); // Cargo builds the library beside its tests
+    let path = tests.with_file_name(name); // Cargo builds the library next to its tests
     // SAFETY: our own library, without initialisers.
     unsafe { libloading::Library::new(&path) }.unwrap_or_else(|error| panic!("{path:?}: {error}"))
 }
@@ -311,8 +311,8 @@ fn step_loaded(library: &libloading::Library, model: &str) -> (fmi2Component, Ve
     }
 }
 
-/// D-05. The library is unloaded, after its instances were freed or while they live with the threads of a lattice, and
-/// loaded again: the same results, no crash, not at the end of the process either.
+/// D-05. The library is unloaded, after its instances were freed or while they still exist with the threads of a lattice, and loaded again:
+/// the same results and no crash, also at the end of the process.
 #[test]
 fn d05_unloading() {
     for model in [WING.to_owned(), tunnel()] {
@@ -338,15 +338,15 @@ fn child_unloads() {
             unsafe { library.get::<FreeInstance>(b"fmi2FreeInstance").expect("exported")(component) };
         }
         library.close().expect("closes");
-        std::thread::sleep(Duration::from_millis(20)); // for threads that would run in what is no longer there
+        std::thread::sleep(Duration::from_millis(20)); // time for threads that would execute unloaded code
     }
     assert!(results.iter().all(|bits| *bits == results[0]));
     println!("result the same three times");
 }
 
-/// D-08. Loaded, run, freed, unloaded, 200 times: nothing remains. The increase of the resident memory over 180 of these cycles is below 2
-/// MiB, 11 KiB each: allocators return memory in larger pieces, a schema alone took 268 KiB each. A lattice with threads keeps the library
-/// loaded, once: threads started from it end first.
+/// D-08. Loading, running, freeing and unloading 200 times leaves nothing behind. The increase of the resident memory over 180 of these
+/// cycles is below 2 MiB, 11 KiB each, because allocators return memory in larger pieces; a schema alone took 268 KiB per cycle. A lattice
+/// with threads keeps the library loaded once: its threads must end before it is unloaded.
 #[test]
 #[ignore = "long; `make long` runs it"]
 #[cfg(target_os = "linux")]
@@ -381,8 +381,8 @@ fn child_loads_and_unloads() {
     println!("result {} {mapped}", anonymous_kb() - early_kb);
 }
 
-/// D-06. An importer that forks between two steps: parent and child both go on, each as if alone. (With `threads` above 1
-/// the child has no pool: that is the importer's to avoid.)
+/// D-06. An importer that forks between two steps: parent and child both continue, each as if alone. (With `threads` above 1 the child has
+/// no thread pool: the importer must avoid this.)
 #[test]
 #[cfg(unix)]
 fn d06_forked_importers() {
@@ -424,7 +424,7 @@ fn child_forks() {
     println!("result both");
 }
 
-/// D-07. Two threads that call one instance at once, which the standard forbids: calls are refused or done, never torn.
+/// D-07. Two threads that call one instance at once, which the standard forbids: calls are either rejected or executed completely.
 #[test]
 fn d07_two_threads_on_one_instance() {
     let fmu = running(WING);

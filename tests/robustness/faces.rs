@@ -1,4 +1,4 @@
-//! The same call on an instance of any of three faces: Model Exchange of FMI 2.0 and of 3.0, co-simulation of 3.0.
+//! Uniform access to an instance of any of three interfaces: Model Exchange of FMI 2.0 and of 3.0, co-simulation of 3.0.
 
 use crate::fmi3::{self, OF_EXCHANGE, OF_STEPS, Phase};
 use crate::fmu::Fmu;
@@ -29,7 +29,7 @@ pub enum Face {
     Steps3(Fmu3),
 }
 
-/// A vector of Model Exchange that is read.
+/// Vectors of Model Exchange that can be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Vector {
     States,
@@ -42,9 +42,9 @@ pub enum Vector {
 #[derive(Debug)]
 pub enum Ask {
     Logging(Vec<Option<&'static CStr>>),
-    /// FMI 2.0 alone.
+    /// FMI 2.0 only.
     Experiment(Times),
-    /// With the times in FMI 3.0.
+    /// In FMI 3.0 with the times.
     EnterInitialization(Times),
     ExitInitialization,
     Terminate,
@@ -57,13 +57,13 @@ pub enum Ask {
     SetTime(f64),
     SetStates(Vec<f64>),
     Read(Vector, Vec<f64>),
-    /// Number of continuous states, or of indicators; FMI 3.0 alone.
+    /// Number of continuous states, or of indicators; FMI 3.0 only.
     Count(Vector, usize),
     Get(Kind, Vec<u32>, Vec<f64>),
     Set(Kind, Vec<u32>, Vec<f64>),
     /// A type of FMI 3.0 that no variable has.
     NoType(usize, Vec<u32>),
-    /// Functions that are legal in no phase.
+    /// Functions that are not legal in any phase.
     Never(usize),
     Save(Handle),
     Restore(Handle),
@@ -150,7 +150,7 @@ pub const NEVER: &[(&str, OfNothing)] = &[
 ];
 
 impl Ask {
-    /// Names of the function in FMI 2.0 and 3.0; none where the version has no such function.
+    /// Names of the function in FMI 2.0 and 3.0; empty where the version has no such function.
     pub fn names(&self) -> [&'static str; 2] {
         match self {
             Self::Logging(_) => ["fmi2SetDebugLogging", "fmi3SetDebugLogging"],
@@ -198,18 +198,18 @@ impl Ask {
     }
 }
 
-/// Null in place of the argument of that number.
+/// The pointer of argument `number`, or null if this is the argument `hole`.
 fn holed<T>(pointer: *const T, number: u8, hole: u8) -> *const T {
     if number == hole { ptr::null() } else { pointer }
 }
 
-/// The same of an argument that is written to.
+/// The same for an argument to be written.
 fn holed_mut<T>(pointer: *mut T, number: u8, hole: u8) -> *mut T {
     if number == hole { ptr::null_mut() } else { pointer }
 }
 
 impl Face {
-    /// The table of the model.
+    /// The variable table of the model.
     pub fn table(&self) -> &Interface {
         match self {
             Self::Exchange2(fmu) => &fmu.table,
@@ -217,17 +217,17 @@ impl Face {
         }
     }
 
-    /// 0 in FMI 2.0, 1 in FMI 3.0: place in [`Ask::names`].
+    /// 0 in FMI 2.0, 1 in FMI 3.0: index into [`Ask::names`].
     pub fn version(&self) -> usize {
         usize::from(!matches!(self, Self::Exchange2(_)))
     }
 
-    /// Returns whether the importer integrates.
+    /// Returns whether the importer integrates (Model Exchange).
     pub fn exchanges(&self) -> bool {
         !matches!(self, Self::Steps3(_))
     }
 
-    /// Rows of a variable; none where there is no such variable.
+    /// Rows of a variable; empty if there is no such variable.
     pub fn rows(&self, reference: u32) -> Vec<u32> {
         match self {
             Self::Exchange2(fmu) => {
@@ -245,7 +245,7 @@ impl Face {
         u32::try_from(count).expect("few")
     }
 
-    /// Messages since the last time: status, category, text.
+    /// Messages since the last call: status, category, text.
     pub fn told(&self) -> Vec<(u32, String, String)> {
         match self {
             Self::Exchange2(fmu) => fmu
@@ -274,7 +274,7 @@ impl Face {
         }
     }
 
-    /// Name of a Real, by its place in [`Face::bits`].
+    /// Name of a Real, given its index in [`Face::bits`].
     pub fn real(&self, place: usize) -> String {
         let table = match self {
             Self::Exchange2(fmu) => &fmu.table,
@@ -284,7 +284,7 @@ impl Face {
         reals.nth(place).map_or_else(String::new, |row| row.name.clone())
     }
 
-    /// The phase as the instance names it, in the refusal of a call that is legal nowhere.
+    /// The phase of the instance, from the error message of a call that is never legal.
     pub fn phase(&self) -> Phase {
         let (name, phases) = match self {
             Self::Exchange2(fmu) => {
@@ -303,7 +303,7 @@ impl Face {
         *found.unwrap_or_else(|| panic!("{text}"))
     }
 
-    /// A phase in the words of the version.
+    /// Name of a phase in the terms of the version.
     pub fn phrase(&self, phase: Phase) -> String {
         if self.version() == 0 { phase.phrase().replace("fmi3", "fmi2") } else { phase.phrase().to_owned() }
     }
@@ -339,7 +339,7 @@ impl Face {
         cells.unwrap_or_else(|| panic!("{name} is in no table")).split(' ').nth(column) == Some("x")
     }
 
-    /// Makes a call, with null for the argument of number `hole`, counted from 1.
+    /// Makes a call, with null for argument number `hole`, counted from 1.
     pub fn make(&self, ask: &mut Ask, hole: u8) -> u32 {
         match self {
             Self::Exchange2(fmu) => unsafe { of_fmi2(fmu.component, ask, hole) },

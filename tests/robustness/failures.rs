@@ -1,4 +1,4 @@
-//! Every way to `fmi2Error` and `fmi2Discard`: the whole message, and where the instance stands afterwards.
+//! Every cause of `fmi2Error` and `fmi2Discard`: the complete message, and the state of the instance afterwards.
 
 use crate::fmu::{Attempt, Fmu, OTHER, Resources, WING, guid_of};
 use foldwing_fmu::derivatives::*;
@@ -24,7 +24,7 @@ impl Fmu {
         assert_eq!((status, told), (expected, vec![(expected, text.to_owned())]));
     }
 
-    /// Panics unless a step has found no solution. Which element moves most and by how much is the method's affair.
+    /// Panics unless a step has failed to converge. The element with the largest change, and its size, depend on the method.
     fn gave_up(&self, status: fmi2Status, place: &str, advice: &str) {
         let text = self.messages.borrow_mut().pop().expect("a message").text;
         let begins = text.starts_with(&format!("fmi2DoStep: no convergence {place}"));
@@ -49,7 +49,7 @@ impl Fmu {
     }
 }
 
-/// EM-01. Calls out of order, with what leads on.
+/// EM-01. Calls in the wrong order, and calls that are legal afterwards.
 #[test]
 fn em01_out_of_order() {
     let fmu = Fmu::new(WING);
@@ -96,7 +96,7 @@ fn em01_out_of_order() {
     }
 }
 
-/// EM-02. Arguments: what, which value, what is allowed.
+/// EM-02. Invalid arguments: each message gives the argument, its value and what is allowed.
 #[test]
 fn em02_arguments() {
     let fmu = Fmu::stepping();
@@ -188,7 +188,7 @@ fn em02_arguments() {
     }
 }
 
-/// EM-03. Steps that are none: refused before anything moves.
+/// EM-03. Invalid steps are rejected before the state changes.
 #[test]
 fn em03_steps() {
     let fmu = Fmu::new(WING);
@@ -228,7 +228,7 @@ fn em03_steps() {
     fmu.step(0.0, 1e-3);
 }
 
-/// EM-04. At 1e17 s the internal steps are lost in the round-off of the clock: an error, where it used to run for ever.
+/// EM-04. At 1e17 s the internal steps are below the round-off of the clock: an error, where it used to run for ever.
 #[test]
 fn em04_a_clock_without_resolution() {
     let fmu = Fmu::initializing(1e17);
@@ -242,8 +242,8 @@ fn em04_a_clock_without_resolution() {
     assert_eq!(fmu.bits(), before);
 }
 
-/// EM-05. Steps that fail at their begin: each cause is named with time, place and value, and all outputs are those of
-/// before, bit for bit; an earlier state leads on.
+/// EM-05. Steps that fail at their start: each message gives the cause with time, location and value, all outputs are unchanged
+/// (bit-identical), and the run can continue from an earlier state.
 #[test]
 fn em05_failures_at_the_begin_of_a_step() {
     type Spoil = fn(&Fmu);
@@ -288,7 +288,7 @@ fn em05_failures_at_the_begin_of_a_step() {
     assert_eq!(found, causes.map(told));
 }
 
-/// EM-11. A torque that no step is small enough for: the joint is named, with what was tried; nothing has changed.
+/// EM-11. A torque too large for any step: the message names the joint and what was tried; the state is unchanged.
 #[test]
 fn em11_a_torque_beyond_measure() {
     let fmu = Fmu::stepping();
@@ -304,7 +304,7 @@ fn em11_a_torque_beyond_measure() {
     assert_eq!((fmu.get("fold.angular_velocity"), fmu.last_good_s()), (before, 1e-3));
 }
 
-/// EM-12. A command beyond measure is named, not the weight.
+/// EM-12. For an extremely large command, the message names the command and not the weight.
 #[test]
 fn em12_a_command_beyond_measure() {
     let fmu = Fmu::stepping();
@@ -314,8 +314,8 @@ fn em12_a_command_beyond_measure() {
     fmu.refused(status, fmi2Error, &["the largest input is fold.angle_command = 1e300 rad"]);
 }
 
-/// EM-13. A load that exceeds the aerodynamic model is an error at once, with its name, at the start and during a run; smaller ones are
-/// simulated.
+/// EM-13. A load that exceeds the aerodynamic model is an error at once that names the load, at the start and during a run; smaller ones
+/// are simulated.
 #[test]
 fn em13_a_load_that_throws_the_wing_through_the_air() {
     let fmu = Fmu::running(&tunnel());
@@ -335,7 +335,7 @@ fn em13_a_load_that_throws_the_wing_through_the_air() {
 }
 
 /// EM-14. A communication step has a bounded number of iterations for any arguments; the error names the input that causes it, and the
-/// instance is at the last good time.
+/// instance is at the last valid time.
 #[test]
 fn em14_work_is_bounded() {
     let fmu = Fmu::initializing(0.0);
@@ -351,9 +351,8 @@ fn em14_work_is_bounded() {
     assert!(1e-3 < good_s && good_s < 4e-3, "{good_s} s");
 }
 
-/// EM-15. A wing that carries a fuselage lighter than itself, coupled step by step through `root.force` and
-/// `root.acceleration`: the loop diverges, and the message names the input and the rule; eight times the wing's weight is
-/// fine.
+/// EM-15. A wing that carries a fuselage lighter than itself, coupled step by step through `root.force` and `root.acceleration`: the loop
+/// diverges, and the message gives the input and the rule; with eight times the wing's weight it converges.
 #[test]
 fn em15_a_carrier_lighter_than_the_wing() {
     let fly = |mass_kg: f64| {
@@ -380,7 +379,7 @@ fn em15_a_carrier_lighter_than_the_wing() {
     );
 }
 
-/// EM-16. No directional derivatives in air: they are refused with the reason, in every phase.
+/// EM-16. With aerodynamics there are no directional derivatives: calls are rejected with the reason, in every phase.
 #[test]
 fn em16_no_directional_derivatives_in_air() {
     let fmu = Fmu::running(&tunnel());
@@ -395,8 +394,8 @@ fn em16_no_directional_derivatives_in_air() {
     );
 }
 
-/// EM-06. A step that fails halfway, at a latch of 1e30 N·m/rad: the instance is at the end of the last good internal step, equal to a
-/// second instance stepped to that time, bit for bit.
+/// EM-06. A step that fails halfway, at a latch of 1e30 N·m/rad: the instance is at the end of the last valid internal step, bit-identical
+/// to a second instance stepped to that time.
 #[test]
 fn em06_a_failure_on_the_way() {
     let [fmu, twin] = [(); 2].map(|()| {
@@ -428,7 +427,7 @@ fn em06_a_failure_on_the_way() {
     }
 }
 
-/// EM-07. Start values that nothing agrees with; in Initialization Mode they can be put right.
+/// EM-07. Start values without a consistent state; they can be corrected in Initialization Mode.
 #[test]
 fn em07_failures_of_the_initialisation() {
     let fmu = Fmu::initializing(0.0);
@@ -481,7 +480,7 @@ fn em07_failures_of_the_initialisation() {
     fmu.ok(unsafe { fmi2ExitInitializationMode(fmu.component) });
 }
 
-/// EM-08. A gust of wind that no air step survives: outputs of before, bit for bit, in air too.
+/// EM-08. A gust for which no aerodynamic step converges: the outputs are unchanged (bit-identical), with aerodynamics too.
 #[test]
 fn em08_a_failure_of_the_air() {
     let fmu = Fmu::running(&tunnel());
@@ -555,7 +554,7 @@ fn em09_states() {
     );
 }
 
-/// EM-19. Model Exchange: what the importer cannot set, states of the other kind, an unknown kind.
+/// EM-19. Model Exchange: variables that the importer cannot set, states of the other interface type, an unknown interface type.
 #[test]
 fn em19_model_exchange() {
     let fmu = Fmu::exchanged(WING);
@@ -620,7 +619,7 @@ fn em19_model_exchange() {
     );
 }
 
-/// EM-10. Instances that are refused.
+/// EM-10. Rejected instantiations.
 #[test]
 fn em10_instances() {
     let resources = Resources::with(WING);

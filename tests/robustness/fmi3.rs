@@ -1,4 +1,4 @@
-//! FMI 3.0 through the C functions: the same bits as FMI 2.0, arrays, events within steps, early return, derivatives, saved
+//! FMI 3.0 through the C functions: bit-identical results with FMI 2.0, arrays, events within steps, early return, derivatives, saved
 //! states, life cycle.
 
 use crate::counting_allocator::allocations;
@@ -26,8 +26,8 @@ pub const EVENTS: Agreed = Agreed { event_mode: true, early_return: true, interm
 /// Communication step in s.
 pub const STEP_S: f64 = 1e-3;
 
-/// F3-01. The same model at the same steps gives the same bits in both versions: every Real, between the steps too, through the
-/// latch, with moving inputs; in air and flying free as well.
+/// F3-01. The same model with the same steps gives bit-identical results in both versions: every Real, also between steps, through the
+/// latch, with changing inputs; also with aerodynamics and in free flight.
 #[test]
 fn f301_co_simulation_of_both_versions_has_the_same_bits() {
     for (text, steps) in [(WING, 150), (FLYING, 20), (TUNNEL, 3)] {
@@ -52,7 +52,8 @@ fn f301_co_simulation_of_both_versions_has_the_same_bits() {
     }
 }
 
-/// F3-02. Arrays are the scalars of FMI 2.0 row by row, whole or refused by count, by type and by element.
+/// F3-02. Arrays correspond row by row to the scalars of FMI 2.0; they are accepted as a whole or rejected because of count, type or an
+/// element.
 #[test]
 fn f302_arrays_are_set_and_read_whole() {
     let fmu = Fmu3::started(Agreed::default());
@@ -86,7 +87,7 @@ fn f302_arrays_are_set_and_read_whole() {
 /// Tolerance of the runs with two folds.
 const FINE: f64 = 1e-8;
 
-/// Runs two folds: the outer one is held until the inner one latches. Returns the times at which they latch in s, and the outer
+/// Simulates two folds: the outer one is locked until the inner one latches. Returns the times at which they latch in s, and the outer
 /// angle in rad at the end.
 fn release_at_the_latch(step_s: f64, end_s: f64) -> [f64; 3] {
     let fmu = Fmu3::new(TWO_FOLDS, EVENTS);
@@ -117,8 +118,8 @@ fn release_at_the_latch(step_s: f64, end_s: f64) -> [f64; 3] {
     [latched_s, fmu.get("fold_outer.latch_time")[0], fmu.get("fold_outer.angle")[0]]
 }
 
-/// F3-03. An importer that uses Event Mode gets control at the latch, whatever its steps are, and releases the second fold in
-/// that very instant: as in FMI 2.0 with a communication point there, known in advance. The step of the importer moves no bit.
+/// F3-03. An importer that uses Event Mode gets control at the latch, whatever its steps, and releases the second fold at exactly this
+/// instant: as in FMI 2.0 with a communication point there, known in advance. The results are bit-identical for all communication steps.
 #[test]
 fn f303_the_second_fold_is_released_when_the_first_latches() {
     let end_s = 0.4;
@@ -136,7 +137,7 @@ fn f303_the_second_fold_is_released_when_the_first_latches() {
     second.step(latched_s, end_s - latched_s);
     let (known_s, known) = (second.get("fold_outer.latch_time"), second.get("fold_outer.angle"));
     println!("latches at {latched_s:.9} s and {outer_s:.9} s, {:+.1e} s beside the known release", outer_s - known_s);
-    // at a tolerance of 1e-8 either run is good for about 1e-9 s and 1e-7 rad; they cut their steps at other places
+    // at a tolerance of 1e-8 either run is accurate to about 1e-9 s and 1e-7 rad; their internal steps differ
     assert!(outer_s > latched_s && (outer_s - known_s).abs() < 1e-8, "{outer_s} {known_s}");
     assert!((angle - known).abs() < 1e-6, "{angle} {known}");
     for step_s in [5e-3, 0.05] {
@@ -144,8 +145,8 @@ fn f303_the_second_fold_is_released_when_the_first_latches() {
     }
 }
 
-/// F3-04. Events end a step only where the importer uses Event Mode and allows early return; else the step handles them, with
-/// the bits of FMI 2.0. The event lies where the latch closes, and its discrete outputs change in the event.
+/// F3-04. Events end a step only if the importer uses Event Mode and allows early return; otherwise the step handles them, bit-identical to
+/// FMI 2.0. The event is at the closing of the latch, and the discrete outputs change in the event.
 #[test]
 fn f304_a_step_ends_at_the_latch_only_where_it_may() {
     let whole = Agreed { event_mode: true, ..Agreed::default() };
@@ -182,15 +183,15 @@ fn f304_a_step_ends_at_the_latch_only_where_it_may() {
         let ended = fmu.step(answer.last_s, rest_s);
         assert!(!ended.event && !ended.early);
         assert_eq!(fmu.bits(), plain.bits(), "the same steps, the same bits");
-        // an importer that goes on without Event Mode
+        // an importer that continues without Event Mode
         fmu.ok(fmi3SetFMUState(fmu.instance, waiting));
         fmu.step(answer.last_s, rest_s);
     }
     assert_eq!(fmu.bits(), plain.bits());
 }
 
-/// F3-05. Within a step the importer receives an update at every internal step, can read and nothing else there, and may end the step; the
-/// updates change no bit.
+/// F3-05. Within a step the importer receives an update at every internal step, can only read there, and may end the step; results with and
+/// without updates are bit-identical.
 #[test]
 fn f305_intermediate_updates() {
     let agreed = Agreed { intermediate_update: true, early_return: true, ..Agreed::default() };
@@ -205,7 +206,7 @@ fn f305_intermediate_updates() {
     assert!(heard.is_sorted_by(|a, b| a.0 < b.0));
     let last = *heard.last().expect("some");
 
-    // the same instants of another run, by its communication points
+    // the same instants as communication points of another run
     let other = Fmu3::started(Agreed::default());
     other.step(0.0, last.0);
     assert_eq!(other.get("fold.angle")[0].to_bits(), last.1.to_bits());
@@ -243,7 +244,7 @@ fn f305_intermediate_updates() {
     }
 }
 
-/// F3-06. Directional derivatives are those of FMI 2.0 to the bit; the adjoint is their transpose to round-off, running and in
+/// F3-06. Directional derivatives are bit-identical to those of FMI 2.0; the adjoint is their transpose to round-off, while stepping and in
 /// Initialization Mode.
 #[test]
 fn f306_adjoint_derivatives_are_the_transpose() {
@@ -297,7 +298,7 @@ fn f306_adjoint_derivatives_are_the_transpose() {
         });
         assert_eq!(found, forward[row * columns..][..columns], "row {row}: one column is found in one way");
     }
-    // derivatives of outputs in time are those of FMI 2.0
+    // time derivatives of outputs are those of FMI 2.0
     let second = Fmu::stepping();
     second.step(0.0, 0.02);
     let (mut rates, mut expected) = ([0.0; 3], [0.0; 3]);
@@ -310,7 +311,7 @@ fn f306_adjoint_derivatives_are_the_transpose() {
     assert!(rates.iter().any(|rate| rate.abs() > 0.1), "{rates:?}");
 }
 
-/// F3-07. Rollback and bytes bring back every bit, from within an event too; a state of FMI 2.0 is refused.
+/// F3-07. Rollback and serialised states restore the instance bit-identically, also from within an event; a state of FMI 2.0 is rejected.
 #[test]
 fn f307_saved_states() {
     let fmu = Fmu3::started(EVENTS);
@@ -334,7 +335,7 @@ fn f307_saved_states() {
     other.ok(unsafe { fmi3DeserializeFMUState(other.instance, bytes.as_ptr(), bytes.len(), &mut state) });
     other.ok(unsafe { fmi3SetFMUState(other.instance, state) });
     assert_eq!(go_on(&other), expected);
-    // without Event Mode there is no such place
+    // without Event Mode there is no such phase
     let plain = Fmu3::started(Agreed::default());
     plain.ok(unsafe { fmi3DeserializeFMUState(plain.instance, bytes.as_ptr(), bytes.len(), &mut state) });
     assert_eq!(unsafe { fmi3SetFMUState(plain.instance, state) }, 3);
@@ -345,7 +346,7 @@ fn f307_saved_states() {
     assert!(fmu.told().contains("belongs to the model"));
 }
 
-/// F3-08. Model Exchange of both versions has the same bits: derivatives, indicators, nominal values, an event.
+/// F3-08. Model Exchange of both versions is bit-identical: derivatives, indicators, nominal values, an event.
 #[test]
 fn f308_model_exchange_of_both_versions_has_the_same_bits() {
     for text in [WING, FLYING] {
@@ -367,7 +368,7 @@ fn f308_model_exchange_of_both_versions_has_the_same_bits() {
             third.ok(fmi3EnterContinuousTimeMode(i));
             let mut x = vec![0.0; states];
             third.ok(fmi3GetContinuousStates(i, x.as_mut_ptr(), states));
-            // Euler's method, with steps short enough that what diverges in the axial modes stays small
+            // Euler's method, with steps short enough that the divergence in the axial modes stays small
             for step in 0..20 {
                 let time_s = 1e-6 * f64::from(step);
                 second.ok(fmi2SetTime(c, time_s));
@@ -397,7 +398,7 @@ fn f308_model_exchange_of_both_versions_has_the_same_bits() {
     }
 }
 
-/// An instance for Model Exchange that the test integrates by Euler's method, to a time.
+/// Integrates an instance for Model Exchange by Euler's method up to a time.
 fn integrated(fmu: &Fmu3, states: &mut [f64], slope: &mut [f64], indicators: &mut [f64], steps: std::ops::Range<u32>) {
     let (i, n) = (fmu.instance, states.len());
     let (mut event, mut end) = (false, true);
@@ -414,7 +415,7 @@ fn integrated(fmu: &Fmu3, states: &mut [f64], slope: &mut [f64], indicators: &mu
     }
 }
 
-/// An instance for Model Exchange at its beginning, with room for what an integrator needs.
+/// An instance for Model Exchange at its start, with the vectors that an integrator needs.
 fn integrable(text: &str) -> (Fmu3, Vec<f64>, Vec<f64>, Vec<f64>) {
     let fmu = Fmu3::exchanged(text);
     fmu.start();
@@ -429,9 +430,9 @@ fn integrable(text: &str) -> (Fmu3, Vec<f64>, Vec<f64>, Vec<f64>) {
     (fmu, states, vec![0.0; n], vec![0.0; indicators])
 }
 
-/// F3-16. Model Exchange of FMI 3.0: steps of the importer's integrator allocate nothing; from a saved state, as bytes in another
-/// instance too, the run repeats to the bit; eight instances in threads give these bits. The folding wing, and Goland's in a wind from
-/// below, with the lag states of its strips.
+/// F3-16. Model Exchange of FMI 3.0: steps of the importer's integrator allocate no memory; a run from a saved state, also from its bytes
+/// in another instance, is bit-identical; so are eight instances in threads. The folding wing, and Goland's wing in a wind from below, with
+/// the lag states of its strips.
 #[test]
 fn f316_model_exchange_allocates_nothing_rolls_back_and_runs_in_threads() {
     let goland = include_str!("../../examples/models/goland_wing.toml");
@@ -446,7 +447,7 @@ fn check_exchange(text: &str) {
     let before = allocations();
     integrated(&fmu, &mut states, &mut slope, &mut indicators, 50..550);
     assert_eq!(allocations() - before, 0, "allocations in 500 steps of the importer's");
-    // what one call gives whole, the variables give one by one
+    // values returned by one call for all variables are those returned one by one
     let rows = fmu.table.variables().iter().filter(|row| row.nominal.is_some());
     let names: Vec<String> = rows.map(|row| row.name.clone()).collect();
     fmu.ok(unsafe { fmi3GetContinuousStateDerivatives(fmu.instance, slope.as_mut_ptr(), slope.len()) });
@@ -484,7 +485,7 @@ fn check_exchange(text: &str) {
     });
 }
 
-/// F3-09. After the first step nothing is allocated: in steps with events and updates, in getting and setting.
+/// F3-09. After the first step no memory is allocated: in steps with events and updates, in getting and setting.
 #[test]
 fn f309_a_step_allocates_nothing() {
     let agreed = Agreed { event_mode: true, early_return: true, intermediate_update: false };
@@ -527,7 +528,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// As messages name it.
+    /// The name of the phase in messages.
     pub fn phrase(self) -> &'static str {
         match self {
             Self::Instantiated => "before fmi3EnterInitializationMode",
@@ -547,8 +548,8 @@ pub const OF_STEPS: [Phase; 6] =
 pub const OF_EXCHANGE: [Phase; 5] =
     [Phase::Instantiated, Phase::Initialization, Phase::Event, Phase::Continuous, Phase::Terminated];
 
-/// FMI 3.0.2, sections 2.3, 3.2.1 and 4.2.1: which functions are legal, in the order of [`OF_STEPS`] and of [`OF_EXCHANGE`]. Every
-/// getter and setter has the row of `fmi3GetFloat64` or `fmi3SetFloat64`. A failed step leaves what FMI 2.0 has there.
+/// FMI 3.0.2, sections 2.3, 3.2.1 and 4.2.1: which functions are legal, in the order of [`OF_STEPS`] and of [`OF_EXCHANGE`]. For every
+/// getter and setter the row of `fmi3GetFloat64` or `fmi3SetFloat64` applies. After a failed step the calls of FMI 2.0 are legal.
 pub const TABLE: [(&str, &str, &str); 35] = [
     ("fmi3SetDebugLogging", "x x x x x x", "x x x x x"),
     ("fmi3EnterInitializationMode", "x - - - - -", "x - - - -"),
@@ -587,7 +588,7 @@ pub const TABLE: [(&str, &str, &str); 35] = [
     ("fmi3GetIntervalDecimal", "- - - - - -", "- - - - -"),
 ];
 
-/// An instance in a phase, with the time that it has come to.
+/// An instance in a phase, and its time.
 fn in_phase(exchange: bool, phase: Phase) -> (Fmu3, f64) {
     let fmu = if exchange { Fmu3::exchanged(WING) } else { Fmu3::new(WING, EVENTS) };
     let i = fmu.instance;
@@ -623,7 +624,7 @@ fn in_phase(exchange: bool, phase: Phase) -> (Fmu3, f64) {
     (fmu, if exchange { 0.0 } else { STEP_S })
 }
 
-/// Calls a function with arguments that are good ones wherever it is legal.
+/// Calls a function with arguments that are valid wherever the call is legal.
 fn call(fmu: &Fmu3, name: &str, time_s: f64) -> u32 {
     let i = fmu.instance;
     let mut state = fmu.save();
@@ -687,8 +688,8 @@ fn call(fmu: &Fmu3, name: &str, time_s: f64) -> u32 {
     }
 }
 
-/// F3-10. Each of 35 functions in each phase of co-simulation with Event Mode and of Model Exchange, against the table of the
-/// standard. Illegal: an error, one message that names function and phase, no bit of the state changed. Legal: no message.
+/// F3-10. Each of 35 functions in each phase of co-simulation with Event Mode and of Model Exchange, against the table of the standard.
+/// Illegal: an error, one message that names function and phase, and a bit-identical state. Legal: no message.
 #[test]
 fn f310_every_call_in_every_phase() {
     let mut cells = [0, 0];
@@ -716,7 +717,7 @@ fn f310_every_call_in_every_phase() {
     println!("FMI 3.0: {} cells, {} legal, {} refused", cells[0] + cells[1], cells[1], cells[0]);
 }
 
-/// F3-11. Null is refused by every function, with nothing done.
+/// F3-11. Null arguments are rejected by every function, without any effect.
 #[test]
 fn f311_no_instance_and_null_arguments() {
     let fmu = Fmu3::started(Agreed::default());
@@ -751,7 +752,7 @@ fn f311_no_instance_and_null_arguments() {
     assert!(fmu.present() == before);
 }
 
-/// F3-13. Instances of both versions in eight threads give the bits that each gives alone.
+/// F3-13. Instances of both versions in eight threads are bit-identical to single instances.
 #[test]
 fn f313_instances_of_both_versions_in_threads() {
     let second = || {

@@ -1,4 +1,4 @@
-//! Directional and adjoint derivatives of FMI 3.0 against differences between events, in every state that a wing passes.
+//! Directional and adjoint derivatives of FMI 3.0 against differences between events, in every phase of the wing's motion.
 
 use crate::fmi3::{EVENTS, FLYING, STEP_S, TWO_FOLDS};
 use crate::fmu::WING;
@@ -13,7 +13,7 @@ use foldwing_fmu::fmi3::values::fmi3GetFloat64;
 const FOUR_BAR: &str = include_str!("../../examples/models/four_bar.toml");
 const PENDULUM: &str = include_str!("../../examples/models/double_pendulum.toml");
 
-/// Arrays of Reals of a causality, with the number of their elements in all.
+/// Arrays of Reals of a causality, with the total number of their elements.
 fn reals(fmu: &Fmu3, causality: Causality) -> (Vec<u32>, usize) {
     let table = &fmu.table;
     let fits = |array: &&foldwing::interface::Array| {
@@ -68,7 +68,7 @@ fn values(fmu: &Fmu3, (references, count): &(Vec<u32>, usize)) -> Vec<f64> {
     values
 }
 
-/// All outputs behind an event in which an input has another value; the instance is as before afterwards.
+/// All outputs after an event in which an input has another value; the instance is restored afterwards.
 fn outputs_at(fmu: &Fmu3, outputs: &(Vec<u32>, usize), name: &str, given: &[f64]) -> Vec<f64> {
     let mut before = fmu.save();
     fmu.ok(unsafe { fmi3EnterEventMode(fmu.instance) });
@@ -98,7 +98,7 @@ fn steepest(derivatives: &[f64], of: &std::ops::Range<usize>) -> f64 {
     derivatives[of.clone()].iter().fold(0.0, |largest: f64, derivative| largest.max(derivative.abs()))
 }
 
-/// Compares at the present; returns the worst relative error of a derivative that is not zero, and how many those are.
+/// Compares at the present state; returns the largest relative error of a nonzero derivative, and the number of these.
 fn compare(fmu: &Fmu3, place: &str) -> (f64, usize) {
     let (outputs, inputs) = (reals(fmu, Causality::Output), reals(fmu, Causality::Input));
     let mut present: Vec<f64> = Vec::new();
@@ -118,7 +118,7 @@ fn compare(fmu: &Fmu3, place: &str) -> (f64, usize) {
             let mut seed = vec![0.0; value.len()];
             seed[element] = 1.0;
             let given = directional(fmu, &outputs, &[known], &seed);
-            // at frozen states outputs are polynomials of second degree in inputs, but for the limits of motors
+            // at a fixed state outputs are polynomials of second degree in the inputs, except at motor limits
             let size = if name.starts_with("fold") { 1e-4 } else { 0.5 };
             if present.is_empty() {
                 present = outputs_at(fmu, &outputs, &name, &value);
@@ -133,10 +133,10 @@ fn compare(fmu: &Fmu3, place: &str) -> (f64, usize) {
             };
             let [whole, half] = [size, 0.5 * size].map(&mut differences);
             for (row, (&derivative, &difference)) in given.iter().zip(&whole).enumerate() {
-                // Beside the 1e-6 that is promised: the round-off of the differences. Both are exact for polynomials of second
-                // degree, so that they differ by it alone; it is taken from all components of the vector, ten times. Components
-                // come from one solution: of the largest derivative of the vector a share is left in each; and of
-                // their largest value over the step, where 2.2e-11 was found.
+                // Allowed in addition to the required 1e-6: the round-off of the differences, ten times that of all components of the
+                // vector. Both differences are exact for polynomials of second degree, so they differ only by round-off. Components come
+                // from one solution, so each has a round-off relative to the largest derivative of the vector, and to its largest value
+                // divided by the step, for which 2.2e-11 was found.
                 let spread = neighbours[row]
                     .clone()
                     .fold(0.0, |largest: f64, other| largest.max((whole[other] - half[other]).abs()));
@@ -172,9 +172,9 @@ fn compare(fmu: &Fmu3, place: &str) -> (f64, usize) {
     (worst, found_some)
 }
 
-/// F3-14. Co-simulation of FMI 3.0 with Event Mode, five machines: the derivatives of all outputs by all elements of all inputs are
-/// the differences between events to 1e-6, folded, while they unfold and latched; the adjoint is the transpose to round-off. No
-/// difference is taken inside the library: an event with another input is.
+/// F3-14. Co-simulation of FMI 3.0 with Event Mode, five machines: the derivatives of all outputs with respect to all elements of all
+/// inputs equal differences between events to 1e-6, folded, while unfolding and latched; the adjoint is the transpose to round-off. The
+/// differences are taken outside the library, from events with another input.
 #[test]
 fn f314_derivatives_are_the_differences_between_events() {
     for (name, text, times_s, latched) in [
@@ -202,7 +202,8 @@ fn f314_derivatives_are_the_differences_between_events() {
     }
 }
 
-/// F3-15. In Initialization Mode, by inputs and parameters: the adjoint is the transpose of the directional derivative to round-off.
+/// F3-15. In Initialization Mode, with respect to inputs and parameters: the adjoint is the transpose of the directional derivative to
+/// round-off.
 #[test]
 fn f315_the_adjoint_is_the_transpose_in_initialization_mode() {
     for text in [WING, FLYING] {

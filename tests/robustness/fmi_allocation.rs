@@ -1,4 +1,4 @@
-//! After the first step nothing is allocated: neither in `fmi2DoStep` nor in getting and setting values.
+//! After the first step no memory is allocated, neither in `fmi2DoStep` nor in getting and setting values.
 
 use crate::counting_allocator::allocations;
 use crate::fmu::Fmu;
@@ -22,11 +22,11 @@ fn a_step_with_its_inputs_and_outputs_allocates_nothing() {
     let (inputs, mut commands) = reals(&fmu, Causality::Input);
     let (outputs, mut values) = reals(&fmu, Causality::Output);
     let exchange = |i: usize, commands: &mut [f64], values: &mut [f64]| unsafe {
-        commands[1] = 1e-4 * i as f64; // fold.torque: every step is a jump
+        commands[1] = 1e-4 * i as f64; // fold.torque: the input jumps at every step
         assert_eq!(fmi2SetReal(fmu.component, inputs.as_ptr(), inputs.len(), commands.as_ptr()), 0);
-        // between steps too, with the inputs that are set
+        // also between steps, with the inputs as set
         assert_eq!(fmi2GetReal(fmu.component, outputs.as_ptr(), outputs.len(), values.as_mut_ptr()), 0);
-        // every other step runs with derivatives
+        // every other step has input derivatives
         assert_eq!(fmi2SetRealInputDerivatives(fmu.component, &inputs[1], i % 2, &1, &1e-3), 0);
         assert_eq!(fmi2DoStep(fmu.component, 1e-3 * i as f64, 1e-3, 1), 0);
         assert_eq!(fmi2GetReal(fmu.component, outputs.as_ptr(), outputs.len(), values.as_mut_ptr()), 0);

@@ -1,4 +1,4 @@
-//! Invalid calls: each kind is rejected with the right status and a message with the cause, and leaves the instance unharmed.
+//! Invalid calls: each kind is rejected with the right status and a message that gives the cause, and does not affect the instance.
 
 use crate::fmu::{Attempt, Fmu, OTHER, Resources, WING, callbacks, guid_of};
 use foldwing::fmi2::FUNCTIONS;
@@ -12,7 +12,7 @@ use std::ptr;
 fn the_shared_library_exports_every_function() {
     let tests = std::env::current_exe().expect("a path");
     let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    let path = tests.with_file_name(name); // Cargo builds the library beside its tests
+    let path = tests.with_file_name(name); // Cargo builds the library next to its tests
     // SAFETY: our own library, without initialisers.
     let library = unsafe { libloading::Library::new(&path) }.unwrap_or_else(|error| panic!("{path:?}: {error}"));
     for export in FUNCTIONS {
@@ -308,7 +308,7 @@ fn steps_of_no_size_and_steps_at_another_time_are_refused() {
     fmu.refused(fmu.try_step(0.25, 1e-3), fmi2Error, &["starts at t = 0.25 s", "is at t = 0 s"]);
     fmu.refused(fmu.try_step(2e-9, 1e-3), fmi2Error, &["is at t = 0 s"]);
 
-    fmu.step(5e-10, 1e-3); // round-off of the caller's clock
+    fmu.step(5e-10, 1e-3); // round-off of the importer's clock
     assert_eq!(fmu.get("time"), 5e-10 + 1e-3, "the caller's time is adopted");
 }
 

@@ -1,5 +1,5 @@
-//! Optional capabilities through the C functions: what they do, what they refuse, and that every flag of the
-//! description is a promise that some test holds it to.
+//! Optional capabilities through the C functions: what they do, what they reject, and that every flag of the model description is covered
+//! by a test.
 
 use crate::fmu::{Fmu, WING};
 use foldwing::config;
@@ -28,7 +28,7 @@ fn derivative(fmu: &Fmu, unknown: &str, known: &str, seed: f64) -> (fmi2Status, 
     (status, value)
 }
 
-/// Before the initialisation they may be set too; they hold for the first step and no longer.
+/// Input derivatives may also be set before initialisation; they apply to the first step only.
 #[test]
 fn input_derivatives_hold_for_the_next_step() {
     let fmu = Fmu::new(WING);
@@ -200,7 +200,7 @@ fn bad_directional_derivatives_are_refused() {
     fresh.refused(derivative(&fresh, "fold.angle", "fold.external_torque", 1.0).0, fmi2Error, &["before fmi2Enter"]);
 }
 
-/// A tunable parameter takes effect at the next step, a fixed one no more.
+/// A tunable parameter takes effect at the next step; a fixed one cannot be changed any more.
 #[test]
 fn tunable_parameters_change_during_a_run() {
     let fmu = Fmu::stepping();
@@ -214,7 +214,7 @@ fn tunable_parameters_change_during_a_run() {
     assert!(fmu.get("fold.angle") < plain.get("fold.angle") - 1e-3, "the stiffer spring unfolds faster");
 }
 
-/// Flag, value, and the test that uses the capability (or that finds the call refused), as file and function.
+/// Flag, value, and the test that uses the capability (or that checks the rejection of the call), as file and function.
 const FLAGS: &[(&str, &str, &str, &str)] = &[
     ("needsExecutionTool", "false", "fmi/test_deployment.py", "test_f10_default_arguments_unfold_and_latch"),
     (

@@ -1,4 +1,4 @@
-//! Results of calls, as in design and standard: values and their times, initialisation, rollback, reset.
+//! Effects of calls according to design and standard: values and their times, initialisation, rollback, reset.
 
 use crate::fmu::{Attempt, Fmu, Resources, WING, table};
 use foldwing::config;
@@ -29,7 +29,7 @@ fn in_initialization_mode_a_get_evaluates_again() {
     assert!((fmu.get("fold.total_torque") - torque - 1e-3).abs() < 1e-12, "inputs act at once");
 }
 
-/// Importers that keep to FMI 2.0 do not read between a set and the next step; those that solve algebraic loops do.
+/// FMI 2.0 does not provide for reading between a set and the next step; importers that solve algebraic loops do it.
 #[test]
 fn between_steps_a_get_after_a_set_shows_the_inputs() {
     let fmu = Fmu::stepping();
@@ -107,7 +107,7 @@ fn reset_equals_fresh_and_frees_nothing() {
     fmu.ok(unsafe { fmi2SetFMUstate(fmu.component, state) });
 }
 
-/// The step spans the latch closing (t = 0.122 s), where hidden state would show.
+/// The step includes the closing of the latch (t = 0.122 s), where an incomplete state would show.
 #[test]
 fn a_restored_state_repeats_the_step_bit_for_bit() {
     let fmu = Fmu::stepping();
@@ -126,9 +126,9 @@ fn a_restored_state_repeats_the_step_bit_for_bit() {
     }
 }
 
-/// The shipped wing with a rigid latch: it closes where the elastic one does, holds the angle, its reaction stands for the
-/// spring's torque; a state from before the closing leads through it again, in another instance too; the derivative of the
-/// reaction by the external torque is −1, and in its dependencies.
+/// The shipped wing with a rigid latch: it closes at the time of the elastic one, holds the angle, and outputs its reaction in place of the
+/// spring's torque; a state from before the closing leads through it again, also in another instance; the derivative of the reaction with
+/// respect to the external torque is −1, and is among the declared dependencies.
 #[test]
 fn a_rigid_latch_through_the_c_functions() {
     let text = WING.replace("stiffness_ratio = 1e4", "kind = \"rigid\"");
@@ -217,7 +217,7 @@ fn a_state_saved_before_and_in_the_initialisation_can_be_restored() {
     assert_eq!((fmu.get("fold.angle"), fmu.get("body.outer.stiffness_factor")), (1.0, 1.0));
 }
 
-/// The stop time belongs to the state: a restored state has its own, whatever stop time the instance was given since.
+/// The stop time is part of the state: a restored state has its stop time, whatever stop time the instance has been given since.
 #[test]
 fn a_restored_state_brings_its_stop_time() {
     let instance = |stop_s| {
@@ -245,8 +245,8 @@ fn a_restored_state_brings_its_stop_time() {
     endless.refused(endless.try_step(STEP_S, 5e-3), fmi2Error, &["beyond the stop time 0.002 s"]);
 }
 
-/// Components of a quaternion by their names, through the C functions: a body mounted with a turn of 60° about `x` has
-/// `w = cos 30°`, `x = sin 30°`, no other order has these.
+/// Components of a quaternion by their names, through the C functions: a body mounted with a rotation of 60° about `x` has `w = cos 30°`,
+/// `x = sin 30°`, which identifies the order.
 #[test]
 fn quaternions_run_over_w_x_y_z() {
     let turned = WING.replace("[joint.mount]", "[joint.mount]\nmount_rotation_deg = [60, 0, 0]");

@@ -1,4 +1,4 @@
-//! An importer in miniature: calls the exported functions and records what is logged.
+//! A minimal importer: calls the exported functions and records what is logged.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
@@ -19,7 +19,7 @@ pub const WING: &str = include_str!("../../examples/models/folding_wing.toml");
 /// Another model.
 pub const OTHER: &str = include_str!("../../examples/models/folding_wing_as_printed.toml");
 
-/// One recorded message: status, category, text as a C formatter prints it.
+/// One recorded message: status, category, and text as printed by a C formatter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Message {
     pub instance: String,
@@ -56,7 +56,7 @@ type Variadic = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2S
 
 /// Callback functions that record into `messages`.
 pub fn callbacks(messages: &Messages) -> fmi2CallbackFunctions {
-    // Variadic functions cannot be written in Rust; called without further arguments both kinds are the same.
+    // Variadic functions cannot be written in Rust; without further arguments both calling conventions are the same.
     let logger = unsafe { std::mem::transmute::<Fixed, Variadic>(record) };
     fmi2CallbackFunctions {
         logger: Some(logger),
@@ -67,20 +67,20 @@ pub fn callbacks(messages: &Messages) -> fmi2CallbackFunctions {
     }
 }
 
-/// A resource folder of its own, removed at the end.
+/// A separate resource folder, removed at the end.
 pub struct Resources {
     pub folder: PathBuf,
 }
 
 impl Resources {
-    /// With a model file of that text.
+    /// A folder with a model file of this text.
     pub fn with(text: &str) -> Self {
         let resources = Self::empty("plain");
         std::fs::write(resources.folder.join("model.toml"), text).expect("writable");
         resources
     }
 
-    /// Without a model file.
+    /// A folder without a model file.
     pub fn empty(name: &str) -> Self {
         static NEXT: AtomicUsize = AtomicUsize::new(0);
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -89,7 +89,7 @@ impl Resources {
         Self { folder }
     }
 
-    /// As a URI.
+    /// The folder as a URI.
     pub fn uri(&self) -> String {
         format!("file://{}", self.folder.display()).replace(' ', "%20")
     }
@@ -117,7 +117,7 @@ pub fn table_with_states(text: &str) -> Interface {
     kinds.interface(&config::parse(text, "model.toml").expect("a valid model"))
 }
 
-/// Arguments of an instantiation; the defaults are good ones.
+/// Arguments of an instantiation; the defaults are valid.
 pub struct Attempt {
     pub name: Option<String>,
     pub fmu_type: fmi2Type,
@@ -127,7 +127,7 @@ pub struct Attempt {
 }
 
 impl Attempt {
-    /// Of a model in a folder.
+    /// Arguments for a model in a folder.
     pub fn of(text: &str, resources: &Resources) -> Self {
         Self {
             name: Some("wing".into()),
@@ -138,14 +138,14 @@ impl Attempt {
         }
     }
 
-    /// The component, null on a refusal, and what was logged.
+    /// The component, null if rejected, and what was logged.
     pub fn run(&self) -> (fmi2Component, Box<Messages>) {
         let messages = Box::new(Messages::default());
         let component = self.call(&callbacks(&messages));
         (component, messages)
     }
 
-    /// The component, null on a refusal.
+    /// The component, null if rejected.
     pub fn call(&self, callbacks: *const fmi2CallbackFunctions) -> fmi2Component {
         let c = |text: &Option<String>| text.as_ref().map(|text| CString::new(text.as_str()).expect("no zero"));
         let pointer = |text: &Option<CString>| text.as_ref().map_or(ptr::null(), |text| text.as_ptr());
@@ -163,7 +163,7 @@ impl Attempt {
         }
     }
 
-    /// The message of a refusal.
+    /// The message of a rejected instantiation.
     pub fn refusal(&self) -> String {
         let (component, messages) = self.run();
         assert!(component.is_null(), "must be refused");
@@ -195,7 +195,7 @@ impl Fmu {
         Self::of_kind(text, fmi2ModelExchange)
     }
 
-    /// Of an FMU of both kinds.
+    /// Freshly instantiated from an FMU of both interface types.
     pub fn of_kind(text: &str, fmu_type: fmi2Type) -> Self {
         let resources = Resources::with(text);
         let table = table_with_states(text);
@@ -226,12 +226,12 @@ impl Fmu {
         unsafe { self.ok(fmi2SetupExperiment(self.component, 0, 0.0, start_s, stop.0, stop.1)) };
     }
 
-    /// Panics with the log unless a call succeeded.
+    /// Panics and prints the log unless a call succeeded.
     pub fn ok(&self, status: fmi2Status) {
         assert_eq!(status, fmi2OK, "{:?}", self.messages.borrow().last());
     }
 
-    /// Panics unless a call was refused with `expected` and one message in which every part occurs.
+    /// Panics unless a call was rejected with `expected` and one message that contains every part.
     pub fn refused(&self, status: fmi2Status, expected: fmi2Status, parts: &[&str]) {
         let text = self.last_message();
         assert_eq!(status, expected, "{text}");

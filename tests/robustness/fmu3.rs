@@ -1,4 +1,4 @@
-//! An importer of FMI 3.0 in miniature: calls the exported functions and records what is logged.
+//! A minimal importer of FMI 3.0: calls the exported functions and records what is logged.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
@@ -20,20 +20,20 @@ use std::ptr;
 /// A call of the interface.
 pub type Call = fn(fmi3Instance) -> fmi3Status;
 
-/// Target of the importer's functions.
+/// Data of the importer's callback functions.
 #[derive(Default)]
 pub struct Environment {
     /// Status, category and text of each message.
     pub messages: RefCell<Vec<(fmi3Status, String, String)>>,
     /// The instance, for calls from within a step.
     pub instance: Cell<fmi3Instance>,
-    /// Times of the intermediate updates in s, with the value of a variable and the status of its reading.
+    /// Times of the intermediate updates in s, with the value of a variable and the status of reading it.
     pub asked: RefCell<Vec<(f64, f64, fmi3Status)>>,
-    /// Variable to read then.
+    /// Variable to read in these updates.
     pub reads: Cell<u32>,
-    /// Time from which on it requests early return, in s, and the returned time.
+    /// Time in s from which on it requests early return, and the time returned.
     pub returns: Cell<Option<(f64, f64)>>,
-    /// A call to make within a step, which must be refused.
+    /// A call to make within a step, which must be rejected.
     pub intrudes: Cell<Option<Call>>,
 }
 
@@ -157,12 +157,12 @@ impl Fmu3 {
         }
     }
 
-    /// Panics with the log unless a call succeeded.
+    /// Panics and prints the log unless a call succeeded.
     pub fn ok(&self, status: fmi3Status) {
         assert_eq!(status, 0, "{:?}", self.environment.messages.borrow().last());
     }
 
-    /// The last message; the log is empty afterwards.
+    /// The last message; clears the log.
     pub fn told(&self) -> String {
         self.environment.messages.borrow_mut().drain(..).next_back().expect("a message").2
     }
@@ -212,7 +212,7 @@ impl Fmu3 {
         Answer { status, event, early, last_s }
     }
 
-    /// Takes a step that succeeds; returns where it ended, in s, and whether an event waits there.
+    /// Takes a step that must succeed; returns its end time in s and whether an event is pending there.
     pub fn step(&self, time_s: f64, step_s: f64) -> Answer {
         let answer = self.try_step(time_s, step_s);
         self.ok(answer.status);
@@ -267,7 +267,7 @@ impl Fmu3 {
         bytes
     }
 
-    /// Bytes of the present state; leaves no trace.
+    /// Bytes of the present state; leaves no saved state behind.
     pub fn present(&self) -> Vec<u8> {
         let mut state = self.save();
         let bytes = self.serialize(state);

@@ -1,6 +1,5 @@
-//! The life cycle, exhaustively: every function in every phase that an instance can be in, against the table of the
-//! standard (`standard.rs`). The breakdown, which no exported function leads to, is the column of a unit test in
-//! `crates/fmu/src/tests.rs`.
+//! The complete life cycle: every function in every phase of an instance, against the table of the standard (`standard.rs`). The state
+//! after a panic, which no exported function reaches, is covered by a unit test in `crates/fmu/src/tests.rs`.
 
 use crate::calls::{self, Arguments, STEP_S};
 use crate::fmu::{Fmu, WING};
@@ -10,12 +9,12 @@ use foldwing_fmu::states::*;
 use foldwing_fmu::types::*;
 use std::ptr;
 
-/// An instance brought to a phase, with what the calls of the table need.
+/// An instance in a phase, with the arguments for the calls of the table.
 struct Subject {
     fmu: Fmu,
-    /// Saved in the phase itself.
+    /// State saved in this phase.
     here: fmi2FMUstate,
-    /// Saved before the step that failed.
+    /// State saved before the step that failed.
     before_failure: fmi2FMUstate,
     bytes: Vec<u8>,
     time_s: f64,
@@ -53,13 +52,13 @@ impl Subject {
         Self { fmu, here, before_failure, bytes, time_s }
     }
 
-    /// Calls a function with arguments that are good ones wherever it is legal.
+    /// Calls a function with arguments that are valid wherever the call is legal.
     fn call(&mut self, name: &str) -> fmi2Status {
         let Self { fmu, here: state, bytes, time_s, .. } = self;
         calls::call(fmu, name, &Arguments { state: *state, bytes, time_s: *time_s, states: &[], indicators: 0 })
     }
 
-    /// Bytes of the present state; leaves no trace.
+    /// Bytes of the present state; leaves no saved state behind.
     fn present(&self) -> Vec<u8> {
         let mut state = self.fmu.save();
         let bytes = self.fmu.serialize(state);
@@ -67,7 +66,7 @@ impl Subject {
         bytes
     }
 
-    /// The phase as the instance itself names it, in the refusal of a call that is never legal.
+    /// The phase of the instance, from the error message of a call that is never legal.
     fn phase_named(&self) -> String {
         assert_eq!(unsafe { fmi2CancelStep(self.fmu.component) }, fmi2Error);
         let text = self.fmu.messages.borrow_mut().pop().expect("a refusal is told").text;
@@ -75,7 +74,7 @@ impl Subject {
         PHASES.iter().find(|phase| rest.starts_with(phase.phrase())).expect("a phase").phrase().to_owned()
     }
 
-    /// Goes on from a phase by legal calls to two further steps; returns every output's bits.
+    /// Continues from a phase by legal calls to two further steps; returns the bits of every output.
     fn go_on(&self, phase: Phase) -> Vec<u64> {
         let (fmu, c) = (&self.fmu, self.fmu.component);
         let mut time_s = self.time_s;
@@ -100,9 +99,9 @@ impl Subject {
     }
 }
 
-/// L-01. Each of the 30 functions in each of the 5 phases. Illegal: `fmi2Error`, one message with function and phase, nothing changed
-/// (state and outputs bit for bit), and the legal continuation leads to the same bits as without the call. Legal: `fmi2OK`, the phase of
-/// the standard, reading changes nothing. A second instance is unaffected by either.
+/// L-01. Each of the 30 functions in each of the 5 phases. Illegal: `fmi2Error`, one message with function and phase, state and outputs
+/// unchanged, and the legal continuation bit-identical to that without the call. Legal: `fmi2OK`, the phase given by the standard; reading
+/// changes nothing. A second instance is unaffected by either.
 #[test]
 fn l01_every_call_in_every_phase() {
     let neighbour = Subject::in_phase(Phase::StepComplete);
@@ -155,7 +154,7 @@ fn refused(subject: &mut Subject, row: &Row, phase: Phase, undisturbed: &[u64]) 
 fn accepted(subject: &mut Subject, row: &Row, phase: Phase) {
     let cell = format!("{} {}", row.name, phase.phrase());
     let status = subject.call(row.name);
-    // the standard knows no Integer status: refused, whatever the kind
+    // the standard defines no Integer status: rejected, whatever the kind
     let expected = if row.name == "fmi2GetIntegerStatus" { fmi2Error } else { fmi2OK };
     assert_eq!(status, expected, "{cell}: {:?}", subject.fmu.messages.borrow().last());
     let told = subject.fmu.messages.borrow_mut().drain(..).count();
@@ -163,7 +162,7 @@ fn accepted(subject: &mut Subject, row: &Row, phase: Phase) {
     let after = if let Effect::To(after) = row.effect { after } else { phase };
     assert_eq!(subject.phase_named(), after.phrase(), "{cell} leads there");
     match row.effect {
-        // in Initialization Mode reading evaluates what was set
+        // in Initialization Mode reading evaluates the values set
         Effect::Reads if phase != Phase::Initialization => {
             assert_eq!(subject.present(), subject.bytes, "{cell} changed the state");
         }
@@ -179,7 +178,7 @@ fn accepted(subject: &mut Subject, row: &Row, phase: Phase) {
     subject.go_on(after);
 }
 
-/// L-02. No instance: every function answers `fmi2Error`, freeing nothing is nothing.
+/// L-02. Without an instance, every function returns `fmi2Error`, and freeing null has no effect.
 #[test]
 fn l02_every_call_without_an_instance() {
     let mut subject = Subject::in_phase(Phase::StepComplete);

@@ -1,4 +1,4 @@
-//! Importers' loggers that are absent, slow, or call back.
+//! Importers' loggers that are absent, slow, or call the FMU.
 
 use crate::fmu::{Attempt, Fmu, Messages, Resources, WING, callbacks, table};
 use foldwing_fmu::functions::*;
@@ -16,7 +16,7 @@ type Variadic = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2S
 /// An instance whose messages go to `logger`; `environment` outlives it.
 fn with_logger(logger: Option<Fixed>, environment: *mut c_void) -> Fmu {
     let messages = Box::new(Messages::default());
-    // Variadic functions cannot be written in Rust; called without further arguments both kinds are the same.
+    // Variadic functions cannot be written in Rust; without further arguments both calling conventions are the same.
     let logger = logger.map(|logger| unsafe { std::mem::transmute::<Fixed, Variadic>(logger) });
     let functions = fmi2CallbackFunctions { logger, componentEnvironment: environment, ..callbacks(&messages) };
     let component = Attempt { logging_on: true, ..Attempt::of(WING, &Resources::with(WING)) }.call(&functions);
@@ -24,7 +24,7 @@ fn with_logger(logger: Option<Fixed>, environment: *mut c_void) -> Fmu {
     Fmu { component, messages, table: table(WING) }
 }
 
-/// Unfolds the wing over its latch, with a refused call before every step; returns every Real at the end.
+/// Unfolds the wing through its latching, with a rejected call before every step; returns every Real at the end.
 fn unfold(fmu: &Fmu) -> Vec<u64> {
     fmu.setup(0.0, None);
     unsafe {
@@ -50,7 +50,7 @@ unsafe extern "C" fn slow(
     std::thread::sleep(Duration::from_millis(10));
 }
 
-/// G-01. No logger, and one that takes 10 ms: the same results, bit for bit; time is lost only where there is a message.
+/// G-01. Without a logger, and with one that takes 10 ms, results are bit-identical; time is lost only for messages.
 #[test]
 fn g01_absent_and_slow_loggers() {
     let silent = unfold(&with_logger(None, ptr::null_mut()));
@@ -66,11 +66,11 @@ fn g01_absent_and_slow_loggers() {
     assert_eq!(calls.get(), 16, "no message, no call");
 }
 
-/// Data of a logger that calls back.
+/// Data of a logger that calls the FMU.
 struct Caller {
     own: Cell<fmi2Component>,
     other: fmi2Component,
-    /// Statuses of the calls on the own instance, and of that on another one.
+    /// Statuses of the calls on the logging instance, and of that on another one.
     own_statuses: RefCell<Vec<fmi2Status>>,
     other_statuses: RefCell<Vec<fmi2Status>>,
 }
@@ -104,8 +104,8 @@ unsafe extern "C" fn call_back(
     }
 }
 
-/// G-02. A logger that calls its own instance, from refusals and from the middle of a step: each call is refused, freeing
-/// is not done, and the run goes on as if nothing had been called. Another instance can be called.
+/// G-02. A logger that calls the logging instance, from rejected calls and from the middle of a step: each call is rejected, freeing has no
+/// effect, and the run continues as if nothing had been called. Another instance can be called.
 #[test]
 fn g02_loggers_that_call_back() {
     let other = Fmu::stepping();

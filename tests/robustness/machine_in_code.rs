@@ -1,4 +1,4 @@
-//! The shipped folding wing written in Rust: the same machine as its file, and the same run to the last bit.
+//! The shipped folding wing built in Rust: the same machine as its file, and a bit-identical run.
 
 use crate::model_file::{repository, shipped_models};
 use foldwing::beam::section::{Material, Solid};
@@ -30,7 +30,7 @@ pub fn folding_wing() -> Machine {
         .unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// M-04: the whole description, every field, and every output of the deployment with its latching.
+/// M-04: the whole description with every field, and every output of the deployment and latching.
 #[test]
 fn folding_wing_in_code_is_that_of_the_file() {
     let path = repository().join("examples/models/folding_wing.toml");
@@ -47,13 +47,13 @@ fn folding_wing_in_code_is_that_of_the_file() {
         for plant in [&mut file, &mut code] {
             plant.step(end_s).unwrap_or_else(|error| panic!("{error}"));
         }
-        // the text of a number is that of its bits, with −0 and 0 distinct
+        // equal texts of numbers mean equal bits; −0 and 0 are distinct
         assert_eq!(format!("{:?}", code.outputs()), format!("{:?}", file.outputs()), "at {end_s} s");
     }
     assert!(code.outputs().latches()[0].closed.is_on(), "the wing has latched, so that the run saw the latch");
 }
 
-/// Machines from files have passed the checks without a file; this tests that they pass them again.
+/// Machines from files have passed the checks of the reader; this tests that they also pass the checks without a file.
 #[test]
 fn shipped_machines_are_sound() {
     for model in shipped_models() {

@@ -1,5 +1,5 @@
-//! Random machines by the builder with strange numbers: each is a machine or is refused, none panics. Those of ordinary numbers are
-//! drawn as model files: `tests/machines`.
+//! Random machines from the builder with extreme values: each is either valid or rejected; none panics. Machines with ordinary values are
+//! generated as model files: `tests/machines`.
 
 use foldwing::aero::flow::GustShape;
 use foldwing::beam::law::SectionLaw;
@@ -12,7 +12,7 @@ use foldwing::plant::Plant;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// Numbers that no machine of ordinary size has.
+/// Values far outside the usual range.
 const STRANGE: &[f64] = &[
     0.0,
     -0.0,
@@ -30,10 +30,10 @@ const STRANGE: &[f64] = &[
     f64::MIN_POSITIVE,
 ];
 
-/// Draws parts of machines; a share of the numbers, names and counts is strange.
+/// Generates parts of machines; a fraction of the values, names and counts is extreme.
 struct Dice {
     random: fastrand::Rng,
-    /// One number in so many is strange.
+    /// One value in this many is extreme.
     strange: usize,
 }
 
@@ -148,7 +148,7 @@ impl Dice {
         if index == 0 {
             return joint.at_root(self.vector(1.0));
         }
-        // now and then a body that comes later or is not there: a cycle or a reference to nothing
+        // occasionally a body that comes later or does not exist: a cycle or an invalid reference
         let parent = if self.strikes() { self.random.usize(..bodies + 1) } else { self.random.usize(..index) };
         let parent = format!("b{parent}");
         if self.random.bool() { joint.on(parent) } else { joint.on_at(parent, self.number(0.0, 0.2)) }
@@ -194,15 +194,14 @@ impl Dice {
     }
 }
 
-/// 10 ms from the start.
+/// Simulates 10 ms from the start.
 fn run(machine: Machine) -> Result<(), String> {
     let mut plant = Plant::new(Arc::new(machine));
     plant.initialize(0.0).map_err(|error| error.to_string())?;
     plant.step(0.01).map_err(|error| error.to_string())
 }
 
-/// M-07: one strange number, name or count in 30. An accepted machine is valid by its own checks; it runs or returns an error with the
-/// cause.
+/// M-07: one extreme value, name or count in 30. An accepted machine passes its own checks; it runs or returns an error with the cause.
 #[test]
 fn strange_machines_are_taken_or_refused() {
     let (mut taken, mut ran, mut faults) = (0, 0, 0);

@@ -1,6 +1,6 @@
 //! M-05: every kind of error in a model built through the Rust API, without a model file: location, value, allowed values.
 //!
-//! A case plants one fault in a valid machine and has the location and a part of the message. No other fault may be reported.
+//! A case introduces one error into a valid machine and gives the location and a part of the message. No other error may be reported.
 
 use foldwing::aero::AirOptions;
 use foldwing::aero::continuous_turbulence::Series;
@@ -22,12 +22,12 @@ fn plate_by_numbers() -> Section {
     plate().section()
 }
 
-/// A gust of turbulence by hand.
+/// A gust given by a table of turbulence.
 fn turbulence(spacing_m: f64, values: &[f64]) -> GustShape {
     GustShape::Turbulence(Series { spacing_m, begin_m: 0.0, values: values.into() })
 }
 
-/// A body of every kind of joint, a loop, a gauge, a mass, a load; strips or a lattice around it.
+/// Bodies with every kind of joint, a loop, a gauge, a mass, a load; with strips or a lattice.
 fn parts(air: builder::AirBuilder) -> MachineBuilder {
     let beam = |name| Body::beam(name, 0.15, plate()).elements(2);
     let fold = Joint::revolute("fold", [0.0, 1.0, 0.0])
@@ -84,7 +84,7 @@ fn lattice(machine: &mut Machine) -> &mut foldwing::aero::lattice::LatticeOption
 
 type Case = (fn(&mut Machine), &'static str, &'static str);
 
-/// Plants each fault and checks the message.
+/// Introduces each error and checks the message.
 #[track_caller]
 fn check(make: impl Fn() -> Machine, cases: &[Case]) {
     assert_eq!(make().validate(), [], "the machine without a fault is sound");
@@ -427,7 +427,7 @@ fn joints() {
     );
 }
 
-/// Internal loads outboard of a place.
+/// Adds an output of internal loads outboard of a position.
 fn cut(machine: &mut Machine, body: usize, position_m: f64) {
     let (name, side) = ("cut".into(), SectionSide::Outboard);
     machine.internal_loads = vec![InternalLoad { name, body, position_m, side }];
@@ -639,7 +639,7 @@ fn solver_and_experiment() {
     );
 }
 
-/// Errors that only the builder can find, as it resolves names.
+/// Errors that only the builder can detect, when it resolves names.
 #[test]
 fn parts_by_name() {
     let beam = |name| Body::beam(name, 0.15, plate()).elements(2);

@@ -1,4 +1,4 @@
-//! Invalid, random or unlimited input of users, importers and files: calls, arguments, models and machines.
+//! Invalid, random or extreme input from users, importers and files: calls, arguments, models and machines.
 
 mod calls;
 #[path = "../verification/counting_allocator.rs"]

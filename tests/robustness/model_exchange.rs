@@ -1,4 +1,4 @@
-//! FMI 2.0 Model Exchange: life cycle, integration by the caller through events, rollback, drift, refusals.
+//! FMI 2.0 Model Exchange: life cycle, integration by the importer through events, rollback, drift, rejected calls.
 
 use crate::calls::{self, Arguments, no_info};
 use crate::counting_allocator::allocations;
@@ -26,7 +26,7 @@ const PHASES: [Phase; 5] =
     [Phase::Instantiated, Phase::Initialization, Phase::Event, Phase::Continuous, Phase::Terminated];
 
 impl Phase {
-    /// As messages name it.
+    /// The name of the phase in messages.
     fn phrase(self) -> &'static str {
         match self {
             Self::Instantiated => "before fmi2EnterInitializationMode",
@@ -38,8 +38,7 @@ impl Phase {
     }
 }
 
-/// The table of FMI 2.0.4, section 3.2.3, with the phases in the order of [`PHASES`]; what belongs to co-simulation is legal
-/// nowhere.
+/// The table of FMI 2.0.4, section 3.2.3, with the phases in the order of [`PHASES`]; functions of co-simulation are never legal.
 pub const TABLE: [(&str, &str); 40] = [
     ("fmi2SetDebugLogging", "x x x x x"),
     ("fmi2SetupExperiment", "x - - - -"),
@@ -89,7 +88,7 @@ pub struct Outside {
     pub time_s: f64,
     pub states: Vec<f64>,
     pub indicators: Vec<f64>,
-    /// Scratch of [`Outside::tried`].
+    /// Scratch vector of [`Outside::tried`].
     pub at: Vec<f64>,
     pub slope: Vec<f64>,
     pub sum: Vec<f64>,
@@ -104,13 +103,13 @@ impl Outside {
         Self { fmu, time_s: 0.0, states, indicators: vec![1.0; indicators], at, slope, sum }
     }
 
-    /// In Continuous-Time Mode at t = 0.
+    /// An instance in Continuous-Time Mode at t = 0.
     pub fn started(text: &str) -> Self {
         let outside = Self::new(Fmu::exchanged(text));
         outside.in_phase(Phase::Continuous)
     }
 
-    /// Brought to a phase from the fresh one.
+    /// The new instance brought to a phase.
     pub fn in_phase(mut self, phase: Phase) -> Self {
         let c = self.fmu.component;
         unsafe {
@@ -145,7 +144,7 @@ impl Outside {
         info
     }
 
-    /// An event at the present.
+    /// Handles an event at the present time.
     fn event(&mut self, set: impl FnOnce(&Fmu)) -> fmi2EventInfo {
         unsafe {
             self.fmu.ok(fmi2EnterEventMode(self.fmu.component));
@@ -164,7 +163,7 @@ impl Outside {
         }
     }
 
-    /// States a step further, in [`Outside::sum`], by Runge and Kutta's classical method.
+    /// States after a step, in [`Outside::sum`], by the classical Runge–Kutta method.
     fn tried(&mut self, step_s: f64) {
         self.sum.copy_from_slice(&self.states);
         self.slope.fill(0.0);
@@ -181,7 +180,7 @@ impl Outside {
         }
     }
 
-    /// Returns whether some indicator has fallen to zero after a further step.
+    /// Returns whether some indicator would reach zero within a further step.
     fn crosses(&mut self, step_s: f64) -> bool {
         self.tried(step_s);
         self.set(self.time_s + step_s, &self.sum);
@@ -190,7 +189,7 @@ impl Outside {
         self.indicators.iter().any(|&indicator| indicator <= 0.0)
     }
 
-    /// Executes one step, or to the first event within it; returns whether there was one.
+    /// Takes one step, or a part of it up to the first event; returns whether there was one.
     fn step(&mut self, step_s: f64) -> bool {
         let mut arrived_s = step_s;
         let crossed = self.crosses(step_s);
@@ -215,7 +214,7 @@ impl Outside {
         crossed
     }
 
-    /// Goes on to a time with steps of at most that size; returns the times of events in s.
+    /// Integrates to a time with steps of at most `step_s`; returns the times of events in s.
     fn run(&mut self, end_s: f64, step_s: f64) -> Vec<f64> {
         let mut events = Vec::new();
         while self.time_s < end_s - 1e-12 {
@@ -226,7 +225,7 @@ impl Outside {
         events
     }
 
-    /// Bytes of the present state; leaves no trace.
+    /// Bytes of the present state; leaves no saved state behind.
     fn present(&self) -> Vec<u8> {
         let mut state = self.fmu.save();
         let bytes = self.fmu.serialize(state);
@@ -234,7 +233,7 @@ impl Outside {
         bytes
     }
 
-    /// Calls a function with arguments that are good ones wherever it is legal.
+    /// Calls a function with arguments that are valid wherever the call is legal.
     fn call(&mut self, name: &str) -> fmi2Status {
         let state = self.fmu.save();
         let bytes = self.fmu.serialize(state);
@@ -243,7 +242,7 @@ impl Outside {
     }
 }
 
-/// Number of event indicators, which the instance gives in the error for a wrong number.
+/// Number of event indicators, from the error for a wrong number.
 pub fn indicators_of(fmu: &Fmu) -> usize {
     let c = fmu.component;
     fmu.setup(0.0, None);
@@ -257,8 +256,8 @@ pub fn indicators_of(fmu: &Fmu) -> usize {
     number.parse().unwrap_or_else(|_| panic!("{told}"))
 }
 
-/// ME-01. Each of the 40 functions in each of the 5 phases of Model Exchange. Illegal: `fmi2Error`, one message that names
-/// function and phase, no bit of the state changed. Legal: `fmi2OK` without a message.
+/// ME-01. Each of the 40 functions in each of the 5 phases of Model Exchange. Illegal: `fmi2Error`, one message that names function and
+/// phase, and a bit-identical state. Legal: `fmi2OK` without a message.
 #[test]
 fn me01_every_call_in_every_phase_of_model_exchange() {
     let mut cells = [0, 0];
@@ -286,10 +285,10 @@ fn me01_every_call_in_every_phase_of_model_exchange() {
     println!("Model Exchange: {} cells, {} legal, {} refused", cells[0] + cells[1], cells[1], cells[0]);
 }
 
-/// ME-02. The shipped wing, integrated through the C functions by Runge and Kutta's method at 4 µs, latches once, at the time of
-/// co-simulation at a tolerance of 1e-9, to 1e-7 s; angle and energy balances agree to 1e-7, the strain to 1e-6: its rate is some 10 per
-/// second, and the two latches are 1e-8 s apart. No step allocates, and from a saved state, also as bytes in another instance, the run
-/// repeats to the bit.
+/// ME-02. The shipped wing, integrated through the C functions by the Runge–Kutta method at 4 µs, latches once, at the time of
+/// co-simulation at a tolerance of 1e-9, to 1e-7 s; angle and energy balances agree to 1e-7, the strain to 1e-6, because its rate is about
+/// 10 1/s and the two latch times differ by 1e-8 s. No step allocates memory, and a run from a saved state, also from its bytes in another
+/// instance, is bit-identical.
 #[test]
 fn me02_the_wing_latches_as_in_co_simulation() {
     let reference = Fmu::of_kind(WING, fmi2CoSimulation);
@@ -338,8 +337,8 @@ fn me02_the_wing_latches_as_in_co_simulation() {
 }
 
 /// ME-03. Redundant parameters of a free and of two ball joints, scaled away from their constraints by 1 %: the derivatives of all states
-/// are those of the states on the constraints, to 1e-9 of the largest; the end of the step requests an event, which restores the states.
-/// Without drift no event is requested.
+/// equal those on the constraints, to 1e-9 of the largest; the end of the step requests an event, which restores the states. Without drift
+/// no event is requested.
 #[test]
 fn me03_derivatives_do_not_feel_drift_and_an_event_takes_it_back() {
     for text in [FLYING, PENDULUM] {
@@ -383,8 +382,8 @@ fn me03_derivatives_do_not_feel_drift_and_an_event_takes_it_back() {
     }
 }
 
-/// ME-04. What is refused, with a message, and changes nothing: switches while the importer integrates, states and times that
-/// are no numbers, wrong numbers of them, states of the other kind, an FMU without Model Exchange.
+/// ME-04. Rejected with a message and without effect: switches set while the importer integrates, states and times that are not finite,
+/// wrong numbers of states, saved states of the other interface type, an FMU without Model Exchange.
 #[test]
 fn me04_refusals_name_what_is_wrong() {
     let outside = Outside::started(WING);
@@ -419,8 +418,8 @@ fn me04_refusals_name_what_is_wrong() {
     assert!(refusal.contains("--interface cs,me"), "{refusal}");
 }
 
-/// ME-05. Inputs: a torque acts instantaneously during the integration, a held joint stops in an event, which reports that the states have
-/// jumped, and a slew by a rate limit ends at the time event given by the instance.
+/// ME-05. Inputs: a torque acts instantaneously during the integration, a locked joint stops in an event, which reports that the states
+/// have jumped, and a rate-limited slew ends at the time event given by the instance.
 #[test]
 fn me05_inputs_act_at_once_and_switches_in_events() {
     let mut outside = Outside::started(WING);
@@ -459,7 +458,7 @@ fn me05_inputs_act_at_once_and_switches_in_events() {
     assert!((info.nextEventTime - 0.1 / 90_f64.to_radians()).abs() < 1e-12, "{}", info.nextEventTime);
 }
 
-/// A beam on a hinge that turns by a law of time, in gravity.
+/// A beam under gravity on a hinge with a prescribed motion.
 const SPUN: &str = r#"
 name = "Spun"
 gravity_m_s2 = [0.0, 0.0, -9.81]
@@ -483,7 +482,7 @@ motion = "prescribed"
 polynomial_deg = [10.0, 40.0, 300.0]
 "#;
 
-/// ME-06. Time alone changes derivatives under a prescribed motion; set back, it gives the bits of before.
+/// ME-06. Under a prescribed motion, time alone changes derivatives; setting it back gives bit-identical derivatives.
 #[test]
 fn me06_time_alone_changes_derivatives() {
     let outside = Outside::started(SPUN);
@@ -500,15 +499,16 @@ fn me06_time_alone_changes_derivatives() {
     assert_eq!(first, again);
     let change = first.iter().zip(&later).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let size = first.iter().map(|a| a.abs()).fold(0.0, f64::max);
-    // the hinge turns by 20 degrees and ten times as fast: weight and centrifugal force of the beam change by far more than this share
+    // the hinge rotates by 20 degrees, at ten times the rate: weight and centrifugal force of the beam change by far more than this
+    // fraction
     assert!(change > 0.1 * size, "{change} of {size}");
 }
 
-/// ME-07. Forward Euler with steps of the order that explicit methods of higher order take diverges. It is stopped, with the element
-/// and the cure, before the fold seems to have reached its latch; then a method that is stable goes on from good states.
+/// ME-07. Forward Euler diverges with steps that are typical of explicit methods of higher order. It is stopped, with an error that names
+/// the element and the remedy, before the fold seems to reach its latch; a stable method can then continue from valid states.
 #[test]
 fn me07_a_diverging_integrator_is_stopped_by_name() {
-    // the shorter the step, the later: the axial modes grow by ω² h / 2 in time
+    // the shorter the step, the later: the axial modes grow at the rate ω² h / 2
     for (step_s, end_s) in [(1e-5, 1e-3), (5e-6, 1e-3), (2e-6, 2e-3), (1e-6, 4e-3)] {
         let mut outside = Outside::started(WING);
         let (first, c, n) = (outside.states.clone(), outside.fmu.component, outside.states.len());
@@ -542,8 +542,8 @@ fn me07_a_diverging_integrator_is_stopped_by_name() {
     }
 }
 
-/// ME-08. Frequency of the fastest motion, by which the page in the FMU states explicit steps, against the eigenvalues of a matrix of
-/// differences. Power iteration comes from below; 5 % is what its documentation promises.
+/// ME-08. Frequency of the fastest motion, from which the page in the FMU gives the explicit step, against the eigenvalues of a matrix of
+/// differences. Power iteration converges from below; the documented error is 5 %.
 #[test]
 fn me08_fastest_motion_is_the_largest_eigenvalue() {
     use foldwing::plant::Plant;
@@ -557,7 +557,7 @@ fn me08_fastest_motion_is_the_largest_eigenvalue() {
         let fastest_rad_s = system.fastest_rad_s().expect("accelerations");
         let (states, n) = (system.exchange_states().to_vec(), system.exchange_states().len());
         let mut jacobian = DMatrix::zeros(n, n);
-        // rates are larger than coordinates by about the frequency: differences and eigenvalues of a matrix in these units are sound
+        // rates are larger than coordinates by about the frequency: in these units differences and eigenvalues are well conditioned
         let scale = |i: usize| if i < n / 2 - 1 { 1.0 } else { 1e5 };
         for column in 0..n {
             let step = 1e-8 * scale(column);
@@ -579,8 +579,8 @@ fn me08_fastest_motion_is_the_largest_eigenvalue() {
     }
 }
 
-/// ME-09. States have start values in the description, those of an instance with its default start values: an importer that starts from the
-/// description has a legal state, with unit quaternions and closed loops. Setting them before the start changes nothing.
+/// ME-09. States have start values in the model description, equal to those of an instance with default start values: an importer that
+/// starts from the description has a legal state, with unit quaternions and closed loops. Setting them before the start changes nothing.
 #[test]
 fn me09_states_start_from_the_description() {
     let four_bar = include_str!("../../examples/models/four_bar.toml");
@@ -608,7 +608,7 @@ fn me09_states_start_from_the_description() {
             .collect();
         assert_eq!(starts.iter().map(|(_, start)| *start).collect::<Vec<_>>(), outside.states, "{}", machine.name);
 
-        // set before the start, with a guess that is far away
+        // set before the start, with a guess far from the solution
         let fresh = Fmu::exchanged(text);
         let (row, start) = starts[0];
         for value in [start, start + 1.0] {

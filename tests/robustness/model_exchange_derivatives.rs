@@ -1,4 +1,4 @@
-//! Model Exchange as optimisers use it: states and tunable parameters set one by one at any time, directional and adjoint derivatives,
+//! Model Exchange as used by optimisers: states and tunable parameters set one by one at any time, directional and adjoint derivatives,
 //! declared dependencies.
 
 use crate::fmu::{Fmu, WING};
@@ -49,7 +49,7 @@ parent = "root"
 child = "right"
 "#;
 
-/// A machine in a motion of its own: all states away from the start, by 1e-3 of their nominal magnitudes.
+/// A moving machine: all states differ from the start by 1e-3 of their nominal magnitudes.
 fn moving(text: &str) -> Outside {
     let mut outside = Outside::started(text);
     let nominals = outside.fmu.table.nominals().to_vec();
@@ -119,8 +119,8 @@ fn unknowns_and_knowns(fmu: &Fmu) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// ME-10. Importers that treat states as variables (CasADi) set each with `fmi2SetReal`, in Continuous-Time Mode and in events: the
-/// derivatives are those of `fmi2SetContinuousStates` to the bit. Tunable parameters act at once too. A number that is not finite is
-/// refused, and nothing is set.
+/// derivatives are bit-identical to those after `fmi2SetContinuousStates`. Tunable parameters also take effect at once. A number that is
+/// not finite is rejected, and nothing is set.
 #[test]
 fn me10_states_and_tunable_parameters_are_set_one_by_one() {
     for text in [WING, PENDULUM] {
@@ -144,7 +144,7 @@ fn me10_states_and_tunable_parameters_are_set_one_by_one() {
         in_event.read();
         assert_eq!(in_event.states, reference.states);
     }
-    // the motor's moment is (command - angle) stiffness: doubled stiffness doubles its slope by the command
+    // the motor's moment is (command - angle) stiffness: doubling the stiffness doubles its derivative with respect to the command
     let wing = moving(WING);
     let row = |name: &str| wing.fmu.table.find(name).expect(name).value_reference;
     let (stiffness, command, angle) =
@@ -155,10 +155,10 @@ fn me10_states_and_tunable_parameters_are_set_one_by_one() {
     assert!((after / before - 2.0).abs() < 1e-10, "{before} {after}");
 }
 
-/// ME-11. Directional derivatives of all derivatives of states and outputs, by every state, input and tunable parameter, and along all of
-/// them at once, are those of central differences that the importer takes, on six machines: in still air, of redundant parameters, in
-/// flight, of a closed loop, of strips. The differences are of second order, extrapolated; their error is 1e-7 of the largest entry of
-/// a column. Afterwards the derivatives are those of before to the bit. In an event a jump of an input that is still to come is not lost.
+/// ME-11. Directional derivatives of all state derivatives and outputs, with respect to every state, input and tunable parameter, and along
+/// all of them at once, equal central differences taken by the importer, for six machines: without aerodynamics, with redundant parameters,
+/// in flight, with a closed loop, with strips. The differences are of second order, extrapolated; their error is 1e-7 of the largest entry
+/// of a column. The state derivatives are bit-identical afterwards. In an event, a pending jump of an input is not lost.
 #[test]
 fn me11_directional_derivatives_are_those_of_differences() {
     for text in [WING, PENDULUM, FLYING, FOUR_BAR, STRIPS, TWO_TREES] {
@@ -172,7 +172,7 @@ fn me11_directional_derivatives_are_those_of_differences() {
             let row = &fmu.table.variables()[known as usize];
             let found = slope(fmu, &unknowns, &[known], &[1.0]);
             total.iter_mut().zip(&found).for_each(|(sum, entry)| *sum += entry * row.nominal.unwrap_or(0.0));
-            // limits that are off have no effect
+            // infinite limits have no effect
             if present[i].abs() >= 1e20 {
                 continue;
             }
@@ -185,7 +185,7 @@ fn me11_directional_derivatives_are_those_of_differences() {
                 set(fmu, &[known], &[present[i] + amount]);
                 get(fmu, &unknowns)
             };
-            // ranges may end at 0
+            // a range may end at 0
             let forward = row.range.is_some_and(|(min, _)| present[i] - 2.0 * step < min);
             let central: Vec<f64> = if forward {
                 let (first, second) = (at(step), at(2.0 * step));
@@ -239,7 +239,7 @@ fn me11_directional_derivatives_are_those_of_differences() {
     assert_eq!(jump(true), jump(false));
 }
 
-/// ME-12. What has no derivative is refused by name: fixed parameters, switches, outputs as knowns; states and inputs as unknowns.
+/// ME-12. Variables without derivatives are rejected by name: fixed parameters, switches, outputs as knowns; states and inputs as unknowns.
 #[test]
 fn me12_other_derivatives_are_refused_by_name() {
     let outside = moving(WING);
@@ -259,8 +259,8 @@ fn me12_other_derivatives_are_refused_by_name() {
     refuse("fold.external_torque", "state.fold.angle", unknowns);
 }
 
-/// ME-13. Every dependence of a derivative that differences find is declared, and the lists are short where trees do not touch each other:
-/// of two trees neither depends on the motion or the loads of the other.
+/// ME-13. Every dependence of a derivative found by differences is declared, and the lists are short for separate trees: of two trees
+/// neither depends on the motion or the loads of the other.
 #[test]
 fn me13_dependencies_have_no_false_zero_and_end_at_the_tree() {
     for text in [PENDULUM, FLYING, FOUR_BAR, TWO_TREES] {
@@ -298,8 +298,8 @@ fn me13_dependencies_have_no_false_zero_and_end_at_the_tree() {
     }
 }
 
-/// ME-14. Next to the limit of a motor, whose torque has a kink there, the derivative is that of its side: 1e-5 rad before the limit the
-/// torque has the slope of the stiffness by the command, 1e-5 rad beyond it none.
+/// ME-14. Next to the limit of a motor, whose torque has a kink there, the derivative is that of the present side: 1e-5 rad before the
+/// limit the derivative of the torque with respect to the command is the stiffness, 1e-5 rad beyond it zero.
 #[test]
 fn me14_derivatives_end_at_the_limit_of_a_motor() {
     let limited = WING.replace("constant_torque_N_m = 0.043", "torque_limit_N_m = 0.02");

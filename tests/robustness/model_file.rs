@@ -1,12 +1,11 @@
-//! Every kind of refusal of a model file: the whole message, with line, key, value and what is allowed.
+//! Every kind of error in a model file: the whole message, with line, key, value and what is allowed.
 //!
-//! A case is the small model below with one text replaced. Each message stands here in full, so that a change of
-//! wording is seen.
+//! A case is the small model below with one text replaced. Each message is written here in full, so that a change of wording is noticed.
 
 use foldwing::config::{self, ConfigError, Fault};
 use std::path::PathBuf;
 
-/// The model that the cases break; its lines are numbered in the messages.
+/// The model that the cases modify; its lines are numbered in the messages.
 pub const MODEL: &str = r#"name = "Wing"
 gravity_m_s2 = [0.0, 0.0, -9.81]
 [section.plate]
@@ -125,7 +124,7 @@ fn all_problems_are_reported_at_once_in_the_order_of_the_file() {
     assert_eq!(error.to_string().lines().count(), 2);
 }
 
-/// An empty text is no model: the tables that every model has are missing.
+/// An empty text is not a model: the required tables are missing.
 #[test]
 fn an_empty_file_lacks_everything() {
     assert_eq!(
@@ -137,7 +136,7 @@ fn an_empty_file_lacks_everything() {
     );
 }
 
-/// Files made from the schema are current. `FOLDWING_BLESS=1` writes them anew.
+/// Files made from the schema are up to date. `FOLDWING_BLESS=1` writes them again.
 #[test]
 fn files_made_from_the_schema_are_current() {
     let made =
@@ -152,7 +151,7 @@ fn files_made_from_the_schema_are_current() {
     }
 }
 
-/// Xorshift: the same mutations on every machine.
+/// Xorshift: the same mutations on every computer.
 struct Random(u64);
 
 impl Random {
@@ -164,7 +163,7 @@ impl Random {
     }
 }
 
-/// Parses a text: whatever it is, the answer is a machine of finite numbers or a refusal that names a line.
+/// Parses a text: the result is either a machine of finite numbers or an error that gives a line.
 fn survives(text: &str) {
     match config::parse(text, "wing.toml") {
         Ok(machine) => {
@@ -202,7 +201,7 @@ fn mutated_bytes_never_panic() {
     }
 }
 
-/// Every value of every shipped model replaced by values that break parsers and arithmetic.
+/// Every value of every shipped model replaced by values that are difficult for parsers and arithmetic.
 #[test]
 fn nasty_values_never_panic() {
     const VALUES: &str = "0 -1 -0.0 1 2 1e-320 1e-30 1e29 1e30 -1e30 1e308 1e999 nan -inf true \"\" \"root\" \"inner\" \

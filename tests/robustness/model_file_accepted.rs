@@ -80,7 +80,7 @@ fn the_shipped_wing_has_the_fold_joint_of_the_experiment() {
     assert_eq!((latch.angle_rad, latch.capture_rad, latch.initially_closed, latch.enable), (0.0, 1e-6, false, true));
 }
 
-/// The variants differ from the shipped wing in what their names say, and in nothing else.
+/// Each variant differs from the shipped wing only as its name indicates.
 #[test]
 fn variants_differ_in_one_thing() {
     let wing = shipped("folding_wing.toml");
@@ -89,7 +89,7 @@ fn variants_differ_in_one_thing() {
     let mut printed = shipped("folding_wing_as_printed.toml");
     assert_eq!(revolute(&printed, "fold").motor.stiffness_n_m_rad, 0.26);
     printed.bodies[1].joint = wing.bodies[1].joint.clone();
-    // two pairs keep its hard latch within the energy balance of the default tolerance
+    // two pairs satisfy the energy balance at the default tolerance with its stiff latch
     printed.bodies.iter_mut().for_each(|body| body.elements = 4);
     assert_eq!(rest(printed), rest(wing.clone()));
 
@@ -121,7 +121,7 @@ fn the_branched_wing_has_two_free_ends_and_a_coupled_section() {
     let section = &machine.bodies[0].section.at(0.0);
     assert_eq!((section.stiffness[(1, 2)], section.stiffness[(2, 1)]), (0.35, 0.35));
     assert_relative_eq!(section.first_moment_kg[0], 0.35 * -0.008, max_relative = 1e-15);
-    // Stated about the centre of mass, kept about the beam axis: Steiner's term is added.
+    // Given about the centre of mass, stored about the beam axis: Steiner's term is added.
     assert_relative_eq!(section.second_moment_kg_m[0], 1.5e-4 + 0.35 * 0.008_f64.powi(2), max_relative = 1e-15);
 
     let JointMotion::Prescribed(Motion::Table(points)) = &revolute(&machine, "fold_lower").motion else {
@@ -148,14 +148,14 @@ fn parents_come_first() {
     assert_eq!((machine.gauges[0].body, machine.bodies[1].masses.len()), (1, 1));
 }
 
-/// Mount, axis and motion: degrees become radians, any axis a unit vector.
+/// Mount, axis and motion: degrees become radians, any axis becomes a unit vector.
 #[test]
 fn angles_are_radians_and_axes_unit_vectors() {
     let stated = "mount_rotation_deg = [0, 0, 90]\nstart_angle_deg = 90\nstart_rate_deg_s = -180";
     let machine = accepted(&with("start_angle_deg = 170", stated));
     let fold = revolute(&machine, "fold");
     assert_eq!((fold.axis, fold.start_angle_rad, fold.start_rate_rad_s), (Vector3::y(), FRAC_PI_2, -PI));
-    // Parent ← body: the body's x axis points along the parent's y axis.
+    // Rotation from body to parent frame: the body's x axis points along the parent's y axis.
     assert_relative_eq!(machine.bodies[1].joint.mount * Vector3::x(), Vector3::y(), epsilon = 1e-15);
 }
 
@@ -183,7 +183,7 @@ fn stations_may_be_listed() {
     assert_eq!(machine.bodies[1].station_positions_m.len(), 4, "the default");
 }
 
-/// Loads sit on the stations that they name, add up, and become start values of the inputs.
+/// Loads act at the stations that they name, add up, and become start values of the inputs.
 #[test]
 fn loads_add_up_at_their_stations() {
     let loads = "[load.lift]\nbody = \"inner\"\nstation = 4\nforce_N = [0, 0, 2]\n\

@@ -1,4 +1,4 @@
-//! Air: what is refused, whole messages, and what an accepted file means.
+//! Aerodynamics: errors with their whole messages, and the meaning of an accepted file.
 
 use crate::model_file::{MODEL, message_of};
 use foldwing::aero::continuous_turbulence::{Component, ContinuousTurbulence, Spectrum};
@@ -18,8 +18,8 @@ fn machine(lines: &str) -> Machine {
     config::parse(&format!("{MODEL}{lines}"), "wing.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The chord is the section's width about its axis, the step one panel's way of the wind; free edges are inset by a quarter
-/// of a panel: the inner body's outer edge is one, because nothing with a surface goes on there.
+/// By default the chord is the section's width about its axis, and the wind travels one panel per step; free edges are inset by a quarter
+/// of a panel, among them the inner body's outer edge, because no surface continues there.
 #[test]
 fn defaults_of_air() {
     let air = machine(&format!("{AIR}{SURFACE}")).air.expect("air");
@@ -37,8 +37,8 @@ fn defaults_of_air() {
     approx::assert_relative_eq!(surface.positions_m[4], 4.25 * width, max_relative = 1e-12);
 }
 
-/// The default step is a panel's way of the fastest point of the trailing edge against the air at the start, whatever
-/// moves: wind, flight, a joint that turns. Where nothing does, there is no default.
+/// In the default step the fastest point of the trailing edge travels one panel relative to the air at the start, whatever moves: wind,
+/// flight, a rotating joint. Without motion there is no default.
 #[test]
 fn default_step_follows_what_moves() {
     let step_s = |joint: &str, wind: &str| {
@@ -60,7 +60,7 @@ fn default_step_follows_what_moves() {
     assert!(step_s(&flies(-10), "[0, -10, 0]").is_err());
 }
 
-/// A mirror plane at the root and a surface on the next body take the insets away; the strip model has none.
+/// With a mirror plane at the root and a surface on the next body there are no insets; the strip model has none.
 #[test]
 fn edges_that_are_not_free() {
     let both = format!("{SURFACE}[surface.out]\nbody = \"outer\"\nstrips = 2\nchord_m = 0.05\n");
@@ -72,7 +72,7 @@ fn edges_that_are_not_free() {
     assert_eq!(strips.surfaces[0].positions_m, [0.0, 0.0375, 0.075, 0.11249999999999999, 0.15]);
 }
 
-/// Incidence raises the leading edge towards `+z`, whichever side it lies on.
+/// Incidence raises the leading edge towards `+z`, on whichever side it lies.
 #[test]
 fn incidence_and_leading_edge() {
     for (side, sign) in [("+y", 1.0), ("-y", -1.0)] {
@@ -105,7 +105,7 @@ fn gusts() {
     );
 }
 
-/// Turbulence along and across the way, its defaults, a table; keys of other shapes and skew turbulence are refused.
+/// Turbulence along and normal to the flight path, its defaults, a table; keys of other shapes and oblique turbulence are rejected.
 #[test]
 fn gusts_of_turbulence_and_by_a_table() {
     let gust = "[gust.rough]\nshape = \"von_karman\"\nvelocity_m_s = [0, 0, 2]\nscale_m = 0.5\nseed = 7\n";
@@ -169,7 +169,7 @@ fn gusts_of_turbulence_and_by_a_table() {
     }
 }
 
-/// Densities, winds, panels and steps without meaning.
+/// Invalid densities, winds, panels and steps.
 #[test]
 fn numbers_of_air() {
     let air = |from: &str, to: &str| message(&format!("{AIR}{SURFACE}").replace(from, to));
@@ -212,7 +212,7 @@ fn numbers_of_air() {
     );
 }
 
-/// Surfaces on no body, twice on one, none at all, and without air.
+/// Surfaces on no body, twice on one, none at all, and without aerodynamics.
 #[test]
 fn places_of_surfaces() {
     assert_eq!(
@@ -234,11 +234,11 @@ fn places_of_surfaces() {
         message(SURFACE),
         "wing.toml:56: key 'surface.in': a table without air is not allowed; allowed: a model file with [aerodynamics]"
     );
-    // with the model `none` surfaces may stay in the file: loads come from outside
+    // with the model `none` surfaces may remain in the file: loads come from outside
     assert!(machine(&format!("{}{SURFACE}", AIR.replace("uvlm", "none"))).air.is_none());
 }
 
-/// A polar in a lattice needs suction, and a profile in it no speed of sound.
+/// A polar in a lattice needs suction, and must not be combined with a speed of sound.
 #[test]
 fn profiles_that_a_lattice_cannot_take() {
     let air = |keys: &str, profile: &str| {
@@ -259,8 +259,8 @@ fn profiles_that_a_lattice_cannot_take() {
     }
 }
 
-/// A key that the model of the air does not read is refused: a mirror plane with strips was left out without a word. Strips and
-/// lattice read those of a profile. Without air all may stay in the file.
+/// A key that the aerodynamic model does not use is rejected: a mirror plane with strips used to be ignored silently. Strips and lattice
+/// use those of a profile. Without aerodynamics all may remain in the file.
 #[test]
 fn keys_that_the_model_of_the_air_does_not_read() {
     let lattice = ["free_wake = true", "wake_rows = 30", "threads = 2"];
@@ -316,7 +316,7 @@ fn keys_that_the_model_of_the_air_does_not_read() {
     }
 }
 
-/// A lifting line needs lifts that grow straight with the downwash, and is nobody's who does not ask for it.
+/// A lifting line needs lift that is linear in the downwash, and is used only if requested.
 #[test]
 fn tip_loss_of_strips() {
     let air = |key: &str, surface: &str| {
@@ -336,7 +336,7 @@ fn tip_loss_of_strips() {
     assert!(said.contains("'aerodynamics.tip_loss'") && said.contains("lifting_line"), "{said}");
 }
 
-/// Slope of the lift and place of the axis along the body; strips take the slope of their middle.
+/// Lift slope and position of the axis along the body; strips use the slope at their middle.
 #[test]
 fn slope_and_axis_along_the_body() {
     let air =

@@ -1,11 +1,11 @@
-//! Failures in the model file: what is refused, and what an accepted file means.
+//! Failures in the model file: errors, and the meaning of an accepted file.
 
 use crate::model_file::{MODEL, message_of};
 use foldwing::config;
 use foldwing::machine::failure::{Bound, BoundSide, Quantity};
 use foldwing::machine::{Effect, Failure};
 
-/// A failure behind the small model, whose fold joint holds its second body.
+/// A failure appended to the small model, whose fold joint holds its second body.
 fn model(lines: &str) -> String {
     format!("{MODEL}[failure.motor]\n{lines}\n")
 }
@@ -42,7 +42,7 @@ fn accepted_failures_mean_what_they_say() {
     );
 }
 
-/// Messages for lines of a failure, and their locations.
+/// Messages for lines of a failure, with their locations.
 #[test]
 fn refusals_name_place_and_cure() {
     for (lines, key, part) in [
@@ -95,7 +95,7 @@ fn refusals_name_place_and_cure() {
     }
 }
 
-/// The slip of a brake is stiff: an explicit method would alternate between full torques of both senses.
+/// The slip of a brake is stiff: an explicit method would alternate between full torques in both directions.
 #[test]
 fn a_brake_with_an_explicit_method_is_refused() {
     let brake = model("kind = \"brake_applied\"\njoint = \"fold\"\ntorque_N_m = 1");
@@ -105,7 +105,7 @@ fn a_brake_with_an_explicit_method_is_refused() {
     assert_eq!(message.lines().count(), 1, "one fault: {message}");
 }
 
-/// One failure more than a joint's motion can bring about is refused at its bound.
+/// One bound more than a joint's motion may trigger failures at is rejected.
 #[test]
 fn too_many_bounds_on_one_joint_are_refused() {
     let one = |i: usize| {

@@ -1,4 +1,4 @@
-//! Flaps: what is refused, and what an accepted file means.
+//! Control surfaces: errors, and the meaning of an accepted file.
 
 use crate::model_file::{MODEL, message_of};
 use foldwing::config;
@@ -12,7 +12,7 @@ fn machine(lines: &str) -> Machine {
     config::parse(&format!("{MODEL}{lines}"), "wing.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Strips end where a flap ends, whatever their number; without flaps they are as they were.
+/// Strips end at the ends of a flap, whatever their number; without flaps they are unchanged.
 #[test]
 fn strips_end_where_flaps_end() {
     let air = machine(&format!("{AIR}{SURFACE}{FLAP}")).air.expect("air");
@@ -35,7 +35,7 @@ fn flaps_reach_the_tip_of_a_lattice() {
     assert_eq!(air.flaps[0].strips, 0..6);
 }
 
-/// Each refusal names place, value, what is allowed and the cure.
+/// Each error gives location, value, what is allowed and the remedy.
 #[test]
 fn flaps_that_cannot_be() {
     let refused = |change: &dyn Fn(&str) -> String, parts: &[&str]| {
@@ -75,7 +75,7 @@ fn flaps_that_cannot_be() {
     refused(&lattice, &["control_surface.f.hinge_fraction", "0.8", "chord_panels = 4", "chord_panels = 5"]);
 }
 
-/// Ground and speed of sound: whole keys, across mirrors, with models of the air that know them.
+/// Ground and speed of sound: complete keys, a ground normal to mirrors, only with aerodynamic models that support them.
 #[test]
 fn grounds_and_speeds_of_sound_that_cannot_be() {
     let refused = |keys: &str, more: &str, parts: &[&str]| {

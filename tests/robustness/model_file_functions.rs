@@ -1,10 +1,10 @@
-//! Functions along a body: twist, curvatures, tapers, sections between two ends; what they mean and what is refused.
+//! Functions along a body: twist, curvatures, tapers, sections between two ends; their meaning and errors.
 
 use crate::model_file::{message, message_of, with};
 use foldwing::config;
 use foldwing::machine::Machine;
 
-/// The small model with more keys in `[body.inner]`.
+/// The small model with further keys in `[body.inner]`.
 fn inner(keys: &str) -> String {
     with("length_m = 0.15", &format!("length_m = 0.15\n{keys}"))
 }
@@ -13,7 +13,7 @@ fn accepted(text: &str) -> Machine {
     config::parse(text, "wing.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Numbers, polynomials and tables are what they say.
+/// Numbers, polynomials and tables give the specified values.
 #[test]
 fn natural_strain_along_a_body() {
     let machine = accepted(&inner(
@@ -28,7 +28,7 @@ fn natural_strain_along_a_body() {
     assert_eq!(strain(0.15)[3], 2.0);
 }
 
-/// A number is the factor at the tip; the section follows the stretched outline.
+/// A number is the factor at the tip; the section follows the scaled outline.
 #[test]
 fn tapers() {
     let text = inner("width_taper = 0.5\nheight_taper = { table = [[0, 1], [0.15, 0.6]] }");
@@ -40,7 +40,7 @@ fn tapers() {
     close(section.stiffness[(2, 2)], 2.83e9 * 0.025 * 0.0012f64.powi(3) / 12.0);
 }
 
-/// `outer_section`: properties linear between two sections of any shape; a gauge needs both outlines.
+/// `outer_section`: properties are linear between two sections of any shape; a gauge needs both outlines.
 #[test]
 fn sections_between_two_ends() {
     let text =
@@ -57,7 +57,7 @@ fn sections_between_two_ends() {
     );
 }
 
-/// A gauge along 45° on the upper face reads half the shear of torsion, `−h k₁ / 2` on a thin plate.
+/// A gauge at 45° on the upper face reads half the shear strain due to torsion, `−h k₁ / 2` on a thin plate.
 #[test]
 fn gauge_directions() {
     let machine = accepted(&with("z_m = 0.001", "z_m = 0.001\ndirection = [1, 1, 0]"));
@@ -131,7 +131,7 @@ fn tables_that_do_not_fit_the_body() {
     }
 }
 
-/// Half a turn per element is the limit, wherever along the body it is reached.
+/// Half a revolution per element is the limit, wherever along the body it is reached.
 #[test]
 fn curvatures_that_an_element_cannot_hold() {
     assert_eq!(

@@ -1,4 +1,4 @@
-//! Universal, ball and free joints: what is refused, whole messages, and what an accepted file means.
+//! Universal, ball and free joints: errors with their whole messages, and the meaning of an accepted file.
 
 use crate::model_file::{message_of, with};
 use foldwing::config;
@@ -88,7 +88,7 @@ fn universal_axes() {
         "wing.toml:32: key 'joint.fold.body_axis': [0, 1, 0.04] is not allowed; allowed: an array of 3 finite numbers, \
          in the attitude of mount_rotation_deg not parallel to axis"
     );
-    // a quarter turn about x brings the body's −z onto the parent's y
+    // a rotation by 90° about x moves the body's −z onto the parent's y
     assert_eq!(
         message(&format!("{UNIVERSAL}\nmount_rotation_deg = [90, 0, 0]\nbody_axis = [0, 0, -1]")),
         "wing.toml:33: key 'joint.fold.body_axis': [0, 0, -1] is not allowed; allowed: an array of 3 finite numbers, in \
@@ -96,7 +96,7 @@ fn universal_axes() {
     );
 }
 
-/// A universal joint cannot turn across both of its axes.
+/// A universal joint cannot rotate about the normal to both of its axes.
 #[test]
 fn universal_start_velocity() {
     assert_eq!(
@@ -106,7 +106,7 @@ fn universal_start_velocity() {
     );
 }
 
-/// A free body hangs on nothing but the root frame.
+/// A free joint can attach a body only to the root frame.
 #[test]
 fn free_parent() {
     assert_eq!(
@@ -116,7 +116,7 @@ fn free_parent() {
     );
 }
 
-/// Keys that a joint of that type does not have, each refused by its name.
+/// Keys that a joint of this type does not have are each rejected by name.
 #[test]
 fn foreign_keys() {
     let refusal = |line: usize, key: &str, value: &str, types: &str| {
@@ -172,7 +172,7 @@ fn foreign_keys() {
     );
 }
 
-/// Keys in m and N on a joint that turns, in deg and N·m on one that slides: refused, with the key that is meant.
+/// Keys in m and N on a joint that rotates, in deg and N·m on one that slides: rejected, with the correct key.
 #[test]
 fn keys_of_the_other_travel() {
     let slide = |keys: &str| message(&format!("type = \"prismatic\"\nparent = \"inner\"\naxis = [0, 1, 0]\n{keys}"));
@@ -215,12 +215,12 @@ fn keys_of_the_other_travel() {
     }
 }
 
-/// The motor of a revolute joint is no part of the others.
+/// Keys of a revolute joint's motor are invalid on other joints.
 #[test]
 fn foreign_drive_keys() {
     for key in ["constant_torque_N_m", "torque_limit_N_m", "rate_limit_deg_s", "command_deg"] {
         for (joint, line) in [(format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]"), 35), (BALL.to_owned(), 33)] {
-            // a table ends the joint's own keys
+            // a table ends the keys of the joint itself
             let text = with(FOLD, &format!("{joint}\nchild = \"outer\"\n[joint.fold.motor]\n{key} = 1\n"));
             assert_eq!(
                 message_of(&text),
@@ -233,7 +233,7 @@ fn foreign_drive_keys() {
     }
 }
 
-/// The explicit method has no error estimate: it needs its step.
+/// The explicit method has no error estimate: it needs a fixed step.
 #[test]
 fn explicit_method_needs_a_fixed_step() {
     assert_eq!(
@@ -247,7 +247,7 @@ fn explicit_method_needs_a_fixed_step() {
     }
 }
 
-/// Real-time mode: its method and default step, and what it refuses.
+/// Real-time mode: its method, its default step, and its errors.
 #[test]
 fn real_time_mode() {
     let solver = |keys: &str| message_of(&with("tolerance = 1e-4", keys));

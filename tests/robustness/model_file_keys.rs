@@ -1,4 +1,4 @@
-//! Refusals of single keys: syntax, names, types, ranges.
+//! Errors in single keys: syntax, names, types, ranges.
 
 use crate::model_file::message;
 
@@ -23,7 +23,7 @@ fn syntax_errors() {
     );
 }
 
-/// An unknown key comes with what may be meant. A key without its unit used to be two problems: unknown and missing.
+/// For an unknown key the message suggests the intended one. A key without its unit used to be two problems: unknown and missing.
 #[test]
 fn unknown_keys() {
     assert_eq!(
@@ -92,7 +92,7 @@ fn missing_keys() {
     );
 }
 
-/// Wrong types.
+/// Values of the wrong type.
 #[test]
 fn wrong_types() {
     assert_eq!(
@@ -146,7 +146,7 @@ fn wrong_types() {
     );
 }
 
-/// Words that are not among the choices.
+/// Words that are not among the allowed values.
 #[test]
 fn choices() {
     assert_eq!(
@@ -180,7 +180,7 @@ fn choices() {
     );
 }
 
-/// Numbers out of the range of their key.
+/// Numbers outside the range of their key.
 #[test]
 fn negative_and_zero() {
     assert_eq!(
@@ -219,7 +219,7 @@ fn negative_and_zero() {
     );
 }
 
-/// NaN, infinity and what would overflow.
+/// NaN, infinity and values that would overflow.
 #[test]
 fn not_finite() {
     assert_eq!(
@@ -246,7 +246,7 @@ fn not_finite() {
     );
 }
 
-/// Names that are no identifiers.
+/// Names that are not identifiers.
 #[test]
 fn names() {
     assert_eq!(
@@ -273,7 +273,7 @@ fn names() {
     );
 }
 
-/// Directions by the name of an axis.
+/// Directions given by the name of an axis.
 #[test]
 fn axes_by_name() {
     for (word, meant) in [("y", "[0.0, 1.0, 0.0]"), ("-Z", "[0.0, 0.0, -1.0]")] {

@@ -1,11 +1,11 @@
-//! Closed loops: what is refused, whole messages, and what an accepted file means.
+//! Closed loops: errors with their whole messages, and the meaning of an accepted file.
 
 use crate::model_file::{MODEL, message_of};
 use foldwing::config;
 use foldwing::machine::Closure;
 use nalgebra::Vector3;
 
-/// A loop behind the small model, whose fold joint starts at `fold_deg`; its table is on line 55.
+/// A loop appended to the small model, whose fold joint starts at `fold_deg`; its table is on line 55.
 fn model(fold_deg: f64, lines: &str) -> String {
     let model = MODEL.replace("start_angle_deg = 170", &format!("start_angle_deg = {fold_deg}"));
     format!("{model}[loop.pin]\n{lines}\n")
@@ -15,7 +15,7 @@ fn message(lines: &str) -> String {
     message_of(&model(0.0, lines))
 }
 
-/// From 0.05 m on the inner body to the end of the outer one at 0.25 m: closed where the wing is stretched out.
+/// From 0.05 m on the inner body to the end of the outer one at 0.25 m: closed for the stretched-out wing.
 const CLOSED: &str = "bodies = [\"inner\", \"outer\"]\npositions_m = [0.05, 0.1]\noffsets_m = [[0, 0, 0.01], [-0.2, 0, \
                       0.01]]\nstiffness_N_m = 1e5";
 
@@ -36,8 +36,8 @@ fn accepted_loops_mean_what_they_say() {
     );
 }
 
-/// Without positions the outer ends are meant; inertia and damping may be left out. The order of the bodies in the file
-/// need not be that of the tree.
+/// Without positions the loop joins the outer ends; inertia and damping are optional. The order of the bodies in the file need not be that
+/// of the tree.
 #[test]
 fn defaults_of_a_loop() {
     let lines = "bodies = [\"outer\", \"inner\"]\noffsets_m = [[-0.1, 0, 0], [0, 0, 0]]\nstiffness_N_m = 1e5";
@@ -47,7 +47,7 @@ fn defaults_of_a_loop() {
     assert_eq!((closure.inertia_kg, closure.damping_n_s_m), (0.0, 0.0));
 }
 
-/// Bodies that do not exist, the root, one section twice.
+/// Bodies that do not exist, the root, the same section twice.
 #[test]
 fn bodies_of_a_loop() {
     assert_eq!(
@@ -78,7 +78,7 @@ fn bodies_of_a_loop() {
     );
 }
 
-/// Places beyond the bodies and keys of the wrong kind.
+/// Positions beyond the bodies and keys of the wrong kind.
 #[test]
 fn places_of_a_loop() {
     assert_eq!(
@@ -98,7 +98,7 @@ fn places_of_a_loop() {
     );
 }
 
-/// Penalties that are none.
+/// Invalid penalty stiffnesses.
 #[test]
 fn penalties_of_a_loop() {
     assert_eq!(
@@ -130,8 +130,8 @@ fn penalties_of_a_loop() {
     );
 }
 
-/// A loop that is open at the start: the message has the gap. A joint's start angle opens it, and so does the natural curvature of a body:
-/// the half circle rotates its outboard bodies.
+/// A loop that is open at the start: the message gives the gap. A joint's start angle opens it, and so does the natural curvature of a
+/// body: the half circle rotates its outboard bodies.
 #[test]
 fn loops_that_are_open_at_the_start() {
     assert_eq!(
@@ -150,7 +150,7 @@ fn loops_that_are_open_at_the_start() {
     );
 }
 
-/// A body whose natural curvature is that of a full circle closes on its own inner end.
+/// The outer end of a body whose natural curvature is that of a full circle coincides with its inner end.
 #[test]
 fn a_ring_is_a_loop() {
     let ring = model(0.0, "bodies = [\"inner\", \"inner\"]\npositions_m = [0, 0.15]\nstiffness_N_m = 1e5")
@@ -159,7 +159,7 @@ fn a_ring_is_a_loop() {
     assert_eq!(machine.closures[0].places, [(0, 0.0), (0, 0.15)]);
 }
 
-/// No joint is named like the group of the loops' outputs.
+/// No joint may have the name of the group of the loops' outputs.
 #[test]
 fn no_joint_is_named_loop() {
     let text = MODEL.replace("[joint.mount]", "[joint.loop]");

@@ -1,9 +1,9 @@
-//! Refusals of what several keys say together.
+//! Errors in combinations of keys.
 
 use crate::model_file::{message, message_of, with};
 use foldwing::config;
 
-/// Dimensions that are numbers each, but whose products leave the range of numbers.
+/// Dimensions that are valid by themselves, but whose products overflow.
 #[test]
 fn overflowing_dimensions() {
     assert_eq!(
@@ -45,7 +45,7 @@ fn internal_loads() {
     );
 }
 
-/// The tree of bodies: one joint per body, no body on itself, no cycle.
+/// The tree of bodies: one joint per body, no body attached to itself, no cycle.
 #[test]
 fn tree() {
     assert_eq!(
@@ -73,7 +73,7 @@ fn tree() {
     );
 }
 
-/// References to nothing.
+/// References to names that do not exist.
 #[test]
 fn references() {
     assert_eq!(
@@ -101,7 +101,7 @@ fn references() {
     );
 }
 
-/// Positions off the body, points off the section.
+/// Positions beyond the body, points outside the section.
 #[test]
 fn positions() {
     assert_eq!(
@@ -330,7 +330,7 @@ fn section_inertia() {
     );
 }
 
-/// Inertia that no rigid body has.
+/// Inertia impossible for a rigid body.
 #[test]
 fn rigid_body_inertia() {
     assert_eq!(
@@ -403,7 +403,7 @@ fn latches() {
     );
 }
 
-/// Rigid latches: no key of a spring, closed at the start by their window alone, and then without a rate.
+/// Rigid latches: no keys of a spring; closed at the start only within their window, and then without a start rate.
 #[test]
 fn rigid_latches() {
     for (key, value) in [("stiffness_ratio", "1e4"), ("stiffness_N_m_rad", "100.0")] {
@@ -474,7 +474,7 @@ fn start_rates() {
     );
 }
 
-/// Prescribed joints need exactly one law.
+/// Prescribed joints need exactly one motion.
 #[test]
 fn prescribed_motion() {
     assert_eq!(

@@ -8,7 +8,7 @@ const BODY: &str = "count, length_m, section, outer_section, width_taper, height
                     natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, \
                     damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, load_stations, load_station_positions_m, load_frame";
 
-/// Tables: swapped letters, plurals, beginnings.
+/// Tables: swapped letters, plurals, truncated names.
 #[test]
 fn tables() {
     for (written, meant) in [("[gague.root]", "gauge"), ("[gauges.root]", "gauge"), ("[gage.root]", "gauge")] {
@@ -22,7 +22,7 @@ fn tables() {
     );
 }
 
-/// A table that every model has, misspelt, is one problem and not two.
+/// A misspelt required table is reported as one error, not two.
 #[test]
 fn required_tables() {
     assert_eq!(
@@ -73,7 +73,7 @@ fn a_misspelt_shape() {
     );
 }
 
-/// Words that are nearly one of the choices, in every key that has choices.
+/// Words close to an allowed value, in every key with a set of allowed values.
 #[test]
 fn choices() {
     for (old, new, said) in [
@@ -124,7 +124,7 @@ fn choices() {
     }
 }
 
-/// References to what is nearly there, in every kind of table that refers to another.
+/// References close to an existing name, in every kind of table that refers to another.
 #[test]
 fn references() {
     for (old, new, said) in [
@@ -176,7 +176,7 @@ fn references() {
     }
 }
 
-/// A joint in the place of the body that it holds.
+/// A joint's name in place of the body that it holds.
 #[test]
 fn a_joint_for_a_body() {
     assert_eq!(

@@ -12,7 +12,7 @@ fn with_section(section: &str) -> String {
     MODEL.replacen(PLATE, section, 1).replacen("z_m = 0.001\n", "", 1)
 }
 
-/// Dimensions, materials, outlines, spars and plies that make no section.
+/// Dimensions, materials, outlines, spars and plies that give no valid section.
 #[test]
 fn sections_by_shape() {
     for (section, due) in [
@@ -169,7 +169,7 @@ fn sections_by_shape() {
     }
 }
 
-/// Two ways to vary a section by shape along a body.
+/// Two ways to vary a section given by its shape along a body.
 #[test]
 fn sections_by_shape_along_a_body() {
     for (section, keys, due) in [

@@ -5,7 +5,7 @@ use foldwing::force::prescribed::Motion;
 use foldwing::machine::{AirOptions, Effect, JointKind, JointMotion, Machine, SectionLaw};
 use std::collections::BTreeSet;
 
-/// A machine with every angle that a file can state.
+/// A machine with every angle that a file can contain.
 const MODEL: &str = r#"name = "Angles"
 [section.s]
 shape = "rectangle"
@@ -63,7 +63,7 @@ motion = "prescribed"
 table_s_deg = [[0, 15], [1, 75]]
 "#;
 
-/// A ball joint, and air over a body.
+/// A ball joint, and a body with aerodynamics.
 const BALL_IN_AIR: &str = r#"name = "Ball"
 [section.s]
 shape = "rectangle"
@@ -97,7 +97,7 @@ flare_deg = 20
 zero_lift_angle_deg = -3
 "#;
 
-/// A body that bends in a given shape.
+/// A modal body.
 const MODAL: &str = r#"name = "Blade"
 [modal_body.blade]
 length_m = 10.0
@@ -114,7 +114,7 @@ parent = "root"
 child = "blade"
 "#;
 
-/// Error over angles and rates.
+/// Failures triggered by angles and rates.
 const FAILING: &str = r#"
 [failure.away]
 kind = "motor_runaway"
@@ -156,20 +156,20 @@ parent = "root"
 child = "beam"
 "#;
 
-/// A polar from stall to stall.
+/// A polar that includes stall.
 const STALLED: &str = include_str!("../../examples/failures/pitch_link_in_wind.toml");
 
 fn read(text: &str) -> Machine {
     parse(text, "angles.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A factor between two numbers that are meant to be one and the same, to the last bits.
+/// Asserts that a value equals one given in degrees, to the last bits.
 fn close(what: &str, found: f64, degrees: f64) {
     let expected = degrees * std::f64::consts::PI / 180.0;
     assert!((found - expected).abs() <= 1e-15 * expected.abs().max(1.0), "{what}: {found}, not {expected}");
 }
 
-/// Keys of the schema that state degrees.
+/// Keys of the schema with a unit of degrees.
 fn keys_in_degrees(node: &serde_json::Value, found: &mut BTreeSet<String>) {
     if let Some(map) = node["properties"].as_object() {
         found.extend(map.keys().filter(|key| key.ends_with("_deg") || key.ends_with("_deg_s")).cloned());
@@ -181,7 +181,7 @@ fn keys_in_degrees(node: &serde_json::Value, found: &mut BTreeSet<String>) {
     }
 }
 
-/// No key in degrees is left out of the files above.
+/// Every key in degrees occurs in the files above.
 #[test]
 fn every_key_in_degrees_is_compared() {
     let mut keys = BTreeSet::new();
@@ -197,7 +197,8 @@ fn every_key_in_degrees_is_compared() {
     }
 }
 
-/// Plies at 90 degrees have the modulus across their fibres along the body, those at 60 degrees that of the textbook's transformation.
+/// For plies at 90 degrees, the modulus along the body is that normal to their fibres; for those at 60 degrees that of the textbook's
+/// transformation.
 #[test]
 fn plies_are_read_in_radians() {
     let stiffness_pa = |text: &str| read(text).bodies[0].section.at(0.0).stiffness[(0, 0)] / (0.03 * 2e-3);
@@ -213,7 +214,7 @@ fn plies_are_read_in_radians() {
     assert!((stiffness_pa(&balanced) / (1e9 * (along - mixed * mixed / across)) - 1.0).abs() < 1e-12);
 }
 
-/// The moment's kink lies that angle beyond the stall at 12 degrees: there is a row.
+/// The kink of the moment is at this angle beyond the stall at 12 degrees: there is a row.
 #[test]
 fn angle_of_the_pressure_shift_is_read_in_radians() {
     let machine = read(STALLED);

@@ -1,6 +1,6 @@
-//! Damaged model files and folders: refused with a message or run, never a panic, a hang or an exhausted memory.
+//! Corrupted model files and folders: rejected with a message or simulated, without a panic, a hang or exhausted memory.
 //!
-//! `FOLDWING_MUTATIONS` sets how many files are made from the shipped ones, `FOLDWING_SEED` runs a single one.
+//! `FOLDWING_MUTATIONS` sets how many files are derived from the shipped ones, `FOLDWING_SEED` runs a single one.
 
 use crate::fmu::{Attempt, Fmu, Resources, WING, guid_of};
 use fastrand::Rng;
@@ -13,18 +13,18 @@ use foldwing_fmu::types::*;
 use std::collections::BTreeMap;
 use std::process::Command;
 
-/// Files in a plain `cargo test`.
+/// Number of files in a plain `cargo test`.
 const SHARE: usize = 1_500;
-/// Of these, one in so many goes through the command line too.
+/// One of this many files is also run through the command line.
 const COMMAND_LINE: usize = 50;
-/// Larger models are only read: a run would take minutes, as intended by their authors.
+/// Larger models are only read: a simulation would take minutes, as intended by their authors.
 const MAXIMUM_ELEMENTS: usize = 300;
 const MAXIMUM_STATIONS: usize = 100;
 const MAXIMUM_PANELS: usize = 200;
 const MAXIMUM_WAKE_ROWS: usize = 100;
 const MINIMUM_AIR_STEP_S: f64 = 1e-5;
 
-/// Values in the place of others.
+/// Values that replace others.
 const VALUES: [&str; 40] = [
     "0",
     "-0.0",
@@ -68,7 +68,7 @@ const VALUES: [&str; 40] = [
     "\"strip\"",
 ];
 
-/// Text that breaks lines.
+/// Tokens that break the syntax of a line.
 const TOKENS: [&str; 14] = ["[", "]", "[[", "=", "\"", "'", "#", "\n", ".", "{", "}", "\u{0}", "\u{feff}", "é\u{202e}"];
 
 fn models() -> Vec<String> {
@@ -82,7 +82,7 @@ fn models() -> Vec<String> {
     models
 }
 
-/// A line whose first number behind the sign of equality is another one, which may well be allowed.
+/// A line whose first number after the equals sign is replaced by another one, which may be valid.
 fn scaled(rng: &mut Rng, line: &str) -> Option<String> {
     let begin = line.find(" = ")? + 3;
     let begin = begin + line[begin..].find(|letter: char| letter.is_ascii_digit())?;
@@ -93,7 +93,7 @@ fn scaled(rng: &mut Rng, line: &str) -> Option<String> {
     Some(format!("{}{new}{}", &line[..begin], &line[end..]))
 }
 
-/// A model file that something has happened to.
+/// A model file with random modifications.
 fn mutated(rng: &mut Rng, models: &[String]) -> Vec<u8> {
     let one = |rng: &mut Rng| rng.usize(..models.len());
     let mut lines: Vec<String> =
@@ -158,7 +158,7 @@ fn mutated(rng: &mut Rng, models: &[String]) -> Vec<u8> {
     bytes
 }
 
-/// Returns whether a machine takes long.
+/// Returns whether a simulation of a machine takes long.
 fn is_large(machine: &Machine) -> bool {
     let elements: usize = machine.bodies.iter().map(|body| body.elements).sum();
     let air = machine.air.as_ref().is_some_and(|air| {
@@ -173,7 +173,7 @@ fn is_large(machine: &Machine) -> bool {
     elements > MAXIMUM_ELEMENTS || stations > MAXIMUM_STATIONS || air
 }
 
-/// The message of a refusal points into the file and is not endless.
+/// Checks that an error message gives a line in the file and is of limited length.
 fn check_refusal(error: &ConfigError, lines: usize) -> Result<(), String> {
     let text = error.to_string();
     let points = error.problems().iter().all(|problem| (1..=lines.max(1)).contains(&problem.line));
@@ -184,7 +184,7 @@ fn check_refusal(error: &ConfigError, lines: usize) -> Result<(), String> {
     Ok(())
 }
 
-/// Runs a valid model as an importer does; the statuses of the calls.
+/// Runs a valid model like an importer; returns the statuses of the calls.
 fn run(text: &str) -> Result<&'static str, String> {
     let fmu = Fmu::new(text);
     let c = fmu.component;
@@ -222,8 +222,8 @@ fn number(name: &str) -> Option<usize> {
     std::env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")))
 }
 
-/// M-01. Mutations of the shipped models: refused with file and line by the reader and by `fmi2Instantiate`, or valid, and
-/// then they start and step or say at what time they cannot. Some go through `foldwing check` and `foldwing package`.
+/// M-01. Mutations of the shipped models: rejected with file and line by the reader and by `fmi2Instantiate`, or valid; then they start and
+/// step, or the error gives the time of the failure. Some are run through `foldwing check` and `foldwing package`.
 #[test]
 fn m01_mutated_models() {
     let models = models();
@@ -276,7 +276,7 @@ fn try_out(bytes: &[u8], seed: usize) -> Result<&'static str, String> {
     run(text)
 }
 
-/// The command ends with a documented code and a cause, without a panic.
+/// Checks that the command ends with a documented exit code and a cause, without a panic.
 fn command_line(bytes: &[u8]) -> Result<(), String> {
     let folder = Resources::empty("command");
     let path = folder.folder.join("model.toml");
@@ -294,7 +294,7 @@ fn command_line(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// M-02. Models that are valid but for their size: refused, where they used to exhaust the memory.
+/// M-02. Models valid apart from their size are rejected; they used to exhaust the memory.
 #[test]
 fn m02_models_of_absurd_size() {
     let tunnel = include_str!("../../examples/models/folding_wing_in_tunnel.toml");
@@ -332,7 +332,7 @@ fn m02_models_of_absurd_size() {
     }
 }
 
-/// M-03. Folders and files that are none: an instance is refused with the path, and what is wrong with it.
+/// M-03. Invalid folders and files: an instance is rejected with the path and the cause.
 #[test]
 fn m03_hostile_resources() {
     let refused = |resources: &Resources, part: &str| {
@@ -349,7 +349,7 @@ fn m03_hostile_resources() {
     refused(&with(b"\xff\xfe\x00"), "UTF-8");
     refused(&with(&[0; 1000]), "not valid TOML");
     refused(&with("a = ".repeat(100_000).as_bytes()), "not valid TOML");
-    // nesting that overflowed the stack would end the importer
+    // nesting that overflowed the stack would crash the importer
     for (open, close) in [("[", "]"), ("{a=", "}")] {
         let deep = format!("x = {}1{}", open.repeat(100_000), close.repeat(100_000));
         refused(&with(deep.as_bytes()), "");
@@ -376,7 +376,7 @@ fn m03_hostile_resources() {
     let exchanged = Resources::with(&WING.replace("elements = 4", "elements = 5"));
     let message = Attempt::of(WING, &exchanged).refusal();
     assert!(message.contains(&guid_of(WING)) && message.contains("package the model again"), "{message}");
-    // a file with one more comment is a different one, and is reported as such
+    // a file with one more comment is different, and is reported as such
     let machine = config::parse(WING, "model.toml").expect("valid");
     assert_ne!(guid(&format!("{WING}#"), Interface::new(&machine).variables()), guid_of(WING));
 }

@@ -1,9 +1,9 @@
-//! Arguments for random calls: mostly sound, often senseless, never undefined behaviour on the caller's side.
+//! Arguments for random calls: mostly valid, often invalid, never undefined behaviour of the caller.
 
 use fastrand::Rng;
 use foldwing::interface::{Causality, Interface, Kind, Value, Variability, Variable};
 
-/// Numbers that break what can be broken.
+/// Extreme numbers.
 const SENSELESS: [f64; 14] = [
     f64::NAN,
     f64::INFINITY,
@@ -26,13 +26,13 @@ pub fn pick<T: Copy>(rng: &mut Rng, list: &[T]) -> T {
     list[rng.usize(..list.len())]
 }
 
-/// A Real for a row: near its start value, or senseless.
+/// A Real for a row: near its start value, or invalid.
 pub fn real(rng: &mut Rng, row: Option<&Variable>) -> f64 {
     let start = match row.map(|row| row.value) {
         Some(Value::Real(start)) => start,
         _ => 0.0,
     };
-    // accuracy and steps decide about the cost: only sound values keep a call short, all others are refused
+    // accuracy and steps determine the cost: only reasonable values keep a call short, all others must be rejected
     let costs = row.is_some_and(|row| row.name.starts_with("solver."));
     match rng.u8(..10) {
         0 => pick(rng, if costs { &SENSELESS[..3] } else { &SENSELESS }),
@@ -43,7 +43,7 @@ pub fn real(rng: &mut Rng, row: Option<&Variable>) -> f64 {
     }
 }
 
-/// A communication step in s from a sound one to nonsense.
+/// A communication step in s, valid or invalid.
 pub fn step_s(rng: &mut Rng) -> f64 {
     match rng.u8(..12) {
         0 => pick(rng, &SENSELESS),
@@ -53,7 +53,7 @@ pub fn step_s(rng: &mut Rng) -> f64 {
     }
 }
 
-/// Value references: few of them, mostly of one kind, with repetitions, strangers and the unknown.
+/// Value references: few of them, mostly of one kind, with repetitions, other kinds and unknown ones.
 pub fn references(rng: &mut Rng, table: &Interface, fitting: impl Fn(&Variable) -> bool) -> Vec<u32> {
     let rows = table.variables();
     let fitting: Vec<u32> = rows.iter().filter(|row| fitting(row)).map(|row| row.value_reference).collect();
@@ -77,7 +77,7 @@ pub fn is_settable(row: &Variable) -> bool {
     matches!(row.causality, Causality::Input | Causality::Parameter)
 }
 
-/// Result of setting a value by the standard and the documentation.
+/// Result of setting a value according to the standard and the documentation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     Taken,
@@ -92,7 +92,7 @@ pub fn batch(verdicts: impl IntoIterator<Item = Verdict>) -> Verdict {
     verdicts.into_iter().find(|verdict| *verdict != Verdict::Taken).unwrap_or(Verdict::Taken)
 }
 
-/// Verdict on reading a row as `kind`.
+/// Expected result of reading a row as `kind`.
 pub fn reading(table: &Interface, reference: u32, kind: Kind) -> Verdict {
     match table.variables().get(reference as usize) {
         Some(row) if row.value.kind() == kind => Verdict::Taken,
@@ -100,10 +100,10 @@ pub fn reading(table: &Interface, reference: u32, kind: Kind) -> Verdict {
     }
 }
 
-/// Verdict on setting a row; `started` after the initialisation, `exchanging` while an importer integrates.
+/// Expected result of setting a row; `started` after the initialisation, `exchanging` while an importer integrates.
 pub fn setting(table: &Interface, reference: u32, value: Value, started: bool, exchanging: bool) -> Verdict {
     let Some(row) = table.variables().get(reference as usize) else { return Verdict::BadCall };
-    // start values of continuous states are guesses: taken before the start, and not used
+    // start values of continuous states are guesses: accepted before the start, and not used
     let guess = table.is_state(reference) && (!started || exchanging);
     if row.value.kind() != value.kind() || !(is_settable(row) || guess) {
         return Verdict::BadCall;
@@ -118,7 +118,7 @@ pub fn setting(table: &Interface, reference: u32, value: Value, started: bool, e
     if fixed && started { Verdict::BadCall } else { Verdict::Taken }
 }
 
-/// Verdict on the time derivative of an input.
+/// Expected result of setting the time derivative of an input.
 pub fn setting_rate(table: &Interface, reference: u32, order: i32, value: f64) -> Verdict {
     match table.variables().get(reference as usize) {
         Some(row) if row.causality == Causality::Input && row.value.kind() == Kind::Real && order == 1 => {
@@ -128,7 +128,7 @@ pub fn setting_rate(table: &Interface, reference: u32, order: i32, value: f64) -
     }
 }
 
-/// Verdict on the time derivative of an output.
+/// Expected result of reading the time derivative of an output.
 pub fn reading_rate(table: &Interface, reference: u32, order: i32) -> Verdict {
     match table.variables().get(reference as usize) {
         Some(row) if row.causality == Causality::Output && row.value.kind() == Kind::Real && order >= 1 => {
@@ -138,9 +138,9 @@ pub fn reading_rate(table: &Interface, reference: u32, order: i32) -> Verdict {
     }
 }
 
-/// Damage to the bytes of a state: `true` where the checksum is put right again, so that only their content is wrong.
+/// Corrupts the bytes of a state; returns `true` if the checksum is corrected, so that only the content is wrong.
 pub fn damage(rng: &mut Rng, bytes: &mut Vec<u8>) -> bool {
-    /// Bytes before the checksum, and with it.
+    /// Bytes before the checksum, and including it.
     const HEADER: (usize, usize) = (56, 60);
     match rng.u8(..6) {
         0 => bytes.truncate(rng.usize(..bytes.len())),

@@ -1,12 +1,12 @@
-//! Which call comes next, with what arguments, and what may be answered where it is legal.
+//! Selection of the next call, its arguments, and the allowed statuses where it is legal.
 
 use super::*;
 
-/// Log categories, sound ones first.
+/// Log categories, valid ones first.
 const CATEGORIES: [&CStr; 5] = [c"logAll", c"logEvents", c"logNonsense", c"", c"\xff%s%n"];
 
 impl Actor {
-    /// A call: mostly one that is legal, and so that runs go on.
+    /// A call, mostly a legal one that lets the run continue.
     pub(super) fn draw(&self, rng: &mut Rng, others: &[Saved]) -> Plan {
         if rng.u8(..20) < 5 {
             return self.go_on(rng, others);
@@ -20,7 +20,7 @@ impl Actor {
             if self.face.is_legal(name, self.phase) || rng.u8(..5) == 0 {
                 if let (0, Some(holes)) = (rng.u8(..30), self.holes(&plan.ask)) {
                     plan.hole = rng.u8(1..=holes);
-                    // freeing nothing is nothing
+                    // freeing null has no effect
                     let nothing = matches!(plan.ask, Ask::Free(_));
                     plan.right = vec![if nothing { OK } else { ERROR }];
                 }
@@ -29,7 +29,7 @@ impl Actor {
         }
     }
 
-    /// Number of pointers that can be null where they must not.
+    /// Number of pointers that can be null although they must not be.
     fn holes(&self, ask: &Ask) -> Option<u8> {
         match ask {
             Ask::Update => Some(if self.face.version() == 0 { 1 } else { 2 }),
@@ -56,7 +56,7 @@ impl Actor {
         }
     }
 
-    /// The call that leads on.
+    /// The call that continues the run.
     fn go_on(&self, rng: &mut Rng, others: &[Saved]) -> Plan {
         let times = Times { tolerance: None, start_s: 0.0, stop_s: None };
         match self.phase {
@@ -125,7 +125,7 @@ impl Actor {
         let times = Times { tolerance: rng.bool().then_some(tolerance), start_s, stop_s: rng.bool().then_some(stop_s) };
         let fits = start_s.is_finite() && times.stop_s.is_none_or(|stop_s| stop_s.is_finite() && stop_s >= start_s);
         let tolerable = times.tolerance.is_none_or(|tolerance| (1e-12..=1e-1).contains(&tolerance));
-        // in FMI 3.0 a tolerance that has been set as a parameter counts instead
+        // in FMI 3.0 a tolerance that has been set as a parameter is used instead
         let right: &[u32] = match (fits, tolerable) {
             (false, _) => &[DISCARD],
             (true, true) => &[OK],
@@ -139,7 +139,7 @@ impl Actor {
         )
     }
 
-    /// States beside those that were read last.
+    /// States near those read last.
     fn states(&self, rng: &mut Rng) -> Plan {
         let mut states = self.states.clone();
         let moved = if states.is_empty() { 0 } else { rng.usize(..4) };
@@ -169,7 +169,7 @@ impl Actor {
         let right: &[u32] = match () {
             () if n != own => &[ERROR],
             () if which == Vector::Nominals => &[OK],
-            // start values may have none that agree with them
+            // there may be no consistent state for the start values
             () if self.phase == Phase::Initialization => &[OK, DISCARD, ERROR],
             () if which == Vector::States => &[OK],
             () => &[OK, DISCARD],
@@ -177,7 +177,7 @@ impl Actor {
         Plan::of(Ask::Read(which, vec![0.0; n]), right)
     }
 
-    /// Variables, mostly such as fit.
+    /// Variables, mostly suitable ones.
     fn references(&self, rng: &mut Rng, fits: impl Fn(&Variable) -> bool) -> Vec<u32> {
         let rows = self.face.table().variables();
         let fitting: Vec<u32> = (0..self.face.references())
@@ -257,7 +257,7 @@ impl Actor {
             .enumerate()
             .map(|(i, &row)| arguments::setting(table, row, value(i), started, exchanging))
             .collect();
-        // what cannot change while time passes
+        // variables that cannot change while time advances
         let passing = self.phase == Phase::Step && self.agreed.event_mode;
         let discrete = |&at: &u32| !(row(at).causality == Causality::Input && row(at).value.kind() == Kind::Real);
         let switch = |&at: &u32| row(at).value.kind() != Kind::Real;
@@ -280,7 +280,7 @@ impl Actor {
         Plan::of(Ask::Set(kind, references, values), right)
     }
 
-    /// A handle: of our own, of somebody else, freed, made up, null.
+    /// A handle: of this instance, of another one, freed, invented, or null.
     fn handle(&self, rng: &mut Rng, others: &[Saved]) -> (Handle, Option<usize>) {
         let own = (!self.saved.is_empty()).then(|| rng.usize(..self.saved.len()));
         let wild = match rng.u8(..12) {
@@ -331,7 +331,7 @@ impl Actor {
         plan
     }
 
-    /// A state of our own, of a twin, or of another model from its bytes, whole or damaged.
+    /// A state of this instance, of its twin, or of another model, from bytes, intact or corrupted.
     fn parse(&self, rng: &mut Rng, others: &[Saved]) -> Plan {
         let pool: Vec<&Saved> = self.saved.iter().chain(others).collect();
         let at = (!pool.is_empty()).then(|| rng.usize(..pool.len()));
@@ -351,7 +351,7 @@ impl Actor {
         Plan { own, forged, ..Plan::of(Ask::Parse(bytes, ptr::null_mut()), &right) }
     }
 
-    /// A step whose beginning is relative to the instance's own time.
+    /// A step whose start is relative to the instance's time.
     fn step(&self, rng: &mut Rng) -> Plan {
         let step_s = arguments::step_s(rng);
         let time_s = match rng.u8(..15) {
@@ -361,7 +361,7 @@ impl Actor {
         };
         let returns = (rng.u8(..3) == 0).then(|| (0.0, if rng.bool() { 0.0 } else { arguments::real(rng, None) }));
         self.agree_to_return(returns);
-        // a step can fail, and end beyond the stop time
+        // a step can fail, or end beyond the stop time
         Plan::of(Ask::Step { time_s, step_s, event: false, early: false, last_s: 0.0 }, &[OK, ERROR])
     }
 

@@ -1,18 +1,19 @@
-//! Random calls on several instances of several models: legal and illegal, with sound and with senseless arguments.
+//! Random calls on several instances of several models: legal and illegal, with valid and invalid arguments.
 //!
-//! `FOLDWING_CALLS` sets their number, `FOLDWING_SEED` runs the one sequence that a failure names.
+//! `FOLDWING_CALLS` sets their number, `FOLDWING_SEED` runs the single sequence named by a failure.
 
 use crate::random_faces::{self, Cast};
 use crate::random_session::{Session, Tally};
 use std::process::Command;
 
-/// Calls in a plain `cargo test`.
+/// Number of calls in a plain `cargo test`.
 const SHARE: usize = 20_000;
-/// The same on each of the other faces, which share what lies behind the calls.
+/// Number of calls for each of the other interfaces, which share the code behind the calls.
 const SHARE_OF_FACE: usize = 3_000;
-/// Calls of one sequence, after which every instance is reset and compared with a fresh one.
+/// Calls of one sequence, after which every instance is reset and compared with a new one.
 const SEQUENCE: usize = 150;
-/// Calls under valgrind, which is some forty times slower, and models of its sessions. `make valgrind` takes all models and more calls.
+/// Number of calls under valgrind, which is about forty times slower, and of models in its sessions. `make valgrind` uses all models and
+/// more calls.
 const SHARE_UNDER_VALGRIND: usize = 150;
 const MODELS_UNDER_VALGRIND: usize = 6;
 
@@ -20,8 +21,8 @@ pub fn number(name: &str) -> Option<usize> {
     std::env::var(name).ok().map(|text| text.parse().unwrap_or_else(|_| panic!("{name}={text} is no number")))
 }
 
-/// RC-01. After each call: a status that belongs to it, one message if it was refused, which then has changed no bit of the
-/// state; every value finite after a step; and after each sequence a reset instance behaves as a fresh one, to the bit.
+/// RC-01. After each call: an allowed status; if it was rejected, one message and a bit-identical state; finite values after a step. After
+/// each sequence, a reset instance is bit-identical to a new one.
 #[test]
 fn rc01_random_calls() {
     let calls = number("FOLDWING_CALLS").unwrap_or(SHARE);
@@ -39,7 +40,7 @@ fn rc01_random_calls() {
     println!("{tally}");
 }
 
-/// A session of one of the other three faces.
+/// A session of one of the other three interfaces.
 fn of_face(cast: Cast, share: usize) {
     let calls = number("FOLDWING_CALLS").unwrap_or(share);
     let guard = crate::watchdog::watch(number("FOLDWING_WATCHDOG").unwrap_or(60) as u64);
@@ -56,26 +57,25 @@ fn of_face(cast: Cast, share: usize) {
     println!("{cast:?}: {tally}");
 }
 
-/// RC-03. The same on co-simulation of FMI 3.0: with Event Mode and without, with early returns and intermediate updates.
+/// RC-03. RC-01 for co-simulation of FMI 3.0: with and without Event Mode, with early returns and intermediate updates.
 #[test]
 fn rc03_random_calls_on_co_simulation_of_fmi3() {
     of_face(Cast::Steps3, SHARE_OF_FACE);
 }
 
-/// RC-04. The same on Model Exchange of FMI 2.0, with states and times that make no sense.
+/// RC-04. RC-01 for Model Exchange of FMI 2.0, with invalid states and times.
 #[test]
 fn rc04_random_calls_on_model_exchange_of_fmi2() {
     of_face(Cast::Exchange2, SHARE_OF_FACE);
 }
 
-/// RC-05. The same on Model Exchange of FMI 3.0.
+/// RC-05. RC-01 for Model Exchange of FMI 3.0.
 #[test]
 fn rc05_random_calls_on_model_exchange_of_fmi3() {
     of_face(Cast::Exchange3, SHARE_OF_FACE);
 }
 
-/// RC-02. All four under valgrind's memcheck: no read or write outside what was allocated, nothing uninitialised used,
-/// nothing leaked.
+/// RC-02. All four under valgrind's memcheck: no access outside allocated memory, no use of uninitialised values, no leaks.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn rc02_random_calls_under_valgrind() {

@@ -1,5 +1,4 @@
-//! Random calls on Model Exchange of either version and on co-simulation of FMI 3.0, as `random_calls.rs` has them for
-//! co-simulation of FMI 2.0.
+//! Random calls for Model Exchange of either version and for co-simulation of FMI 3.0, as `random_calls.rs` for co-simulation of FMI 2.0.
 
 use crate::faces::{Ask, Face, Handle, NEVER, NO_TYPES, Times, Vector};
 use crate::fmi3::Phase;
@@ -15,14 +14,14 @@ use std::ffi::CStr;
 use std::fmt;
 use std::ptr;
 
-/// Saved states that an instance keeps at most.
+/// Maximum number of saved states that an instance keeps.
 const MAXIMUM_STATES: usize = 5;
 /// Statuses.
 const OK: u32 = 0;
 const DISCARD: u32 = 2;
 const ERROR: u32 = 3;
 
-/// Which instances a session drives.
+/// Interface of the instances in a session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cast {
     Exchange2,
@@ -47,17 +46,17 @@ impl fmt::Display for Tally {
     }
 }
 
-/// A state that was saved: where its instance stood.
+/// A saved state, with the time and phase of its instance.
 #[derive(Clone)]
 struct Saved {
     handle: Handle,
     phase: Phase,
     bytes: Vec<u8>,
-    /// Made of bytes whose content was changed: what it means is open.
+    /// Made of modified bytes: its content is unknown.
     forged: bool,
 }
 
-/// An instance with what we know of it.
+/// An instance, and its expected state.
 struct Actor {
     name: String,
     face: Face,
@@ -66,17 +65,17 @@ struct Actor {
     bytes: Vec<u8>,
     saved: Vec<Saved>,
     freed: Vec<Handle>,
-    /// For looking at the state without leaving one behind.
+    /// Saved state used to inspect the present state without leaving another one behind.
     probe: Handle,
     forged: bool,
     indicators: usize,
-    /// Near what the continuous states may be.
+    /// Approximate values of the continuous states.
     states: Vec<f64>,
-    /// Outputs of a fresh instance after a few steps.
+    /// Outputs of a new instance after a few steps.
     reference: Vec<u64>,
 }
 
-/// A call, what may be answered, and the saved state that it is about.
+/// A call, its allowed statuses, and the saved state that it refers to.
 struct Plan {
     ask: Ask,
     hole: u8,
@@ -96,7 +95,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Fresh instances of every model that the face takes: two of each, for the state of a twin is tried too.
+    /// New instances of every model that the interface supports: two of each, because states are also exchanged between twins.
     pub fn new(cast: Cast) -> Self {
         let fits = |text: &str| {
             cast == Cast::Steps3 || !["uvlm", "bem"].iter().any(|air| text.contains(&format!("model = \"{air}\"")))
@@ -185,7 +184,7 @@ impl Actor {
         actor
     }
 
-    /// A call that succeeds.
+    /// Makes a call that must succeed.
     fn good(&self, mut ask: Ask) -> Ask {
         let status = self.face.make(&mut ask, 0);
         assert_eq!(status, OK, "{}: {ask:?}: {:?}", self.name, self.face.told());
@@ -205,7 +204,7 @@ impl Actor {
         }
     }
 
-    /// From the instantiated state through three steps: every Real of the model.
+    /// Steps from the instantiated state through three steps; returns every Real of the model.
     fn walk(&mut self) -> Vec<u64> {
         let times = Times { tolerance: None, start_s: 0.0, stop_s: None };
         self.good(Ask::EnterInitialization(times));
@@ -238,7 +237,7 @@ impl Actor {
         self.face.bits()
     }
 
-    /// Resets and compares with a fresh instance; forgets all saved states.
+    /// Resets the instance and compares it with a new one; discards all saved states.
     fn start_afresh(&mut self, seed: u64) {
         for state in std::mem::take(&mut self.saved) {
             self.good(Ask::Free(state.handle));
@@ -254,7 +253,7 @@ impl Actor {
         self.face.told();
     }
 
-    /// Time from which on the importer ends steps early, and the end, in s.
+    /// Time from which on the importer ends steps early, and the end time, in s.
     fn agree_to_return(&self, when: Option<(f64, f64)>) {
         if let Face::Steps3(fmu) = &self.face {
             fmu.environment.returns.set(when);
@@ -262,7 +261,7 @@ impl Actor {
         }
     }
 
-    /// One call with all that must hold after it: function and status.
+    /// Makes one call and checks all properties that must hold after it; returns function and status.
     fn turn(&mut self, rng: &mut Rng, others: &[Saved]) -> Result<(&'static str, u32), String> {
         let mut plan = self.draw(rng, others);
         let name = plan.ask.names()[self.face.version()];
@@ -277,7 +276,7 @@ impl Actor {
             }
         }
         let status = self.face.make(&mut plan.ask, plan.hole);
-        // a step may give advice beside its outcome, and so does a start value that is not used
+        // a step may give a warning in addition to its result, and so does a start value that is not used
         let advises = matches!(plan.ask, Ask::Step { .. } | Ask::Set(..));
         let beside = |told: &(u32, String, String)| told.1 == "logEvents" || advises && told.1 == "logStatusWarning";
         let told: Vec<_> = self.face.told().into_iter().filter(|told| !beside(told)).collect();
@@ -312,18 +311,18 @@ impl Actor {
         }
         self.phase = found;
         let present = self.present();
-        // values are computed when they are read, from the values set by the importer: a part of the state
+        // values are computed when they are read, from the values set by the importer, and are part of the state
         let finds = matches!(
             plan.ask,
             Ask::Get(..) | Ask::Read(..) | Ask::Completed | Ask::Update | Ask::EnterEvent | Ask::ExitInitialization
         ) && self.face.exchanges();
-        // FMI 3.0 sets no rates of inputs; those that changed bytes have brought end with an event, failed or not
+        // FMI 3.0 sets no rates of inputs; rates from corrupted bytes end with an event, failed or not
         let finds = finds || self.forged && matches!(plan.ask, Ask::Update);
         let evaluates = was == Phase::Initialization && status != ERROR;
         let reads = name[4..].starts_with("Get") && !matches!(plan.ask, Ask::Rates(..));
         let kept = !legal || !finds && !evaluates && (reads || status != OK && found != Phase::Failed);
         if kept && present != self.bytes {
-            // behind the checksum
+            // after the checksum
             let differ = |at: &usize| present.get(*at) != self.bytes.get(*at);
             let at: Vec<usize> = (60..present.len().max(self.bytes.len())).filter(differ).take(8).collect();
             let around = |bytes: &[u8]| bytes.get(at.first().map_or(0..0, |at| at - 9..at + 9)).map(<[u8]>::to_vec);
@@ -335,7 +334,7 @@ impl Actor {
         Ok((name, status))
     }
 
-    /// The phase that a call leads to by the standard.
+    /// The phase after a call according to the standard.
     fn led_to(&self, plan: &Plan, was: Phase, status: u32, found: Phase) -> Phase {
         if status != OK {
             let failed = matches!(plan.ask, Ask::Step { .. }) && found == Phase::Failed;
@@ -357,7 +356,7 @@ impl Actor {
         }
     }
 
-    /// Takes note of what a call has given, and looks at it.
+    /// Records the results of a call and checks them.
     fn follow(&mut self, plan: &Plan, status: u32, own_s: f64) -> Result<(), String> {
         if let Ask::Step { time_s, step_s, event, early, last_s } = plan.ask {
             if !self.forged && (status == OK || self.phase == Phase::Failed) {
@@ -377,7 +376,7 @@ impl Actor {
         match &plan.ask {
             Ask::Reset => self.forged = false,
             Ask::Read(which, values) => {
-                // a distance may be beyond all bounds: its sign is what an importer looks at
+                // an indicator may be infinite: only its sign matters to an importer
                 let sound = |value: &f64| value.is_finite() || *which == Vector::Indicators && value.is_infinite();
                 if !self.forged && !values.iter().all(sound) {
                     return Err("a value is not finite".to_owned());
@@ -419,7 +418,7 @@ impl Actor {
             Ask::Parse(_, handle) => {
                 let bytes = self.face.serialize(*handle);
                 let phase = plan.own.map_or(self.phase, |own| self.saved[own].phase);
-                // where it stands is known of a state of our own alone
+                // time and phase are known only for a state of this instance
                 let forged = plan.forged || plan.own.is_none();
                 self.saved.push(Saved { handle: *handle, phase, bytes, forged });
             }
@@ -433,7 +432,7 @@ impl Actor {
         Ok(())
     }
 
-    /// The instance's own time in s.
+    /// The instance's time in s.
     fn time_s(&self) -> f64 {
         match self.good(Ask::Get(Kind::Real, vec![0], vec![0.0])) {
             Ask::Get(_, _, values) => values[0],

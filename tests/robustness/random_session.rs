@@ -1,6 +1,6 @@
-//! A session of random calls: instances, what is expected of each call, what must hold after it.
+//! A session of random calls: instances, the expected results of each call, and the properties that must hold after it.
 //!
-//! Longer than other files: the calls are one method each on the same instance, and share what must hold after them.
+//! Longer than other files: there is one method per call on the same instance, and they share the checks afterwards.
 
 use crate::fmu::{Fmu, WING};
 use crate::machines::{View, draw};
@@ -20,10 +20,10 @@ use std::ffi::CString;
 use std::fmt;
 use std::ptr;
 
-/// Instances of one session, and of one sequence.
+/// Instances of each model in a session, and of one sequence.
 const OF_EACH_MODEL: usize = 2;
 const IN_A_SEQUENCE: usize = 3;
-/// Saved states that an instance keeps at most.
+/// Maximum number of saved states that an instance keeps.
 const MAXIMUM_STATES: usize = 6;
 /// Any status that a call may have; only a panic gives `fmi2Fatal`.
 const ANY: &[fmi2Status] = &[fmi2OK, fmi2Discard, fmi2Error];
@@ -32,9 +32,8 @@ const ANY: &[fmi2Status] = &[fmi2OK, fmi2Discard, fmi2Error];
 /// springs, control surfaces, polars, loops. Each is created anew from time to time, so their number determines the duration.
 const DRAWN: usize = 12;
 
-/// Models by name: all that are shipped but the strips' twin, the lattice thinned out, and those of the generator's first machines
-/// that are taken. With `FOLDWING_FEW` that many of them, spread over the list: under valgrind most of the time goes into making
-/// an instance of each.
+/// Models by name: all shipped models except the twin with strips, with a coarser lattice, and the generator's first valid machines. With
+/// `FOLDWING_FEW`, that many of them, spread over the list: under valgrind creating an instance of each takes most of the time.
 pub fn models() -> Vec<(String, String)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models");
     let mut models: Vec<(String, String)> = std::fs::read_dir(folder)
@@ -54,7 +53,7 @@ pub fn models() -> Vec<(String, String)> {
         .collect();
     models.sort();
     let drawn = (0..).map(|seed| (format!("drawn from {seed}"), draw(seed).text(&View::plain())));
-    // machines in real time have outputs that measure the clock
+    // machines in real-time mode have outputs that measure the clock
     models.extend(drawn.filter(|(_, text)| !text.contains("real_time") && runs(text)).take(DRAWN));
     assert!(models.len() >= 11 && models.iter().any(|(_, text)| text == WING), "the shipped models");
     if let Some(few) = number("FOLDWING_FEW") {
@@ -64,7 +63,7 @@ pub fn models() -> Vec<(String, String)> {
     models
 }
 
-/// Returns whether a machine starts and executes the steps with which instances are compared.
+/// Returns whether a machine starts and executes the steps used for comparing instances.
 fn runs(text: &str) -> bool {
     let Ok(machine) = foldwing::config::parse(text, "machine.toml") else { return false };
     let mut plant = foldwing::plant::Plant::new(std::sync::Arc::new(machine));
@@ -87,17 +86,17 @@ impl fmt::Display for Tally {
     }
 }
 
-/// A state that was saved: where its instance stood.
+/// A saved state, with the time and phase of its instance.
 #[derive(Clone)]
 struct Saved {
     handle: fmi2FMUstate,
     phase: Phase,
     bytes: Vec<u8>,
-    /// Made of bytes whose content was changed: what it means is open.
+    /// Made of modified bytes: its content is unknown.
     forged: bool,
 }
 
-/// An instance with what we know of it.
+/// An instance, and its expected state.
 struct Actor {
     name: String,
     fmu: Fmu,
@@ -105,11 +104,11 @@ struct Actor {
     bytes: Vec<u8>,
     states: Vec<Saved>,
     freed: Vec<fmi2FMUstate>,
-    /// For looking at the state without leaving one behind.
+    /// Saved state used to inspect the present state without leaving another one behind.
     probe: fmi2FMUstate,
-    /// Stands in a state whose content was made up.
+    /// Whether the present state has unknown content.
     forged: bool,
-    /// Outputs of a fresh instance after a few steps.
+    /// Outputs of a new instance after a few steps.
     reference: Vec<u64>,
 }
 
@@ -127,7 +126,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Fresh instances.
+    /// A session with new instances.
     pub fn new() -> Self {
         let models = models();
         let actors = models
@@ -142,7 +141,7 @@ impl Session {
     pub fn run(&mut self, seed: u64, calls: usize, guard: &Guard, tally: &mut Tally) {
         let mut rng = Rng::with_seed(seed);
         let mut cast: Vec<usize> = (0..IN_A_SEQUENCE).map(|_| rng.usize(..self.actors.len())).collect();
-        // two of one model, so that the state of a twin can be tried
+        // two of one model, so that states can be exchanged between twins
         cast[1] = cast[0] ^ 1;
         if cast[2] == cast[0] || cast[2] == cast[1] {
             cast[2] = (cast[0] + 2) % self.actors.len();
@@ -206,7 +205,7 @@ impl Actor {
         self.fmu.serialize(probe)
     }
 
-    /// From the instantiated state through three steps: every Real of the model.
+    /// Steps from the instantiated state through three steps; returns every Real of the model.
     fn walk(&self) -> Vec<u64> {
         let (fmu, c) = (&self.fmu, self.fmu.component);
         fmu.setup(0.0, None);
@@ -220,7 +219,7 @@ impl Actor {
         fmu.bits()
     }
 
-    /// Resets and compares with a fresh instance; forgets all saved states.
+    /// Resets the instance and compares it with a new one; discards all saved states.
     fn start_afresh(&mut self, seed: u64) {
         let c = self.fmu.component;
         for state in self.states.drain(..) {
@@ -243,14 +242,14 @@ impl Actor {
         !matches!(self.phase, Phase::Instantiated | Phase::Initialization)
     }
 
-    /// The instance's own time in s.
+    /// The instance's time in s.
     fn time_s(&self) -> f64 {
         let mut time_s = 0.0;
         self.fmu.ok(unsafe { fmi2GetRealStatus(self.fmu.component, fmi2LastSuccessfulTime, &mut time_s) });
         time_s
     }
 
-    /// The phase as the instance names it.
+    /// The phase given by the instance.
     fn phase_named(&self) -> Phase {
         assert_eq!(unsafe { fmi2CancelStep(self.fmu.component) }, fmi2Error);
         let text = self.fmu.messages.borrow_mut().pop().expect("a refusal is told").text;
@@ -261,7 +260,7 @@ impl Actor {
     /// Properties after every call.
     fn check(&mut self, outcome: &Outcome) -> Result<(), String> {
         let Outcome { name, status, right, part } = outcome;
-        // a step may warn besides, of what costs time
+        // a step may in addition warn of high cost
         let warns = |category: &str| *name == "fmi2DoStep" && category == "logStatusWarning";
         let told: Vec<_> = (self.fmu.messages.borrow_mut().drain(..))
             .filter(|told| told.category != "logEvents" && !warns(&told.category))
@@ -321,7 +320,7 @@ impl Actor {
         Outcome { name, status, right, part }
     }
 
-    /// Takes note of where a call has led.
+    /// Records the phase after a call.
     fn follow(&mut self, name: &str, status: fmi2Status) {
         use crate::standard::Effect;
         if status != fmi2OK {
@@ -333,7 +332,7 @@ impl Actor {
         }
     }
 
-    /// A function: mostly one that is legal, and so that runs go on.
+    /// A function, mostly a legal one that lets the run continue.
     fn choose(&self, rng: &mut Rng) -> &'static str {
         let on = match self.phase {
             Phase::Instantiated => "fmi2EnterInitializationMode",
@@ -394,7 +393,7 @@ impl Actor {
             assert!(!touched, "{name} refused and wrote");
         }
         if self.phase == Phase::Initialization && verdict == Verdict::Taken {
-            // start values may have none that agree with them
+            // there may be no consistent state for the start values
             right.push(fmi2Error);
         }
         (status, right, "")
@@ -446,7 +445,7 @@ impl Actor {
         (status, statuses(verdict), "")
     }
 
-    /// A handle: of our own, of somebody else, freed, made up, null.
+    /// A handle: of this instance, of another one, freed, invented, or null.
     fn handle(&self, rng: &mut Rng, others: &[Saved]) -> (fmi2FMUstate, Option<usize>) {
         let own = (!self.states.is_empty()).then(|| rng.usize(..self.states.len()));
         let wild = match rng.u8(..12) {
@@ -564,7 +563,7 @@ impl Actor {
     }
 
     fn deserialize(&mut self, rng: &mut Rng, others: &[Saved]) -> (fmi2Status, Vec<fmi2Status>, &'static str) {
-        // a state of our own, of a twin, or of another model
+        // a state of this instance, of its twin, or of another model
         let pool: Vec<&Saved> = self.states.iter().chain(others).collect();
         let (mut bytes, phase, mut forged) = match pool.len() {
             0 => (self.bytes.clone(), self.phase, self.forged),
@@ -588,7 +587,7 @@ impl Actor {
         let place = if nowhere { ptr::null_mut() } else { &raw mut handle };
         let status = unsafe { fmi2DeSerializeFMUstate(self.fmu.component, bytes.as_ptr().cast(), bytes.len(), place) };
         if status == fmi2OK {
-            // numbers can be written with more bytes than they need
+            // numbers can be encoded with more bytes than necessary
             let bytes = if forged { self.fmu.serialize(handle) } else { bytes };
             self.states.push(Saved { handle, phase, bytes, forged });
             self.forget_the_oldest();
@@ -679,7 +678,7 @@ impl Actor {
         self.phase = self.phase_named();
         match self.phase {
             Phase::StepComplete if status == fmi2OK => assert_eq!(end_s, time_s + step_s, "the step's end"),
-            // beyond the stop time: refused
+            // beyond the stop time: rejected
             Phase::StepComplete => assert_eq!(end_s, own_s, "a refused step takes no time"),
             Phase::StepFailed => assert!((own_s - 1e-9..time_s + step_s).contains(&end_s), "the last good time"),
             other => panic!("a step leads to {other:?}"),
@@ -688,7 +687,7 @@ impl Actor {
         (status, right, "")
     }
 
-    /// The calls that lead through the life cycle, and the status functions.
+    /// The calls of the life cycle, and the status functions.
     fn lead(&mut self, rng: &mut Rng, name: &str) -> (fmi2Status, Vec<fmi2Status>, &'static str) {
         let c = self.fmu.component;
         let kind = if rng.u8(..8) == 0 { rng.u32(..) } else { rng.u32(..4) };
@@ -725,7 +724,7 @@ impl Actor {
                     (status, if sound { vec![fmi2OK] } else { vec![fmi2Discard] }, "")
                 }
                 "fmi2EnterInitializationMode" => (fmi2EnterInitializationMode(c), vec![fmi2OK], ""),
-                // start values may have none that agree with them
+                // there may be no consistent state for the start values
                 "fmi2ExitInitializationMode" => (fmi2ExitInitializationMode(c), vec![fmi2OK, fmi2Error], ""),
                 "fmi2Terminate" => (fmi2Terminate(c), vec![fmi2OK], ""),
                 "fmi2Reset" => (fmi2Reset(c), vec![fmi2OK], ""),
@@ -749,7 +748,7 @@ impl Actor {
     }
 }
 
-/// Type that a getting or setting function is for.
+/// Type of the values of a getting or setting function.
 fn kind_of(name: &str) -> Kind {
     [Kind::Real, Kind::Integer, Kind::Boolean]
         .into_iter()
@@ -757,7 +756,7 @@ fn kind_of(name: &str) -> Kind {
         .unwrap_or(Kind::String)
 }
 
-/// The status that a verdict leads to.
+/// The statuses allowed for a verdict.
 fn statuses(verdict: Verdict) -> Vec<fmi2Status> {
     vec![match verdict {
         Verdict::Taken => fmi2OK,

@@ -1,11 +1,11 @@
-//! Communication steps that fail before anything has moved: the state is that of before, to the last bit.
+//! Communication steps that fail before the state changes: the state is bit-identical to the one before.
 
 use foldwing::interface::{Interface, Value};
 use foldwing::plant::Plant;
 use std::sync::Arc;
 
-/// A failure triggered by its input in a step that fails itself has not happened: the state, with the memory of failures and the
-/// aerodynamics, equals the previous one, outputs agree, and the machine continues like one without the attempt.
+/// A failure triggered by its input in a step that itself fails does not take effect: the state, with the memory of failures and the
+/// aerodynamics, equals the previous one, outputs agree, and the machine continues as if the step had not been attempted.
 #[test]
 fn a_failed_step_takes_failures_back() {
     for model in [

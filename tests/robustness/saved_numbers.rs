@@ -1,9 +1,9 @@
-//! Saved states with numbers that are not finite, wherever they stand: coordinates, inputs, latches, the air with its wake and lags.
+//! Saved states with non-finite numbers at any position: coordinates, inputs, latches, aerodynamics with wake and lag states.
 
 use foldwing::plant::{Plant, PlantError, Snapshot};
 use std::sync::Arc;
 
-/// Machines with strips, with a lattice and its wake, with a rotor in wind, and with a latch and stops without air.
+/// Machines with strips, with a lattice and its wake, with a rotor in wind, and with a latch and end stops without aerodynamics.
 const MODELS: [&str; 5] = [
     "models/goland_wing.toml",
     "models/folding_wing_in_tunnel.toml",
@@ -11,7 +11,7 @@ const MODELS: [&str; 5] = [
     "failures/latch_no_capture.toml",
     "models/three_bodies.toml",
 ];
-/// Places in each state that are tried.
+/// Number of positions in each state that are tested.
 const TRIED: usize = 150;
 
 fn started(model: &str) -> Plant {
@@ -23,7 +23,8 @@ fn started(model: &str) -> Plant {
     plant
 }
 
-/// A state as it prints itself, without the stages within a step: a step without length has none, and what stands there means nothing.
+/// The debug output of a state without the stages within a step: at the end of a step there are none, and their stored values have no
+/// meaning.
 fn printed(state: &Snapshot) -> String {
     let text = format!("{state:?}");
     let (head, rest) = text.split_once("stages: [").expect("stages");
@@ -31,15 +32,15 @@ fn printed(state: &Snapshot) -> String {
     format!("{head}{tail}")
 }
 
-/// Bytes of a state in which eight from `offset` on are those of `number`, read as a state again where they are one.
+/// Bytes of a state with the eight bytes at `offset` replaced by `number`, read as a state again if valid.
 fn with_number(bytes: &[u8], offset: usize, number: f64) -> Option<Snapshot> {
     let mut changed = bytes.to_vec();
     changed[offset..offset + 8].copy_from_slice(&number.to_le_bytes());
     postcard::from_bytes(&changed).ok()
 }
 
-/// A state that holds NaN or an infinity is refused when it is set, with the place, and the machine goes on as if it had not been
-/// tried. What a state holds is read from its own printed form, not by what refuses it.
+/// A state that holds NaN or an infinity is rejected when it is set, with the location, and the machine continues as if it had not been
+/// set. The test detects such numbers in the debug output, independently of the code that rejects them.
 #[test]
 fn numbers_that_are_not_finite_are_refused_at_once() {
     for model in MODELS {
@@ -55,10 +56,10 @@ fn numbers_that_are_not_finite_are_refused_at_once() {
                 let Some(changed) = with_number(&bytes, offset, number) else { continue };
                 let shown = printed(&changed);
                 if !shown.contains("NaN") && shown.matches("inf").count() == infinities {
-                    continue; // it has become part of a whole number
+                    continue; // the bytes belong to an integer
                 }
                 match plant.restore(&changed) {
-                    // bytes of a length make a state of other sizes, which is refused before its numbers are looked at
+                    // a modified length gives a state of other sizes, which is rejected before its numbers are checked
                     Err(PlantError::Snapshot(cause)) if cause.contains("differ") => {}
                     Err(PlantError::Snapshot(cause)) => {
                         assert!(cause.contains("cannot occur in a run"), "{model}, byte {offset}: {cause}");

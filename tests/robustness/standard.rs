@@ -1,5 +1,5 @@
-//! Which call is legal when: the table of FMI 2.0.4, section 4.2.4 (co-simulation), as the standard prints it and not as
-//! the library does, with what the documentation adds.
+//! Which call is legal when: the table of FMI 2.0.4, section 4.2.4 (co-simulation), as printed in the standard, independently of the
+//! library, with the additions of the documentation.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
@@ -14,12 +14,12 @@ pub enum Phase {
     Terminated,
 }
 
-/// In the order of the columns of [`TABLE`].
+/// Phases in the order of the columns of [`TABLE`].
 pub const PHASES: [Phase; 5] =
     [Phase::Instantiated, Phase::Initialization, Phase::StepComplete, Phase::StepFailed, Phase::Terminated];
 
 impl Phase {
-    /// As messages name it.
+    /// The name of the phase in messages.
     pub fn phrase(self) -> &'static str {
         match self {
             Self::Instantiated => "before fmi2EnterInitializationMode",
@@ -31,7 +31,7 @@ impl Phase {
     }
 }
 
-/// One function: where it is legal, and what it does to the instance.
+/// One function: the phases in which it is legal, and its effect on the instance.
 pub struct Row {
     /// Name in the standard.
     pub name: &'static str,
@@ -44,11 +44,11 @@ pub struct Row {
 /// Effect of a successful call on an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effect {
-    /// Leaves its state as it is.
+    /// Leaves the state unchanged.
     Reads,
     /// Changes inputs, parameters, time or the experiment.
     Changes,
-    /// Goes on to a phase.
+    /// Leads to a phase.
     To(Phase),
 }
 
@@ -64,8 +64,8 @@ const fn row(name: &'static str, legal: &'static str, effect: Effect) -> Row {
     Row { name, legal, effect }
 }
 
-/// The table. Beyond the standard, the status functions answer after a failed step, since only they tell the last good
-/// time. `fmi2CancelStep` is legal while a step is in progress, which it never is between two calls.
+/// The table. In addition to the standard, the status functions are legal after a failed step, because only they give the last valid time.
+/// `fmi2CancelStep` is legal while a step is in progress, which it never is between two calls.
 pub const TABLE: [Row; 30] = {
     use Effect::{Changes, Reads, To};
     [

@@ -1,5 +1,5 @@
-//! Ends the test, naming what was being done, where nothing has moved for too long: no call may hang. Long is processor time, so that
-//! a busy machine does not end it; a call that waits and computes nothing is given twenty times as long on the clock.
+//! Ends the test with a message that names the current action if this takes too long: no call may hang. The limit is processor time, so
+//! that a busy computer does not end the test; for a call that waits without computing, it is twenty times as long in wall-clock time.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// A time on the clock, and the processor time of this process in s where the system gives it.
+/// A wall-clock time, and the processor time of this process in s where the system provides it.
 #[derive(Clone, Copy)]
 struct Moment(Instant, Option<f64>);
 
@@ -17,7 +17,7 @@ impl Moment {
         Self(Instant::now(), processor_s())
     }
 
-    /// Returns whether this many seconds of processor time have passed, which all tests of the program together may have used.
+    /// Returns whether this many seconds of processor time, used by all tests of the program together, have passed.
     fn is_past(self, limit_s: f64) -> bool {
         let tests = thread::available_parallelism().map_or(1.0, |count| count.get() as f64);
         let clock_s = self.0.elapsed().as_secs_f64();
@@ -28,26 +28,26 @@ impl Moment {
     }
 }
 
-/// From the Linux file of a process, in ticks of 10 ms: valgrind does not support the finer call.
+/// From the Linux file of a process, in ticks of 10 ms: valgrind does not support the call with finer resolution.
 fn processor_s() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // the name of the program, in brackets, may hold anything
+    // the name of the program, in brackets, may contain any character
     let fields: Vec<&str> = status.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = |field: usize| fields.get(field)?.parse::<f64>().ok();
     Some(0.01 * (ticks(11)? + ticks(12)?))
 }
 
-/// Present action, and number of previous ones.
+/// Current action, and number of previous ones.
 type Doing = Arc<Mutex<(u64, String)>>;
 
-/// Tells the watchdog what is being done; the watch ends with it.
+/// Reports the current action to the watchdog; the watch ends when it is dropped.
 pub struct Guard {
     doing: Doing,
     thread: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl Guard {
-    /// Something new begins.
+    /// Reports the start of a new action.
     pub fn note(&self, doing: impl FnOnce() -> String) {
         let mut now = self.doing.lock().expect("not poisoned");
         *now = (now.0 + 1, doing());
@@ -63,7 +63,7 @@ impl Drop for Guard {
     }
 }
 
-/// Watches that [`Guard::note`] is called at least every `limit_s` seconds of the processor.
+/// Starts a watch that [`Guard::note`] is called at least every `limit_s` seconds of processor time.
 pub fn watch(limit_s: u64) -> Guard {
     let doing: Doing = Arc::new(Mutex::new((0, "nothing yet".to_owned())));
     let watched = Arc::clone(&doing);

@@ -1,9 +1,9 @@
-//! Observed and allowed differences. `make validate` lists both in `docs/tables/agreement.md`: a test close to failure is fragile, one
-//! whose tolerance is a hundred times the observed difference is loose and may miss the faults it is meant to find.
+//! Observed and allowed differences. `make validate` lists both in `docs/tables/agreement.md`: a test close to its tolerance is fragile;
+//! one whose tolerance is a hundred times the observed difference may miss the faults it is meant to find.
 
 use std::io::Write;
 
-/// Asserts that the observed difference is at most the allowed one. Where `FOLDWING_AGREEMENT` names a file, appends a row to it.
+/// Asserts that the observed difference is at most the allowed one. If `FOLDWING_AGREEMENT` names a file, also appends a row to that file.
 #[track_caller]
 pub fn agree(row: &str, observed: f64, allowed: f64) {
     if let Some(path) = std::env::var_os("FOLDWING_AGREEMENT") {

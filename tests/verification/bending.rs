@@ -31,8 +31,8 @@ fn tip(
     (node.position, node.rotation)
 }
 
-/// V-20. A pure end moment `2π EI/L` rolls the beam into a full circle (Euler, exact): the state has constant strain,
-/// so round-off is the tolerance on every mesh, dead or follower moment, either element, about `y` and `z`.
+/// V-20. A pure end moment `2π EI/L` rolls the beam into a full circle (Euler, exact): the state has constant strain, so the tolerance is
+/// round-off for every mesh, for a dead or follower moment, either element, about `y` and `z`.
 #[test]
 fn v20_end_moment_rolls_a_full_circle() {
     const LENGTH_M: f64 = 2.5;
@@ -57,7 +57,7 @@ fn v20_end_moment_rolls_a_full_circle() {
     }
 }
 
-/// Deflection and shortening errors over L of the elastica at one load, mesh by mesh.
+/// Errors of deflection and shortening, divided by L, of the elastica under one load, for each mesh.
 fn elastica(kind: ElementKind, meshes: &[usize], frame: LoadFrame, load: f64, expected: [f64; 2]) -> Vec<f64> {
     let solve = |&elements: &usize| {
         let section = plain_section([INEXTENSIBLE_N, 1.0, 1.0, 1.0]);
@@ -68,8 +68,8 @@ fn elastica(kind: ElementKind, meshes: &[usize], frame: LoadFrame, load: f64, ex
     meshes.iter().map(solve).collect()
 }
 
-/// V-21. Elastica, dead transverse tip force `PL²/EI` of 1 to 10 (elliptic integrals, 1e-9): constant elements within
-/// 1e-3 L at 16 with order 2 (piecewise constant curvature), pairs within 5e-6 L at 8 with order 4.
+/// V-21. Elastica, dead transverse tip force `PL²/EI` of 1 to 10 (elliptic integrals, 1e-9): 16 constant elements are within 1e-3 L and
+/// converge with order 2 (piecewise constant curvature), 8 pairs are within 5e-6 L and converge with order 4.
 #[test]
 fn v21_elastica_dead() {
     for row in case("static.elastica_dead")["expected"]["rows"].as_array().expect("rows") {
@@ -84,8 +84,8 @@ fn v21_elastica_dead() {
     }
 }
 
-/// V-22. The same with a follower force (shooting, 1e-7): constant within 3e-3 L at 16, order 2; pairs order 4 down to
-/// the reference's own accuracy, hence meshes 2, 4, 8 at the largest load.
+/// V-22. The elastica with a follower force (shooting, 1e-7): 16 constant elements are within 3e-3 L, order 2; pairs have order 4 down to
+/// the accuracy of the reference, hence meshes of 2, 4 and 8 at the largest load.
 #[test]
 fn v22_elastica_follower() {
     for row in case("static.elastica_follower")["expected"]["rows"].as_array().expect("rows") {
@@ -111,8 +111,8 @@ fn v22_elastica_follower() {
     }
 }
 
-/// V-23. The 45° bend of Bathe and Bolourchi under 600 lb with Saint-Venant's `GJ = 0.140577 G a⁴` (shooting, 1e-5 in):
-/// natural curvature `1/R` about `z`. Pairs: order 4 and 3e-6 L at 16; constant: order 2.
+/// V-23. The 45° bend of Bathe and Bolourchi under 600 lb with Saint-Venant's `GJ = 0.140577 G a⁴` (shooting, 1e-5 in): natural curvature
+/// `1/R` about `z`. Pairs: order 4, and 3e-6 L with 16; constant elements: order 2.
 #[test]
 fn v23_bend_of_45_degrees() {
     const RADIUS_IN: f64 = 100.0;
@@ -177,12 +177,12 @@ fn coupled_rod(kind: ElementKind, elements: usize, distributed: bool) -> [f64; 2
     }
     let (_, exact_position, exact_rotation) = rod.solve(1);
     let (position, rotation) = tip(body, loads, 6);
-    // chord of the rotation between the frames: no loss of digits at small angles
+    // chordal distance of the two rotations: no loss of digits at small angles
     [(position - exact_position).norm(), (rotation - exact_rotation).norm() / 2.0f64.sqrt()]
 }
 
-/// V-24. Pretwisted, naturally curved rod with full coupling under a follower force and moment at the tip, against the
-/// independent rod solver: order 4 with pairs in position and rotation, order 2 with constant elements.
+/// V-24. Pretwisted, naturally curved rod with full coupling under a follower force and moment at the tip, against the independent rod
+/// solver: position and rotation converge with order 4 for pairs and with order 2 for constant elements.
 #[test]
 fn v24_coupled_curved_rod() {
     for (kind, meshes, least, most, finest) in
@@ -195,8 +195,8 @@ fn v24_coupled_curved_rod() {
     }
 }
 
-/// V-25. The same rod under distributed follower forces and moments that vary along it, lumped at two Gauss stations
-/// per element: pairs keep order 4 (station rule, eq. K10), constant elements order 2.
+/// V-25. The rod of V-24 under distributed follower forces and moments that vary along its length, lumped at two Gauss stations per
+/// element: pairs keep order 4 (station rule, eq. K10), constant elements have order 2.
 #[test]
 fn v25_distributed_follower_loads() {
     for (kind, meshes, least, most, finest) in
@@ -209,8 +209,8 @@ fn v25_distributed_follower_loads() {
     }
 }
 
-/// V-26. \[M\] set 1, a 90 m beam of 8 m × 2 m under a flapwise dead tip force, extensible and shear-free (shooting,
-/// 1e-8): 12 pairs within 1e-7 L of tip deflection and shortening at 10 and 50 MN, order 4.
+/// V-26. \[M\] set 1, a 90 m beam of 8 m × 2 m under a flapwise dead tip force, extensible and shear-free (shooting, 1e-8): at 10 and 50 MN
+/// tip deflection and shortening of 12 pairs are within 1e-7 L, order 4.
 #[test]
 fn v26_extensible_cantilever_of_seed_001() {
     const LENGTH_M: f64 = 90.0;

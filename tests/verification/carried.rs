@@ -11,7 +11,7 @@ use foldwing::multibody::model::Attachment;
 use foldwing::multibody::{Workspace, energy};
 use nalgebra::{DVector, UnitQuaternion, Vector3};
 
-/// A tree clamped to the root, the same tree on a free joint, and how far its coordinates lie behind the other's.
+/// A tree clamped to the root, the same tree on a free joint, and the offset of its coordinates in the second model.
 fn pair(case: Case) -> (Case, Case, usize) {
     let mut free = case.descriptions.clone();
     free.iter_mut().for_each(|body| body.masses.clear());
@@ -20,7 +20,7 @@ fn pair(case: Case) -> (Case, Case, usize) {
     (Case::new(free, case.clouds.clone()), case, 7)
 }
 
-/// State of the free tree at an attitude with any motion, its strains and angles moving as those of the clamped one do.
+/// State of the free tree with some attitude and motion; its strains and angles have the values and rates of the clamped tree.
 fn flying(free: &Case, clamped: &Case, state: &State) -> State {
     let mut random = Random::new(91);
     let mut flying = State::random(free, 92, 0.3);
@@ -41,9 +41,9 @@ fn flying(free: &Case, clamped: &Case, state: &State) -> State {
     flying
 }
 
-/// V-37. What damping adds to the residual of a flying, spinning tree: on strains and angles the dense form's
-/// `α BᵀM_beam B q̇` of the same tree clamped, whatever the flight; on the free joint's six freedoms nothing. Round-off
-/// of the residual's terms. (It used to brake the flight.)
+/// V-37. Contribution of damping to the residual of a flying, spinning tree: on strains and angles it is the dense form's `α BᵀM_beam B q̇`
+/// of the same tree clamped, whatever the flight; on the six degrees of freedom of the free joint it is zero. Round-off of the residual's
+/// terms. (It used to decelerate the flight.)
 #[test]
 fn v37_damping_of_a_flying_tree_is_that_of_the_clamped_one() {
     let trees = [
@@ -54,7 +54,7 @@ fn v37_damping_of_a_flying_tree_is_that_of_the_clamped_one() {
         with_shear(88, &two_bodies(82, [Constant, Linear], 4), 1),
     ];
     for tree in trees {
-        // the second tree of the branching machine starts at the root: its damping is relative to the root in both
+        // the second tree of the branching machine is attached to the root: in both, its damping is relative to the root
         let (free, clamped, shift) = pair(tree);
         let mut still = State::random(&clamped, 84, 0.4);
         still.damping.iter_mut().for_each(|damping| damping.stiffness_s = 0.0);
@@ -69,7 +69,7 @@ fn v37_damping_of_a_flying_tree_is_that_of_the_clamped_one() {
         moving.damping.iter_mut().for_each(|damping| damping.mass_1_s = 0.0);
         let added = &damped - engine_residual(&free, &mut work, &moving);
 
-        // dense: the clamped tree's residual at rest of accelerations, with damping less without
+        // dense: residual of the clamped tree at zero acceleration, with damping minus without
         let (quiet, loads) = (RootMotion::default(), vec![Wrench::default(); clamped.model.stations.len()]);
         let oracle = Oracle::new(&clamped);
         let none = vec![Default::default(); still.damping.len()];
@@ -93,7 +93,7 @@ fn v37_damping_of_a_flying_tree_is_that_of_the_clamped_one() {
     }
 }
 
-/// V-38. The damping power of a tree on the root is what it was: `2 α T` of each beam, to the bit.
+/// V-38. The damping power of a tree attached to the root is unchanged: `2 α T` of each beam, to the last bit.
 #[test]
 fn v38_damping_power_on_the_root_is_twice_the_kinetic_energy() {
     let case = branching_tree(85, [Constant, Linear, Linear, Constant]);

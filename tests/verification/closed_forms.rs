@@ -1,5 +1,5 @@
-//! Single functions against their closed forms. Each of these terms is a secondary term without effect in the simulations: the fault that
-//! removes it is in `tests/mutants/faults.toml`.
+//! Single functions against their closed forms. Each of these terms is secondary and has no visible effect in the simulations;
+//! `tests/mutants/faults.toml` contains the fault that removes it.
 
 use crate::plant::machines::{balance_j, coast, start};
 use foldwing::aero::continuous_turbulence::{Component, ContinuousTurbulence, Spectrum};
@@ -27,7 +27,8 @@ fn shear_modulus_and_poissons_ratio() {
     assert!((material.poisson_ratio().expect("a ratio") - 0.3).abs() < 1e-15);
 }
 
-/// A torsional rigidity that is given grows like the outline's own torsion constant, eqs. (S3), (S5): of an ellipse `a³b³/(a² + b²)`.
+/// A given torsional rigidity scales along the taper like the torsion constant of the outline, eqs. (S3), (S5): for an ellipse `a³b³/(a² +
+/// b²)`.
 #[test]
 fn given_torsional_rigidity_of_a_tapered_ellipse() {
     let solid = Solid::ellipse(0.2, 0.05, Material::isotropic(1e9, 0.3, 1e3)).with_torsional_rigidity_n_m2(7.0);
@@ -37,7 +38,7 @@ fn given_torsional_rigidity_of_a_tapered_ellipse() {
     assert!((found / expected - 1.0).abs() < 1e-14, "{found} {expected}");
 }
 
-/// Sections between rows of a table are linear in every entry, and constant outside the rows, eqs. (S4), (S6).
+/// Sections between rows of a table are linear in every entry, and constant beyond the first and last row, eqs. (S4), (S6).
 #[test]
 fn sections_of_a_table() {
     let plate = Solid::rectangle(0.1, 0.01, Material::isotropic(1e9, 0.3, 1e3)).section();
@@ -50,8 +51,8 @@ fn sections_of_a_table() {
     assert_eq!((law.at(0.5), law.at(7.0)), (plate, off));
 }
 
-/// Angular acceleration of Euler parameters that also change their length, eq. (J3): the slope of the angular velocity (J2), by a
-/// central difference whose error is of second order in 1e-5.
+/// Angular acceleration of Euler parameters whose length also changes, eq. (J3): the time derivative of the angular velocity (J2), by a
+/// central difference with an error of second order in 1e-5.
 #[test]
 fn angular_acceleration_of_euler_parameters_of_any_length() {
     let at = |t: f64| {
@@ -69,7 +70,8 @@ fn angular_acceleration_of_euler_parameters_of_any_length() {
     assert!((found - expected).norm() < 1e-8 * expected.norm(), "{found} {expected}");
 }
 
-/// The rotation required by the last constraint of a universal joint, eq. (J5): with axes at any angle `p·(R s)` changes by the right side.
+/// The rotation required by the last constraint of a universal joint, eq. (J5): with axes at any angle, `p·(R s)` changes by the right-hand
+/// side.
 #[test]
 fn inclined_axes_of_a_universal_joint() {
     let (parent_axis, body_axis) = (Vector3::x(), Vector3::new(0.6, 0.8, 0.0));
@@ -85,8 +87,8 @@ fn inclined_axes_of_a_universal_joint() {
     assert!((parent_axis.dot(&moved) - 0.01).abs() < 1e-15, "{moved}");
 }
 
-/// Damping of a ball joint takes the energy that is missing, and that of a universal joint with inclined axes is that of the two rates
-/// along them, eq. (A5). The tolerance of 1e-9 in a few hundred steps.
+/// Dampers of a ball joint dissipate exactly the energy lost, and those of a universal joint with inclined axes act on the rates about
+/// these axes, eq. (A5). The tolerance of 1e-9 in a few hundred steps.
 #[test]
 fn dampers_of_joints_with_several_freedoms() {
     let top = || Body::rigid("top").inertia(2.0, [0.3, 0.0, 0.0], Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3)));
@@ -110,11 +112,11 @@ fn dampers_of_joints_with_several_freedoms() {
     plant.step(step_s).expect("a step");
     let power_w = plant.outputs().energy().dissipated / step_s;
     let expected_w = 0.8 * (about_parent.powi(2) + about_body.powi(2));
-    // the rates fall by damping and inertia, 0.8/0.2 1/s, over half of the step
+    // damping and inertia reduce the rates by 0.8/0.2 1/s, over half of the step
     assert!((power_w / expected_w - 1.0).abs() < 1e-3, "{power_w} {expected_w}");
 }
 
-/// The moment at the root of a body beside the origin, eq. (D9).
+/// The moment at the root of a body away from the origin, eq. (D9).
 #[test]
 fn moment_at_the_root_of_a_body_beside_it() {
     let place_m = Vector3::new(0.4, -1.0, 0.2);
@@ -129,7 +131,7 @@ fn moment_at_the_root_of_a_body_beside_it() {
     assert!((root.moment_n_m - expected_n_m).norm() < 1e-13, "{}", root.moment_n_m);
 }
 
-/// The path of the air over two steps is that over a step of twice the length, in a frame that turns slowly and fast, eq. (U5).
+/// The displacement of the air over two steps equals that over one step of twice the length, in frames rotating slowly and fast, eq. (U5).
 #[test]
 fn path_of_the_air_in_a_turning_frame() {
     for spin in [0.3, 40.0] {
@@ -151,7 +153,7 @@ fn bias_of_a_strip() {
     assert_eq!(bias(0.0, 0.0, 0.0), 0.0);
 }
 
-/// Kaimal's spectrum and the coherence at numbers worked out by hand, eqs. (B21), (B22).
+/// Kaimal's spectrum and the coherence against hand-calculated values, eqs. (B21), (B22).
 #[test]
 fn kaimals_spectrum_and_coherence() {
     // Λ = 42 m at 90 m, L1 = 340.2 m; at 6 f L/U = 7 the power 5/3 of 8 is 32
@@ -159,15 +161,16 @@ fn kaimals_spectrum_and_coherence() {
     let frequency_hz = 7.0 * mean_m_s / (6.0 * 340.2);
     let found = kaimal_m2_s(0, frequency_hz, 1.5, mean_m_s, height_m);
     assert!((found / (4.0 * 2.25 * 34.02 / 32.0) - 1.0).abs() < 1e-12, "{found}");
-    // at rest the distance over the scale remains, else 12 d f/U with it at right angles
+    // at zero frequency only the term with the length scale remains; for a large one the exponent is 12 d f/U combined with it at right
+    // angles
     let still = coherence(50.0, 0.0, mean_m_s, height_m);
     assert!((still.ln() + 12.0 * 50.0 * 0.12 / 340.2).abs() < 1e-12, "{still}");
     let moving = coherence(50.0, 0.01, mean_m_s, height_m);
     assert!((moving.ln() + 600.0 * (1e-6f64 + (0.12f64 / 340.2).powi(2)).sqrt()).abs() < 1e-12, "{moving}");
 }
 
-/// Mean square of turbulence over 96 seeds compared with the sum of the spectrum over its waves, eq. (U14). The square of one wave has a
-/// deviation of its mean: with some hundred relevant waves in each of the series the mean deviates by half a per cent.
+/// Mean square of turbulence over 96 seeds, against the sum of the spectrum over its waves, eq. (U14). The standard deviation of the square
+/// of one wave equals its mean: with several hundred relevant waves in all series, the mean deviates by half a per cent.
 #[test]
 fn variance_of_turbulence_is_the_sum_of_its_spectrum() {
     let (scale_m, length_m, count) = (10.0, 4096.0, 2048);
@@ -191,8 +194,8 @@ fn variance_of_turbulence_is_the_sum_of_its_spectrum() {
     assert!((sum / expected - 1.0).abs() < 0.02, "{sum} {expected}");
 }
 
-/// Dynamic stall, eqs. (B12), (B13): lift of a fifth of the attached one is separated altogether, and a steady state stays, also while the
-/// section turns.
+/// Dynamic stall, eqs. (B12), (B13): at a fifth of the attached lift the flow is fully separated, and a steady state persists, also while
+/// the section rotates.
 #[test]
 fn split_of_a_polar_and_steady_dynamic_stall() {
     let row = |degrees: f64, lift: f64| PolarRow { angle_rad: degrees.to_radians(), lift, drag: 0.01, moment: 0.0 };
@@ -212,7 +215,8 @@ fn split_of_a_polar_and_steady_dynamic_stall() {
         pitch_rate_rad_s,
         chord_m: 0.5,
     };
-    // Kirchhoff: the lift is that of the line times ((1 + √f)/2)², and none of the flow is attached where less than a quarter is left
+    // Kirchhoff: the lift is that of the attached line times ((1 + √f)/2)², and f is 0 where less than a quarter of the attached lift
+    // remains
     for (degrees, attached) in [(20.0, 0.0), (30.0, (2.0 * 0.4f64.sqrt() - 1.0).powi(2))] {
         approx::assert_relative_eq!(
             StallState::steady(met(degrees, 0.0), &split).attached,
@@ -230,7 +234,7 @@ fn split_of_a_polar_and_steady_dynamic_stall() {
     assert!(changes.iter().all(|change| change.abs() < 1e-14 * PI), "{changes:?}");
 }
 
-/// Moments of second order of a section in a file are about its centre of mass, eq. (D1): the products `m y z` join them.
+/// The second mass moments of a section in a file are about its centre of mass, eq. (D1): the terms `m y z` are added to them.
 #[test]
 fn second_moments_of_a_section_in_a_file() {
     let model = include_str!("../../examples/models/goland_wing.toml").replacen(
@@ -247,7 +251,7 @@ fn second_moments_of_a_section_in_a_file() {
     }
 }
 
-/// The loads of the air at stations add up to their total: each section gives all of its load, also that at the tip.
+/// The aerodynamic loads at stations add up to their total: each strip contributes its whole load, including the one at the tip.
 #[test]
 fn loads_of_the_air_at_stations_add_up() {
     let shipped = include_str!("../../examples/models/folding_wing_in_tunnel.toml");
@@ -260,8 +264,8 @@ fn loads_of_the_air_at_stations_add_up() {
     assert!(total.norm() > 1e-3 && (sum - total).norm() < 1e-13 * total.norm(), "{sum} {total}");
 }
 
-/// The work of a gravity that changes, eq. (A4), and what a root that turns does to the rotor of a geared drive whose carrier turns,
-/// eq. (D17): the account stays. The tolerance of 1e-9 in some hundred steps.
+/// The work of varying gravity, eq. (A4), and the effect of a rotating root on the rotor of a geared drive whose carrier rotates, eq.
+/// (D17): the energy balance closes. The tolerance of 1e-9 in a few hundred steps.
 #[test]
 fn work_of_a_changing_field_and_of_a_turning_root() {
     let arm = |name: &str| Body::rigid(name).inertia(1.0, [0.4, 0.0, 0.1], Matrix3::identity() * 0.05);
@@ -273,7 +277,7 @@ fn work_of_a_changing_field_and_of_a_turning_root() {
         let mut plant = start(machine.clone().expect("a machine"));
         if turns {
             plant.inputs_mut().root_mut().angular_velocity_rad_s = Vector3::new(0.5, -1.0, 2.0);
-            plant.step(1e-3).expect("a step"); // from here on it is given
+            plant.step(1e-3).expect("a step"); // prescribed from here on
         } else {
             plant.input_rates_mut().root_mut().gravity_m_s2 = Vector3::new(3.0, 0.0, -20.0);
         }
@@ -287,8 +291,8 @@ fn work_of_a_changing_field_and_of_a_turning_root() {
     }
 }
 
-/// A mode of many coordinates with a damper at one of them, eq. (L11): the undamped modes of lowest frequency give a first value, iteration
-/// the eigenvalue of the whole, with the residual of its shape at round-off.
+/// A mode of many coordinates with a damper on one of them, eq. (L11): the undamped modes of lowest frequency give a first value, and
+/// iteration gives the eigenvalue of the whole system; the residual of its shape is round-off.
 #[test]
 fn damped_modes_are_corrected_over_all_coordinates() {
     let n = 60;
@@ -328,8 +332,8 @@ impl Followed for Mode {
     }
 }
 
-/// Branches of modes, eq. (L24): frequencies that meet and part again go on with their shapes, though straight lines would cross; modes of one
-/// shape go on along straight lines over steps of any length.
+/// Branches of modes, eq. (L24): frequencies that approach and separate again are continued by their shapes, although straight lines would
+/// cross; modes of equal shape are continued along straight lines over steps of any length.
 #[test]
 fn branches_follow_shapes_and_straight_lines() {
     let value = |re: f64, shape: usize| Mode(Complex::new(0.0, re), shape);

@@ -1,4 +1,4 @@
-//! The system's allocator with a counter of each thread, for tests that nothing allocates in a step.
+//! The system's allocator with a counter for each thread, for tests that no step allocates memory.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -15,7 +15,7 @@ pub fn allocations() -> u64 {
 }
 
 fn count() {
-    // during a thread's teardown there is no counter any more
+    // during a thread's teardown the counter no longer exists
     let _ = ALLOCATIONS.try_with(|allocations| allocations.set(allocations.get() + 1));
 }
 

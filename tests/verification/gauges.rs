@@ -24,7 +24,7 @@ fn recovered(model: &Model, work: &Workspace, q: &[f64], position_m: f64) -> Vec
 /// Axial stiffness soft enough that `εx` reaches a few per cent.
 const SOFT: [f64; 4] = [40.0, 1.2, 1.0, 2.5];
 
-/// Strain of the elements, with the natural strain.
+/// Strain field of the elements, including the natural strain.
 fn painted(model: &Model, _: &Workspace, q: &[f64], position_m: f64) -> Vector4<f64> {
     element_measures(model, q, 0, position_m) + model.bodies[0].natural_strain.at(position_m)
 }
@@ -32,12 +32,13 @@ fn painted(model: &Model, _: &Workspace, q: &[f64], position_m: f64) -> Vector4<
 /// Method of computing a section's strain.
 type Reader = fn(&Model, &Workspace, &[f64], f64) -> Vector4<f64>;
 
-/// Errors of the recovered strain.
+/// Errors of the recovered strain for a rod.
 fn rod_errors(kind: ElementKind, mesh: &[usize], rod: &Rod, places: &[usize], count: usize) -> Vec<Vec<f64>> {
     errors_of(recovered, kind, mesh, rod, (places, count))
 }
 
-/// Worst of the four strains' errors, each over its largest value, at places along a rod, each mesh in turn; `load_interpolation` loads sit on two Gauss stations per element.
+/// Errors of the four strains, each relative to its largest value, the maximum over positions along a rod, for each mesh; loads act at two
+/// Gauss stations per element.
 fn errors_of(
     read: Reader,
     kind: ElementKind,
@@ -85,14 +86,14 @@ fn tip_loaded() -> Rod {
     }
 }
 
-/// Places in 1/48 of the length on pair boundaries of 4, 8 and 16 pairs, and at thirds of pairs.
+/// Positions, in 1/48 of the length, at pair boundaries of 4, 8 and 16 pairs; and at thirds of pairs.
 const BOUNDARIES: [usize; 3] = [0, 12, 24];
 const THIRDS: [usize; 2] = [16, 32];
 
-/// Asserts order 4 at pair boundaries, and bounds on the errors of 16 pairs of about twice what was measured.
+/// Asserts order 4 at pair boundaries, and bounds the errors of 16 pairs by about twice the measured ones.
 ///
-/// At thirds of pairs the cubic through both ends and the two Gauss values is third order, as the raw linear field is
-/// at its Gauss points; observed between 4 and 16 pairs, where the place within the pair is the same.
+/// At thirds of pairs the cubic through both ends and the two Gauss values is third order, like the raw linear field at its Gauss points;
+/// the order is determined from 4 and 16 pairs, for which the position within the pair is the same.
 fn assert_recovery(what: &str, rod: &Rod, [at_ends, inside]: [f64; 2]) {
     for (errors, place) in rod_errors(Linear, &[4, 8, 16], rod, &BOUNDARIES, 48).iter().zip(BOUNDARIES) {
         assert_order(&format!("{what} at {place}/48 L"), errors, 3.8, 4.3);
@@ -109,9 +110,9 @@ fn assert_recovery(what: &str, rod: &Rod, [at_ends, inside]: [f64; 2]) {
     }
 }
 
-/// V-30. Strain under follower force and moment at the tip, against the independent rod solver, all four components
-/// (axial, torsion, bendings): order 4 at the root and at pair boundaries, 3 inside. At the loaded tip itself it is
-/// exact: it used to miss the load, and with it 4 % inside the last pair.
+/// V-30. Strain under follower force and moment at the tip, against the independent rod solver, all four components (axial, torsion,
+/// bendings): order 4 at the root and at pair boundaries, 3 inside. At the loaded tip it is exact: it used to omit the load there, an error
+/// of 4 % inside the last pair.
 #[test]
 fn v30_recovered_strain_under_tip_loads() {
     assert_recovery("V-30", &tip_loaded(), [3e-7, 1e-5]);
@@ -119,7 +120,7 @@ fn v30_recovered_strain_under_tip_loads() {
     assert!(at_tip < 1e-13, "loaded tip: strain off by {at_tip:.1e} of the largest");
 }
 
-/// V-31. The same under distributed follower forces and moments on two Gauss stations per pair.
+/// V-31. The recovered strain under distributed follower forces and moments at two Gauss stations per pair.
 #[test]
 fn v31_recovered_strain_under_distributed_loads() {
     let mut rod = tip_loaded();
@@ -128,8 +129,8 @@ fn v31_recovered_strain_under_distributed_loads() {
     assert_recovery("V-31", &rod, [5e-7, 5e-5]);
 }
 
-/// V-45. What pictures show of pairs, eq. (G7): second order at the root, at pair boundaries and inside. Bounds on the errors
-/// of 16 pairs of about twice what was measured.
+/// V-45. The strain of pairs in pictures, eq. (G7), is of second order at the root, at pair boundaries and inside. The bounds for 16 pairs
+/// are about twice the measured errors.
 #[test]
 fn v45_painted_strain_is_second_order() {
     for (errors, place) in
@@ -142,8 +143,8 @@ fn v45_painted_strain_is_second_order() {
     }
 }
 
-/// V-46. A beam that is not strained has none in pictures, whatever acts on it at this instant; the recovered strain of (G2)
-/// then alternates in sign from pair to pair: a torque at the tip of a beam at rest in its natural shape.
+/// V-46. An unstrained beam shows no strain in pictures, whatever loads act on it at this instant, whereas the recovered strain of (G2)
+/// alternates in sign from pair to pair. Case: a torque at the tip of a motionless beam in its natural shape.
 #[test]
 fn v46_nothing_is_painted_where_nothing_is_strained() {
     let mut body = cantilever(1.0, plain_section(SOFT), Linear, 6, LoadFrame::Root);
@@ -164,7 +165,7 @@ fn v32_constant_elements_are_second_order() {
     }
 }
 
-/// V-33. Gauge point: `εx + z κy − y κz` of the section's strain, as design section 1 states it.
+/// V-33. A gauge reads `εx + z κy − y κz` of the section's strain at its point, as defined in design section 1.
 #[test]
 fn v33_gauge_reads_the_point_of_the_section() {
     let body = cantilever(1.0, plain_section(SOFT), Linear, 3, LoadFrame::Root);
@@ -179,13 +180,13 @@ fn v33_gauge_reads_the_point_of_the_section() {
     let expected = s[0] - 0.01 * s[2] - 0.04 * s[3];
     let reading = gauge.strain(&model, &work, motion, &[Damping::default()]);
     assert!((reading - expected).abs() < 1e-15 * s.amax(), "{reading} against {expected}");
-    // tension pulls, force along +z bends the face z > 0 into compression at the root: κy < 0
+    // the force pulls and bends along +z: the face z > 0 is in compression at the root, κy < 0
     assert!(s[0] > 0.0 && s[2] < 0.0 && s[3] > 0.0, "signs of {s:?}");
 }
 
-/// V-34. Section wrench at every pair end and on both sides of an attached rigid body, a child body and a load =
-/// root wrench of the outboard part alone, cut off and held where it is (static, gravity and station loads), without and with shear.
-/// Round-off of the terms.
+/// V-34. The section wrench at every pair end and on both sides of an attached rigid body, a child body and a load equals the root wrench
+/// of the outboard part alone, cut off and clamped there (static, gravity and station loads), without and with shear. Round-off of the
+/// terms.
 #[test]
 fn v34_section_wrench_is_that_of_the_outboard_part() {
     for (kind, sheared) in [(Constant, false), (Linear, false), (Constant, true), (Linear, true)] {
@@ -222,7 +223,7 @@ fn v34_section_wrench_is_that_of_the_outboard_part() {
             outboard.parent = Attachment::Root(work.nodes[node].position);
             for side in [Side::Inboard, Side::Outboard] {
                 let inboard_side = side == Side::Inboard;
-                // what sits on the cut belongs to the outboard part only on its inboard side
+                // attachments exactly at the cut belong to the outboard part only for the inboard side
                 let keeps = |s: f64| if inboard_side { s > cut_m - 1e-9 } else { s > cut_m + 1e-9 };
                 if inboard_side && cut == 0 {
                     continue;
@@ -267,12 +268,12 @@ fn v34_section_wrench_is_that_of_the_outboard_part() {
     }
 }
 
-/// Largest error of the recovered curvature in free vibration over the root's, at `places` over L.
+/// Largest error of the recovered curvature in free vibration, relative to the curvature at the root, at `places` in fractions of L.
 fn vibration_error(mode: usize, elements: usize, places: &[f64]) -> f64 {
     let case = flap_beam(Linear, elements);
     let model = &case.model;
     let (frequency, shape) = modes(&case, &[])[mode].clone();
-    // strains of 1e-6: what is not linear in them is 1e-12 of the rest, by the symmetry of a straight beam
+    // strains of 1e-6: the nonlinear part is 1e-12 of the rest, because a straight beam is symmetric
     let q: Vec<f64> = shape.iter().map(|x| x * 1e-6 / shape.amax()).collect();
     let a: Vec<f64> = q.iter().map(|x| -x * frequency * frequency).collect();
     let zero = vec![0.0; model.coordinates];
@@ -286,8 +287,8 @@ fn vibration_error(mode: usize, elements: usize, places: &[f64]) -> f64 {
     places.iter().map(|place| error(place).abs()).fold(0.0, f64::max) / (mode_shape(mode, 0.0) * tip_m).abs()
 }
 
-/// V-35. In free vibration the curvature of a clamped-free beam follows from its tip's amplitude (closed form of modes
-/// 1 and 2): the section wrench carries the inertia. Order 4 at the root, 3 for the largest error anywhere.
+/// V-35. In free vibration, the curvature of a clamped-free beam follows from its tip amplitude (closed form of modes 1 and 2): the section
+/// wrench includes the inertia loads. Order 4 at the root, 3 for the largest error anywhere.
 #[test]
 fn v35_dynamic_recovery_in_free_vibration() {
     let everywhere: Vec<f64> = (0..=37).map(|i| f64::from(i) / 37.0).collect();
@@ -301,8 +302,8 @@ fn v35_dynamic_recovery_in_free_vibration() {
     }
 }
 
-/// V-36. Damping: with `β` the recovered strain takes off `β ε̇`, so that a state moved at `ε̇` under the wrench of
-/// its full stress reads the same elastic strain. Identity at the root: `K (ε − ε₀ + β ε̇) = −W`, round-off.
+/// V-36. With damping `β`, the recovered strain subtracts `β ε̇`: the wrench of the full stress of a state with rate `ε̇` gives the same
+/// elastic strain. Identity at the root: `K (ε − ε₀ + β ε̇) = −W`, round-off.
 #[test]
 fn v36_recovery_takes_off_the_viscous_part() {
     let case = branching_tree(43, [Linear; 4]);
@@ -312,7 +313,7 @@ fn v36_recovery_takes_off_the_viscous_part() {
     let motion = Motion { q: &state.q, v: &state.v, a: &state.a };
     let strain = section_strain(&case.model, &work, motion, &state.damping, 0, 0.0);
     let element = &case.model.elements[0];
-    // the pair's field at its inner end, (5A − B)/4
+    // strain field of the pair at its inner end, (5A − B)/4
     let rate = Vector4::from_fn(|i, _| 1.25 * state.v[i] - 0.25 * state.v[4 + i]);
     let stress = element.elastic.section_stiffness[0]
         * (strain - element.elastic.natural_strain + rate * state.damping[0].stiffness_s);
@@ -322,8 +323,8 @@ fn v36_recovery_takes_off_the_viscous_part() {
     assert!(gap < 1e-13, "stress and wrench differ by {gap:.1e}");
 }
 
-/// V-39. The same at the outer end of the last pair, which carries a load and a rigid body: the viscous part is that of the
-/// pair's field there, (5B − A)/4, with the sign of V-36. Round-off. (A wrong sign there passed every other test.)
+/// V-39. As V-36 at the outer end of the last pair, to which a load and a rigid body are attached: the viscous part is that of the pair's
+/// field there, (5B − A)/4, with the sign of V-36. Round-off. (A wrong sign there passed every other test.)
 #[test]
 fn v39_recovery_takes_off_the_viscous_part_at_the_outer_end() {
     let case = branching_tree(45, [Linear; 4]);

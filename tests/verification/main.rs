@@ -1,5 +1,5 @@
-//! Verification against theory and independent solutions: the engine by itself, statics, the machine in time, air, and the
-//! methods of the papers. Case numbers V-xx; the other folders name theirs.
+//! Verification against theory and independent solutions: the engine itself, statics, machines in time, aerodynamics, and the methods of
+//! the papers. Cases are numbered V-xx; the other folders state their own numbering.
 
 mod agreement;
 mod bending;

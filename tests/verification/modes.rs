@@ -16,8 +16,8 @@ use std::f64::consts::PI;
 
 /// Angular frequencies in rad/s, ascending, and shapes of the unloaded wing with its hinges held at `angles_rad`.
 ///
-/// Both matrices are columns of the engine's residual: of accelerations at rest, and of strains (exact, because the
-/// residual is linear in both there). Solved as `K⁻¹M` so that massless motions drop out at zero.
+/// Both matrices are columns of the engine's residual: with respect to accelerations at zero rates, and to strains (exact, because the
+/// residual is linear in both there). Solved as `K⁻¹M`, so that massless motions have eigenvalue zero.
 pub fn modes(case: &Case, angles_rad: &[f64]) -> Vec<(f64, DVector<f64>)> {
     let model = &case.model;
     let n = model.coordinates;
@@ -80,7 +80,7 @@ pub fn mode_shape(mode: usize, place: f64) -> f64 {
     curvature / tip
 }
 
-/// Clamped beam of unit length, mass and `EI_y`, stiff otherwise, without rotary inertia.
+/// Clamped beam of unit length, mass and `EI_y`, stiff in all other deformations, without rotary inertia.
 pub fn flap_beam(kind: ElementKind, elements: usize) -> Case {
     let mut section = plain_section([1e7, 1e5, 1.0, 1e5]);
     section.second_moment_kg_m = [0.0; 3];
@@ -112,8 +112,8 @@ fn v40_constant_elements() {
     }
 }
 
-/// V-41. The same with pairs: 10 pairs hold modes 1 to 3 within 1e-6, 5e-5 and 5e-4 (half a wavelength per three
-/// pairs), order 3.5 to 4.5.
+/// V-41. As V-40 with pairs: with 10 pairs, modes 1 to 3 are within 1e-6, 5e-5 and 5e-4 (half a wavelength per three pairs), order 3.5 to
+/// 4.5.
 #[test]
 fn v41_pairs() {
     let meshes = [5, 10, 20].map(|n| flap_errors(Linear, n, 3));
@@ -153,8 +153,8 @@ fn v42_torsion() {
     }
 }
 
-/// V-43. Two plates of \[O\] Table 5 as a rigid L-frame, fold held at 0° and 90°, in-plane modes against the exact
-/// dynamic stiffness (1e-9 Hz). 8 pairs per body: 1e-4 of each of four frequencies. Other motions are stiffened away.
+/// V-43. Two plates of \[O\] Table 5 as a rigid L-frame, fold held at 0° and 90°, in-plane modes against the exact dynamic stiffness (1e-9
+/// Hz). 8 pairs per body: four frequencies, each within 1e-4. Other motions are suppressed by high stiffness.
 #[test]
 fn v43_folded_frame() {
     let reference = case("modal.wing_table5_frames");
@@ -186,7 +186,7 @@ fn v43_folded_frame() {
     }
 }
 
-/// V-44. The mass matrix from the residual is that of the dense form at a random pose: `BᵀMB`, round-off.
+/// V-44. The mass matrix from the residual equals that of the dense form at a random pose: `BᵀMB`, round-off.
 #[test]
 fn v44_mass_matrix_from_the_residual() {
     let case = crate::trees::branching_tree(51, [Linear, Constant, Constant, Linear]);

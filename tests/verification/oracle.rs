@@ -1,8 +1,8 @@
 //! The paper's equations in dense form, \[O\] (1)–(12): `e` of all nodes from `q` by matrix exponentials,
 //! `B = ∂e/∂q` and `Ḃq̇` by exact Taylor arithmetic, `M` assembled from ANCF elements integrated here.
 //!
-//! Shares no formula with the recursions: it reads the tree, lengths and coordinates of [`Model`], and takes
-//! sections and masses from the case's description.
+//! Independent of the formulas of the recursions: it uses the tree, lengths and coordinates of [`Model`], and takes sections and masses
+//! from the case's description.
 
 use crate::taylor::{Scalar, Taylor, exponential};
 use crate::trees::Case;
@@ -20,11 +20,11 @@ type Rows = Taylor<4, 3>;
 /// Dense form of one case.
 pub struct Oracle<'a> {
     model: &'a Model,
-    /// Reduced mass matrix of all nodes, beams of one body each.
+    /// Reduced mass matrix of all nodes for each beam.
     beams: Vec<DMatrix<f64>>,
-    /// The same with all beams and the attached masses.
+    /// Mass matrix with all beams and the attached masses.
     mass: DMatrix<f64>,
-    /// Stiffness of one body each.
+    /// Stiffness matrix of each body.
     stiffness: Vec<DMatrix<f64>>,
 }
 
@@ -147,7 +147,7 @@ impl<'a> Oracle<'a> {
                 nodes.push(step(element.length_m, strain) * inner);
             }
         }
-        // an element with shear has nodal vectors of its own: the slope of its axis at both ends is `R (e_x + ε)`
+        // an element with shear has separate nodal vectors: the tangent of its axis at both ends is `R (e_x + ε)`
         for body in self.model.bodies.iter().filter(|body| body.sheared) {
             for i in 0..body.elements {
                 let strain = strains(q, self.model.elements[body.first_element + i].range());
@@ -159,8 +159,8 @@ impl<'a> Oracle<'a> {
         nodes
     }
 
-    /// Nodal vectors of a station: on constant elements part of the element, in a pair two links of half the way
-    /// with mixed strains (the pair rule on `[0, s]`).
+    /// Nodal vectors of a station: on constant elements by a part of the element, in a pair by two links of half the distance with mixed
+    /// strains (the pair rule on `[0, s]`).
     fn station(&self, index: usize, nodes: &[Rows], q: &dyn Fn(usize) -> Scalar) -> Rows {
         let station = &self.model.stations[index];
         let body = &self.model.bodies[station.body];
@@ -203,7 +203,7 @@ impl<'a> Oracle<'a> {
         b
     }
 
-    /// `M` over the generalised coordinates, `BᵀMB`.
+    /// `M` for the generalised coordinates, `BᵀMB`.
     pub fn mass_matrix(&self, q: &[f64]) -> DMatrix<f64> {
         let b = self.transformation(q);
         b.iter().map(|b| b.transpose() * &self.mass * b).sum()
@@ -255,7 +255,7 @@ impl<'a> Oracle<'a> {
             push_size.view_mut((4 * node, 0), (4, 3)).copy_from(&inertial.second.abs());
         }
         let b = self.transformation(q);
-        // magnitudes: acceleration by strain accelerations and the rest apart
+        // magnitudes: strain accelerations and the remaining acceleration terms separately
         let pull = DVector::from_column_slice(a).abs();
         for (c, b) in b.iter().enumerate() {
             let mut column = push_size.column_mut(c);

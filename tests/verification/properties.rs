@@ -13,7 +13,7 @@ use foldwing::multibody::model::Attachment;
 use foldwing::multibody::{Workspace, energy, station};
 use nalgebra::{DVector, Vector3};
 
-/// The same state with loads, damping, root motion and accelerations off.
+/// A state without loads, damping, root motion and accelerations.
 fn quiet(case: &Case, seed: u64, link_angle_rad: f64) -> State {
     let mut state = State::random(case, seed, link_angle_rad);
     state.root = RootMotion::default();
@@ -27,8 +27,8 @@ fn dot(a: &[f64], b: &DVector<f64>) -> f64 {
     a.iter().zip(b.iter()).map(|(a, b)| a * b).sum()
 }
 
-/// V-10. Kinetic energy of the sweep = `½ q̇ᵀ BᵀMB q̇` = `½ ėᵀMė` of the dense form; per-body values and attached
-/// masses add up. Round-off of positive sums.
+/// V-10. Kinetic energy from the recursion = `½ q̇ᵀ BᵀMB q̇` = `½ ėᵀMė` of the dense form; the values of bodies and attached masses add up
+/// to it. Round-off of positive sums.
 #[test]
 fn v10_kinetic_energy_is_the_quadratic_form() {
     for Named { name, case, link_angle_rad } in all_trees(11) {
@@ -50,8 +50,8 @@ fn v10_kinetic_energy_is_the_quadratic_form() {
     }
 }
 
-/// V-11. Power of the station loads (force · velocity + moment · spin) = power on `q` (what they take from the
-/// residual, times `q̇`), dead and follower, constant elements and pairs, in each frame. Round-off.
+/// V-11. Power of the station loads (force · velocity + moment · spin) = power on `q` (their contribution to the residual times `q̇`), dead
+/// and follower, constant elements and pairs, in each frame. Round-off.
 #[test]
 fn v11_station_power_is_conserved() {
     for Named { name, case, link_angle_rad } in all_trees(13) {
@@ -72,7 +72,7 @@ fn v11_station_power_is_conserved() {
             on_stations += force.dot(&at.velocity_m_s) + moment.dot(&at.spin_rad_s);
             size += force.norm() * at.velocity_m_s.norm() + moment.norm() * at.spin_rad_s.norm();
         }
-        // the residual's other terms, EA ε among them, set the round-off of the difference
+        // the residual's other terms, EA ε among them, determine the round-off of the difference
         let work_size: f64 =
             loaded.v.iter().zip(engine_residual(&case, &mut work, &free).iter()).map(|(v, r)| (v * r).abs()).sum();
         let bound = 1e-13 * (size + work_size);
@@ -80,7 +80,7 @@ fn v11_station_power_is_conserved() {
     }
 }
 
-/// V-12. At rest the residual is the gradient of strain energy and of gravity's potential `−g · ∫ r dm`.
+/// V-12. At zero rates the residual is the gradient of the strain energy and of gravity's potential `−g · ∫ r dm`.
 ///
 /// Gradient by a five-point difference of step 1e-3 in units where strains change by 1e-3: truncation 1e-12,
 /// cancellation 1e-12; 1e-9 leaves room for third derivatives of the geometry.
@@ -114,7 +114,7 @@ fn v12_potentials_have_the_residual_as_gradient() {
     }
 }
 
-/// V-13. Mass of the tree is what the sections and attachments weigh: `Σ ρA ℓ + Σ m`, round-off.
+/// V-13. The mass of the tree is that of sections and attachments: `Σ ρA ℓ + Σ m`, round-off.
 #[test]
 fn v13_mass_adds_up() {
     for Named { name, case, .. } in all_trees(17) {
@@ -125,8 +125,8 @@ fn v13_mass_adds_up() {
     }
 }
 
-/// V-14. Turning mounts, root positions, gravity, root motion and dead loads together leaves the residual in `q` as
-/// it is and turns root force and moment; follower loads need no turning. Round-off of the residual's terms.
+/// V-14. Rotating mounts, root positions, gravity, root motion and dead loads together does not change the residual in `q` and rotates root
+/// force and moment; follower loads need no rotation. Round-off of the residual's terms.
 #[test]
 fn v14_frame_invariance() {
     for Named { name, case, link_angle_rad } in all_trees(18) {
@@ -179,7 +179,7 @@ fn v14_frame_invariance() {
     }
 }
 
-/// V-15. A uniform acceleration of the root acts as gravity the other way, to the bit: only their difference enters.
+/// V-15. A uniform acceleration of the root is equivalent to the opposite gravity, bit-identical: only their difference enters.
 #[test]
 fn v15_root_acceleration_is_gravity_reversed() {
     let case = two_bodies(21, [ElementKind::Linear, ElementKind::Constant], 3);
@@ -193,11 +193,11 @@ fn v15_root_acceleration_is_gravity_reversed() {
     assert_eq!(by_gravity, engine_residual(&case, &mut work, &state));
 }
 
-/// V-16. Power balance along a motion that obeys the equations: `d(T + V)/dt` = loads + uniform field + rotating
-/// frame − damping, with accelerations from the articulated solve.
+/// V-16. Power balance along a motion that satisfies the equations: `d(T + V)/dt` = loads + uniform field + rotating frame − damping, with
+/// accelerations from the articulated-body solution.
 ///
-/// `d/dt` by a five-point difference along `q + vt + ½at²`, step 1e-3 of a time unit in which strains change by
-/// their own size: truncation 1e-11 of the terms, cancellation 1e-13; asserted 1e-8.
+/// `d/dt` by a five-point difference along `q + vt + ½at²`, step 1e-3 of a time unit in which strains change by their own magnitude:
+/// truncation 1e-11 of the terms, cancellation 1e-13; asserted 1e-8.
 #[test]
 fn v16_power_balance_along_a_motion() {
     let mut worst = 0.0f64;
@@ -230,7 +230,7 @@ fn v16_power_balance_along_a_motion() {
         }
         let field = state.root.gravity_m_s2 - state.root.acceleration_m_s2;
         let (mut v, mut q) = (vec![0.0; model.coordinates], vec![0.0; model.coordinates]);
-        // time in which the fastest rate changes by its own size
+        // time in which the fastest rate changes by its own magnitude
         let fastest = state.a.iter().fold(1.0f64, |m, a| m.max(a.abs()));
         let h = 2e-3 / fastest.sqrt().max(1.0);
         let mut energy_at = |t: f64| {
@@ -246,7 +246,7 @@ fn v16_power_balance_along_a_motion() {
             energy_at(0.0).abs(),
             (8.0 * (energy_at(h) - energy_at(-h)) - (energy_at(2.0 * h) - energy_at(-2.0 * h))) / (12.0 * h),
         );
-        // what the equations leave of the residual does work too: round-off of a large acceleration
+        // the residual of the equations also does work: round-off of a large acceleration
         let left: f64 = state.v.iter().zip(rest.iter()).map(|(v, r)| (v * r).abs()).sum();
         let error = (slope - power).abs() / (size + slope.abs());
         println!(
@@ -258,11 +258,11 @@ fn v16_power_balance_along_a_motion() {
     println!("worst {worst:.1e}");
 }
 
-/// V-17. One motion in two descriptions: a wing clamped to a root that turns, and the same wing on a hinge at the origin
-/// of a root at rest, turned by its coordinate. Strain residuals, and moment on the axis, agree to round-off.
+/// V-17. One motion in two descriptions: a wing clamped to a rotating root, and the same wing on a hinge at the origin of a fixed root,
+/// rotated by its coordinate. Strain residuals, and the moment about the axis, agree to round-off.
 ///
-/// Gravity and dead loads are resolved in the root frame, so both are taken at hinge angle zero; no mass damping, which
-/// acts on velocity relative to the root.
+/// Gravity and dead loads are resolved in the root frame, so both are compared at hinge angle zero; no mass damping, which acts on velocity
+/// relative to the root.
 #[test]
 fn v17_turning_root_equals_turning_hinge() {
     for kinds in [[ElementKind::Constant, ElementKind::Linear], [ElementKind::Linear, ElementKind::Constant]] {

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 const SEEDS: [u64; 3] = [1, 2, 3];
 
-/// Engine's residual with everything acting; leaves the sweep in `work`.
+/// The engine's residual with all loads and motions; leaves the results of the recursion in `work`.
 pub fn engine_residual(case: &Case, work: &mut Workspace, state: &State) -> DVector<f64> {
     let mut value = vec![0.0; case.model.coordinates];
     let motion = Motion { q: &state.q, v: &state.v, a: &state.a };
@@ -65,7 +65,7 @@ fn v03_residual_equals_dense_form() {
     println!("worst {worst_all:.1e}");
 }
 
-/// Weights of an explicit step, of implicit steps of 0.5 ms and 10 ms, and of statics with some mass.
+/// Weights of an explicit step, of implicit steps of 0.5 ms and 10 ms, and of statics with a small mass term.
 const WEIGHTS: [Weights; 4] = [
     Weights { mass: 1.0, damping: 0.0, stiffness: 0.0 },
     Weights { mass: 1.0, damping: 2.5e-4, stiffness: 6.3e-8 },
@@ -80,7 +80,7 @@ struct SolveError {
     symmetry: f64,
 }
 
-/// Solves engine and dense, both scaled to a unit diagonal so that units do not decide.
+/// Solutions by the engine and by the dense form, both scaled to a unit diagonal so that the units do not matter.
 fn solve_both(case: &Case, state: &State, weights: Weights, hinges: &[FreedomTangent]) -> SolveError {
     let model = &case.model;
     let held: Vec<usize> = model
@@ -120,9 +120,9 @@ fn solve_both(case: &Case, state: &State, weights: Weights, hinges: &[FreedomTan
     }
 }
 
-/// V-04. Articulated solve equals the dense Cholesky: backward error ≤ 1e-14, forward error ≤ 10 eps times the
-/// condition number of the matrix scaled to a unit diagonal (what any stable solver can promise). The matrix is
-/// symmetric and positive definite.
+/// V-04. The articulated-body solution equals that by dense Cholesky factorisation: backward error ≤ 1e-14, forward error ≤ 10 eps times
+/// the condition number of the matrix scaled to a unit diagonal (the bound of any stable solver). The matrix is symmetric and positive
+/// definite.
 #[test]
 fn v04_solve_equals_dense_cholesky() {
     for seed in SEEDS {
@@ -144,7 +144,7 @@ fn v04_solve_equals_dense_cholesky() {
     }
 }
 
-/// V-05. A held hinge is a clamped joint: its coordinate drops out of the dense matrix; tolerances as in V-04.
+/// V-05. A locked hinge is equivalent to a clamped joint: its coordinate is removed from the dense matrix; tolerances as in V-04.
 #[test]
 fn v05_held_hinge_drops_out() {
     for Named { name, case, link_angle_rad } in all_trees(5) {
@@ -157,8 +157,8 @@ fn v05_held_hinge_drops_out() {
     }
 }
 
-/// V-06. A singular problem is an error: NaN poses and an indefinite or zero matrix give `BadPivot`, a NaN right side a norm that is not
-/// finite. No panic (design section 3).
+/// V-06. A singular problem is an error: NaN poses and an indefinite or zero matrix give `BadPivot`, a NaN right-hand side a norm that is
+/// not finite. No panic (design section 3).
 #[test]
 fn v06_bad_input_is_not_a_panic() {
     for kinds in [[ElementKind::Constant; 2], [ElementKind::Linear; 2]] {
@@ -173,7 +173,7 @@ fn v06_bad_input_is_not_a_panic() {
                 sweep_poses(model, &mut work, &q);
                 if poison.is_nan() {
                     let result = factorize(model, &mut work, WEIGHTS[1], &state.damping, &state.hinges);
-                    // a NaN in the outermost link leaves no trace in the pose of its own inner end, but in its Jacobian
+                    // a NaN in the outermost link does not appear in the pose of its inner end, but in its Jacobian
                     assert!(result.is_err(), "coordinate {coordinate}: NaN passed the factorisation");
                 } else if factorize(model, &mut work, WEIGHTS[1], &state.damping, &state.hinges).is_ok() {
                     let mut x = state.a.clone();
@@ -202,7 +202,7 @@ fn v06_bad_input_is_not_a_panic() {
 }
 
 /// V-08. Masses, child bodies and stations are at the positions of the description, on mesh boundaries of whole elements or inside them,
-/// for any number of elements: poses of straight bodies at rest, round-off.
+/// for any number of elements: poses of straight bodies, round-off.
 #[test]
 fn v08_mesh_puts_everything_in_its_place() {
     let mut random = Random::new(31);
@@ -243,10 +243,10 @@ fn v08_mesh_puts_everything_in_its_place() {
     }
 }
 
-/// V-07. A factor kept while the poses move on (one factorisation per step): solving with the new poses and the old
-/// factor is no worse than with the old matrix. Error in the energy norm at poses 0.01 away, against both.
+/// V-07. A factor kept while the poses change (one factorisation per step): solving with the new poses and the old factor is no less
+/// accurate than with the old matrix. Error in the energy norm at poses 0.01 away, against both.
 ///
-/// The contraction must be of the order of the change; 0.05 leaves a factor of two over what the trees show.
+/// The contraction must be of the order of the change; 0.05 is twice the value observed for these trees.
 #[test]
 fn v07_stale_factor_contracts() {
     let mut random = Random::new(77);

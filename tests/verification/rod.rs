@@ -1,7 +1,7 @@
-//! Reference for statics under loads that follow the sections: with everything resolved in the section frame the
-//! balance is an initial-value problem from the free end inwards, no shooting needed.
+//! Reference for statics under loads that follow the sections: with everything resolved in the section frame the balance is an
+//! initial-value problem from the free end inwards, which needs no shooting.
 //!
-//! `n' = −κ×n − f`, `m' = −κ×m − (1+εx) e_x×n − c`, `(εx, κ) = ε₀ + K_s⁻¹ (n_x, m)`; shear-free, as the model.
+//! `n' = −κ×n − f`, `m' = −κ×m − (1+εx) e_x×n − c`, `(εx, κ) = ε₀ + K_s⁻¹ (n_x, m)`; shear-free, like the model.
 
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
@@ -15,7 +15,7 @@ pub struct Rod {
     pub natural_strain: Vector4<f64>,
     /// Force and moment at the free end, section frame, N and N·m.
     pub tip: [Vector3<f64>; 2],
-    /// Force and moment per length at an arc length in m, section frame, N/m and N.
+    /// Force and moment per length as a function of arc length in m, section frame, N/m and N.
     pub spread: fn(f64) -> [Vector3<f64>; 2],
 }
 
@@ -53,8 +53,8 @@ impl Rod {
         }
     }
 
-    /// Sections at the `count + 1` arc lengths `i L / count`, and the tip's pose in the root section's frame:
-    /// Runge–Kutta 4, 4000 steps (error 1e-12 of the length).
+    /// Sections at the `count + 1` arc lengths `i L / count`, and the pose of the tip in the root section's frame: Runge–Kutta 4, 4000
+    /// steps (error 1e-12 of the length).
     pub fn solve(&self, count: usize) -> (Vec<Section>, Vector3<f64>, Matrix3<f64>) {
         let sub = 4000 / count;
         let h = -self.length_m / (count * sub) as f64;

@@ -1,4 +1,4 @@
-//! A small Newton for tests: static equilibrium with a dense tangent from differences of the residual.
+//! A small Newton solver for tests: static equilibrium with a dense tangent from differences of the residual.
 
 use foldwing::beam::element::ElementKind;
 use foldwing::beam::section::Section;
@@ -24,7 +24,7 @@ impl Loading {
         Self { gravity_m_s2: Vector3::zeros(), stations }
     }
 
-    /// Residual at rest; leaves its sweep in `work`.
+    /// Residual at zero rates; leaves the results of the recursion in `work`.
     pub fn residual(&self, model: &Model, work: &mut Workspace, q: &[f64]) -> DVector<f64> {
         self.fraction(model, work, q, 1.0)
     }
@@ -45,9 +45,9 @@ impl Loading {
     }
 }
 
-/// Equilibrium by load steps; `held` coordinates keep their start value. Leaves the last residual in `work`.
+/// Equilibrium by load steps; `held` coordinates keep their initial value. Leaves the last residual in `work`.
 ///
-/// Every step ends when the Newton correction no longer shrinks below 1e-9 of the coordinates: round-off.
+/// Each load step ends when the Newton correction, below 1e-9 of the coordinates, no longer decreases: round-off.
 pub fn equilibrium(model: &Model, work: &mut Workspace, start: &[f64], loading: &Loading, steps: usize) -> Vec<f64> {
     let n = model.coordinates;
     let held: Vec<usize> = model
@@ -94,7 +94,7 @@ pub fn equilibrium(model: &Model, work: &mut Workspace, start: &[f64], loading: 
     q
 }
 
-/// Section with diagonal stiffness `(EA, GJ, EI_y, EI_z)` and a little inertia.
+/// Section with diagonal stiffness `(EA, GJ, EI_y, EI_z)` and small inertia.
 pub fn plain_section(stiffness: [f64; 4]) -> Section {
     Section {
         stiffness: Matrix4::from_diagonal(&Vector4::from(stiffness)),
@@ -107,7 +107,7 @@ pub fn plain_section(stiffness: [f64; 4]) -> Section {
     }
 }
 
-/// Straight body on the root's axes, clamped, with one station at its tip.
+/// Straight body along the root's axes, clamped, with one station at its tip.
 pub fn cantilever(
     length_m: f64,
     section: Section,
@@ -131,12 +131,12 @@ pub fn cantilever(
     }
 }
 
-/// Observed order between two meshes.
+/// Observed order from the errors of two meshes.
 pub fn order(coarse: f64, fine: f64, ratio: f64) -> f64 {
     (coarse / fine).ln() / ratio.ln()
 }
 
-/// Asserts that errors on meshes refined by 2 fall with at least `least` between the last two, and less than `most`.
+/// Asserts that the order between the last two of the errors on meshes refined by a factor of 2 is at least `least` and less than `most`.
 pub fn assert_order(what: &str, errors: &[f64], least: f64, most: f64) {
     let orders: Vec<f64> = errors.windows(2).map(|pair| order(pair[0], pair[1], 2.0)).collect();
     let list: Vec<String> = errors.iter().map(|error| format!("{error:.2e}")).collect();

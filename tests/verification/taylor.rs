@@ -1,5 +1,5 @@
-//! Exact derivatives along one parameter `t`: matrices with value, first and second derivative, and the
-//! exponential of such a matrix by scaling and squaring. No rotation formula appears here.
+//! Exact derivatives with respect to one parameter `t`: matrices with value, first and second derivative, and the exponential of such a
+//! matrix by scaling and squaring. No rotation formula is used here.
 
 use nalgebra::SMatrix;
 use std::ops::{Add, Mul};
@@ -59,8 +59,8 @@ impl<const R: usize, const K: usize, const C: usize> Mul<Taylor<K, C>> for Taylo
     }
 }
 
-/// `exp(A)` with both derivatives: the power series of `exp(A/2ᵏ) − 1`, squared `k` times without its unit part so
-/// that small matrices keep their digits.
+/// `exp(A)` with both derivatives: the power series of `exp(A/2ᵏ) − 1`, squared `k` times without its identity part, so that small matrices
+/// keep their digits.
 pub fn exponential<const N: usize>(matrix: Taylor<N, N>) -> Taylor<N, N> {
     let one = Taylor::constant(SMatrix::<f64, N, N>::identity());
     let size = matrix.value.abs().sum();
@@ -76,7 +76,7 @@ pub fn exponential<const N: usize>(matrix: Taylor<N, N>) -> Taylor<N, N> {
     one + excess
 }
 
-/// V-01. The exponential of a quarter turn, its derivative along `t` and its curvature are known in closed form.
+/// V-01. The exponential of a rotation by 90°, and its first and second derivatives with respect to `t`, are known in closed form.
 ///
 /// `exp(θ(t) J)` with `θ = π/2 + 3t + t²` and `J² = −1`: tolerance is round-off of values up to 9.
 #[test]
@@ -84,7 +84,7 @@ fn v01_exponential_of_a_plane_rotation() {
     let j = nalgebra::Matrix2::new(0.0, -1.0, 1.0, 0.0);
     let x = [std::f64::consts::FRAC_PI_2, 3.0, 2.0];
     let turned = exponential(Taylor::constant(nalgebra::Matrix2::zeros()).plus(x, j));
-    // J at a quarter turn; θ̇ J·J = −3; θ̈ J·J + θ̇² J·J·J = −2 − 9 J
+    // J at 90°; θ̇ J·J = −3; θ̈ J·J + θ̇² J·J·J = −2 − 9 J
     assert!((turned.value - j).norm() < 1e-14);
     assert!((turned.first + nalgebra::Matrix2::identity() * 3.0).norm() < 1e-13);
     assert!((turned.second + nalgebra::Matrix2::identity() * 2.0 + j * 9.0).norm() < 1e-12);

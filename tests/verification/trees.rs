@@ -1,4 +1,4 @@
-//! Trees for the random-state checks, and the random numbers behind them.
+//! Trees for the checks at random states, and the random numbers for them.
 
 use foldwing::beam::element::{ElementKind, rigid_body_mass};
 use foldwing::beam::section::{Section, condensed};
@@ -10,7 +10,7 @@ use foldwing::multibody::joint::JointKind;
 use foldwing::multibody::model::{Attachment, BodyDescription};
 use nalgebra::{Matrix3, Matrix4, Rotation3, SMatrix, Unit, Vector3};
 
-/// Numerical Recipes' 64-bit linear congruential generator; the upper bits are good enough for test states.
+/// Numerical Recipes' 64-bit linear congruential generator; its upper bits are adequate for test states.
 pub struct Random(u64);
 
 impl Random {
@@ -29,7 +29,7 @@ impl Random {
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// Three of them.
+    /// A vector of three such numbers.
     pub fn vector(&mut self) -> Vector3<f64> {
         Vector3::new(self.symmetric(), self.symmetric(), self.symmetric())
     }
@@ -45,7 +45,7 @@ impl Random {
     }
 }
 
-/// Point masses `(kg, place in the section frame in m)` that make up a rigid body.
+/// Point masses `(kg, position in the section frame in m)` that make up a rigid body.
 pub type Cloud = Vec<(f64, Vector3<f64>)>;
 
 /// A tree: its description, its attached bodies as clouds of point masses, and the meshed model.
@@ -54,7 +54,7 @@ pub struct Case {
     pub descriptions: Vec<BodyDescription>,
     /// Body, distance from its inner end in m, and the point masses there.
     pub clouds: Vec<(usize, f64, Cloud)>,
-    /// Meshed.
+    /// Meshed model.
     pub model: Model,
 }
 
@@ -92,7 +92,7 @@ pub fn full_section(random: &mut Random) -> Section {
     }
 }
 
-/// The same tree with shear in every beam, or in every other one: stiffnesses with all couplings.
+/// A tree with shear in every beam, or in every other one: fully coupled stiffnesses.
 pub fn with_shear(seed: u64, case: &Case, every: usize) -> Case {
     let mut random = Random::new(seed + 300);
     let mut descriptions = case.descriptions.clone();
@@ -172,8 +172,8 @@ pub fn branching_tree(seed: u64, kinds: [ElementKind; 4]) -> Case {
     Case::new(bodies, clouds)
 }
 
-/// Rigid bodies, offsets and prismatic joints: a rigid body that slides on the root carries a beam aside of it; from the
-/// beam hang a beam on an offset hinge, which carries one on a slide, and a rigid body on an offset slide, which carries
+/// Rigid bodies, offsets and prismatic joints: a rigid body on a prismatic joint at the root carries a beam at an offset; to this beam are
+/// attached a beam on an offset hinge, which carries one on a prismatic joint, and a rigid body on an offset prismatic joint, which carries
 /// a rigid body on an offset hinge.
 pub fn levers(seed: u64, kinds: [ElementKind; 3]) -> Case {
     let mut random = Random::new(seed);
@@ -207,12 +207,12 @@ pub fn levers(seed: u64, kinds: [ElementKind; 3]) -> Case {
     Case::new(bodies, clouds)
 }
 
-/// Clamped body at the origin without elements; its masses come as a cloud.
+/// Clamped body at the origin without elements; its mass is given as a cloud.
 fn random_rigid_body(random: &mut Random) -> BodyDescription {
     BodyDescription { length_m: 0.0, elements: 0, ..random_body(random, 1.0, ElementKind::Constant, 1) }
 }
 
-/// Everything the equations of motion take, at random.
+/// All inputs of the equations of motion, at random.
 pub struct State {
     /// Coordinates.
     pub q: Vec<f64>,
@@ -222,16 +222,16 @@ pub struct State {
     pub a: Vec<f64>,
     /// Root motion with gravity.
     pub root: RootMotion,
-    /// Per body.
+    /// Damping of each body.
     pub damping: Vec<Damping>,
-    /// Per station.
+    /// Loads of each station.
     pub loads: Vec<Wrench>,
-    /// Per body.
+    /// Hinge terms of each degree of freedom.
     pub hinges: Vec<FreedomTangent>,
 }
 
 impl State {
-    /// Strains that turn each link by up to `link_angle_rad`, rates and accelerations of order one.
+    /// Strains that rotate each link by up to `link_angle_rad`, rates and accelerations of order one.
     pub fn random(case: &Case, seed: u64, link_angle_rad: f64) -> Self {
         let mut random = Random::new(seed);
         let n = case.model.coordinates;
@@ -273,7 +273,7 @@ use ElementKind::{Constant, Linear};
 
 /// A named tree and the largest angle of its links in rad.
 pub struct Named {
-    /// For messages.
+    /// Name for messages.
     pub name: &'static str,
     /// The tree.
     pub case: Case,

@@ -1,4 +1,4 @@
-//! The blades of the tests, twice: as laws that the reference evaluates, and as the engine's description.
+//! The blades of these tests in two forms: as functions that the reference evaluates, and as the engine's description.
 
 use crate::blades::boundary_value::{Rod, Section};
 use crate::static_newton::{Loading, equilibrium};
@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 pub const YOUNG_PA: f64 = 70e9;
 /// Poisson's ratio of the paper.
 pub const POISSON: f64 = 0.25;
-/// Shear modulus that follows, Pa.
+/// Shear modulus of the isotropic material, Pa.
 pub const SHEAR_PA: f64 = YOUNG_PA / (2.0 * (1.0 + POISSON));
 
 /// Classical stiffness of an ellipse with half axes in m: `diag(EA, GJ, EI₂, EI₃)`.
@@ -31,7 +31,7 @@ pub fn ellipse(a: f64, b: f64) -> Matrix4<f64> {
     ))
 }
 
-/// A clamped blade with its root frame on the world's axes.
+/// A clamped blade whose root frame coincides with the world frame.
 pub fn description(length_m: f64, section: SectionLaw, natural_strain: NaturalStrain) -> BodyDescription {
     BodyDescription {
         length_m,
@@ -53,15 +53,15 @@ pub fn description(length_m: f64, section: SectionLaw, natural_strain: NaturalSt
 pub struct Solution {
     /// Tip position in m.
     pub tip: Vector3<f64>,
-    /// Root ← tip section.
+    /// Rotation from the tip section to the root frame.
     pub frame: Matrix3<f64>,
-    /// Moment of the blade's root section, as the reference counts it, N·m.
+    /// Moment at the blade's root section, with the sign convention of the reference, N·m.
     pub root_moment: Vector3<f64>,
-    /// Strain measures at `i L / count`.
+    /// Strain measures at the arc lengths `i L / count`.
     pub measures: Vec<Vector4<f64>>,
 }
 
-/// Static equilibrium with `elements` elements of a kind.
+/// Static equilibrium with `elements` elements of one kind.
 pub fn solve(
     body: &BodyDescription,
     (kind, elements): (ElementKind, usize),
@@ -86,8 +86,8 @@ pub fn solve(
     }
 }
 
-/// Errors against the reference: tip over length, rotation in rad, root moment over its size, and the worst strain
-/// measure at `i L / count` over its largest value.
+/// Errors against the reference: tip position divided by the length, rotation in rad, root moment relative to its magnitude, and the
+/// largest error of a strain measure at `i L / count`, relative to the largest value of that measure.
 pub fn errors(length_m: f64, found: &Solution, exact: &[Section]) -> [f64; 4] {
     let tip = exact.last().expect("sections");
     let turn = (tip.frame.transpose() * found.frame - Matrix3::identity()).norm() / 2f64.sqrt();
@@ -102,7 +102,7 @@ pub fn errors(length_m: f64, found: &Solution, exact: &[Section]) -> [f64; 4] {
     [(found.tip - tip.position).norm() / length_m, turn, moment, strain]
 }
 
-/// Sections of the reference at `i L / count`.
+/// Sections of the reference at the arc lengths `i L / count`.
 pub fn reference(
     length_m: f64,
     stiffness: &dyn Fn(f64) -> Matrix4<f64>,

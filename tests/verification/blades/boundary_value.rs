@@ -1,15 +1,15 @@
 //! Independent reference: a shear-free, extensible Kirchhoff rod under a dead force at its tip, clamped at its root,
 //! solved as a boundary-value problem by shooting. It shares no code with the engine.
 //!
-//! `r' = (1+ε) d₁`, `d_i' = u × d_i`, `n' = 0`, `m' = −r' × n` in the world frame, `u = Σ κ_i d_i`,
-//! `K(s) (ε, κ − κ₀(s)) = (n·d₁, m·d_i)`, `K` symmetric 4×4. Unknown is the root moment; the tip must be free of moment.
+//! `r' = (1+ε) d₁`, `d_i' = u × d_i`, `n' = 0`, `m' = −r' × n` in the world frame, `u = Σ κ_i d_i`, `K(s) (ε, κ − κ₀(s)) = (n·d₁, m·d_i)`,
+//! `K` symmetric 4×4. The unknown is the root moment; the moment at the tip must vanish.
 
 use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector3, Vector4};
 
 /// `(r, d₁, d₂, d₃, m)`.
 type State = SVector<f64, 15>;
 
-/// A rod by its stiffness of `(ε, κ₁, κ₂, κ₃)` and natural curvatures `(κ₁, κ₂, κ₃)` along it.
+/// A rod, given by its stiffness for `(ε, κ₁, κ₂, κ₃)` and its natural curvatures `(κ₁, κ₂, κ₃)` as functions of arc length.
 pub struct Rod<'a> {
     /// Length in m.
     pub length_m: f64,
@@ -17,7 +17,7 @@ pub struct Rod<'a> {
     pub stiffness: &'a dyn Fn(f64) -> Matrix4<f64>,
     /// Natural curvatures at an arc length, 1/m.
     pub curvature: &'a dyn Fn(f64) -> [f64; 3],
-    /// Steps of the Runge–Kutta method.
+    /// Number of steps of the Runge–Kutta method.
     pub steps: usize,
 }
 
@@ -57,7 +57,7 @@ impl Rod<'_> {
         slope
     }
 
-    /// Sections at `i L / count` with the root moment `moment`; Runge–Kutta 4.
+    /// Integrates from the root with the root moment `moment` (Runge–Kutta 4); returns the sections at `i L / count`.
     fn march(&self, force: &Vector3<f64>, moment: &Vector3<f64>, count: usize) -> Vec<Section> {
         let mut state = State::zeros();
         for i in 0..3 {
@@ -90,7 +90,7 @@ impl Rod<'_> {
         }
     }
 
-    /// Equilibrium under a dead tip `force` in N, in load steps; sections at `i L / count`.
+    /// Equilibrium under a dead tip `force` in N, applied in load steps; returns the sections at `i L / count`.
     pub fn solve(&self, force: &Vector3<f64>, count: usize) -> Vec<Section> {
         const LOAD_STEPS: usize = 8;
         let mut moment = Vector3::zeros();

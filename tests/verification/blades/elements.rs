@@ -1,4 +1,4 @@
-//! B-01 to B-09: elements whose section and natural strain vary along them.
+//! B-01 to B-09: elements whose section and natural strain vary along their length.
 
 use crate::blades::blade::{description, errors, reference, solve};
 use crate::static_newton::assert_order;
@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, Matrix4, Vector3};
 
 const LENGTH_M: f64 = 1.2;
 
-/// Section with every coupling, by its stiffness.
+/// Section with a full stiffness matrix.
 fn coupled(stiffness: Matrix4<f64>) -> Section {
     Section {
         shear: None,
@@ -54,7 +54,7 @@ const TWIST: [f64; 4] = [0.7, -1.1, 0.9, 0.8];
 const CURVATURE_Y: [f64; 3] = [-0.4, 0.9, -1.2];
 const CURVATURE_Z: [f64; 3] = [0.5, -0.6, 1.1];
 
-/// Stiffness falls linearly to less than half with all couplings, twist and curvatures are polynomials.
+/// Fully coupled stiffness that falls linearly to less than half; twist and curvatures are polynomials.
 fn blade() -> BodyDescription {
     let section = SectionLaw::between(coupled(inner_stiffness()), coupled(outer_stiffness()), LENGTH_M);
     let natural = NaturalStrain([
@@ -75,8 +75,8 @@ fn curvature(s: f64) -> [f64; 3] {
     [power(&TWIST), power(&CURVATURE_Y), power(&CURVATURE_Z)]
 }
 
-/// B-01. Section and natural curvature vary: pairs converge with order 4 in tip, rotation, root moment and, at pair
-/// boundaries, in the recovered strain; constant elements with order 2. All couplings, strains of order one.
+/// B-01. Varying section and natural curvature: tip position, rotation, root moment and, at the boundaries of pairs, the recovered strain
+/// converge with order 4 for pairs and order 2 for constant elements. All couplings, strains of order one.
 #[test]
 fn b01_order_of_convergence() {
     let force = Vector3::new(0.4, -0.5, 0.9);
@@ -89,7 +89,7 @@ fn b01_order_of_convergence() {
     }
 }
 
-/// B-02. Without loads the blade takes its natural shape: order 4 for pairs, 2 for constant elements, and no strain.
+/// B-02. Without loads the blade takes its natural shape, with order 4 for pairs and 2 for constant elements, and has no strain.
 #[test]
 fn b02_natural_shape() {
     let exact = reference(LENGTH_M, &stiffness, &curvature, &Vector3::zeros(), 4);
@@ -115,8 +115,8 @@ fn wave(count: usize, scale: f64, pitch: f64) -> Vec<f64> {
     (0..count).map(|i| scale * (pitch * i as f64 + 0.3).sin()).collect()
 }
 
-/// B-03. The static residual is the gradient of the elastic energy, and that energy is the integral of
-/// `½ (ε_h − P ε₀)ᵀ K_s(s) (ε_h − P ε₀)` by brute force: the halves' unequal blocks and their coupling are right.
+/// B-03. The static residual is the gradient of the elastic energy, and this energy equals the numerical integral of `½ (ε_h − P ε₀)ᵀ
+/// K_s(s) (ε_h − P ε₀)`: this checks the unequal blocks of the two halves and their coupling.
 #[test]
 fn b03_residual_is_the_gradient_of_the_energy() {
     let model = Model::new(&[BodyDescription { kind: Linear, elements: 3, ..blade() }]);
@@ -130,7 +130,7 @@ fn b03_residual_is_the_gradient_of_the_energy() {
             q[i] += shift;
             elastic(&model, &q)
         };
-        let slope = (at(0.5) - at(-0.5)) / 1.0; // the energy is quadratic: any step is exact
+        let slope = (at(0.5) - at(-0.5)) / 1.0; // the energy is quadratic: a central difference of any step is exact
         assert!((slope - force[i]).abs() < 1e-12 * (1.0 + slope.abs()), "coordinate {i}: {slope} and {}", force[i]);
     }
 
@@ -154,8 +154,8 @@ fn b03_residual_is_the_gradient_of_the_energy() {
     assert!(error < 1e-6, "energy off by {error:.1e}; the midpoint rule holds 1e-7");
 }
 
-/// B-04. The articulated-body solve with unequal blocks: `(M + c K) x = r` put back into the residual, which is linear
-/// in the accelerations, leaves round-off of its terms.
+/// B-04. The articulated-body solution with unequal blocks: inserting the `x` of `(M + c K) x = r` into the residual, which is linear in
+/// the accelerations, leaves only the round-off of its terms.
 #[test]
 fn b04_solve_inverts_what_the_residual_multiplies() {
     for kind in [Linear, Constant] {
@@ -182,8 +182,8 @@ fn b04_solve_inverts_what_the_residual_multiplies() {
     }
 }
 
-/// Frequency parameters: deflection, slope, moment and shear of a harmonic Euler–Bernoulli beam with rotary inertia,
-/// clamped; the determinant of moment and shear at the free end over `ω²`. Width and height fall linearly to 0.55.
+/// Determinant of moment and shear at the free end, divided by `ω²`, of a clamped, harmonically vibrating Euler–Bernoulli beam with rotary
+/// inertia (state: deflection, slope, moment, shear); its roots are the frequencies. Width and height fall linearly to 0.55.
 fn free_end_determinant(omega_squared: f64, section: impl Fn(f64) -> [f64; 3]) -> f64 {
     let march = |moment: f64, shear: f64| {
         let mut state = nalgebra::Vector4::new(0.0, 0.0, moment, shear);
@@ -212,8 +212,8 @@ fn free_end_determinant(omega_squared: f64, section: impl Fn(f64) -> [f64; 3]) -
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// B-05. Flap frequencies of a straight blade whose width and height fall to 55 % at the tip, against shooting on
-/// the beam equation with rotary inertia: masses and stiffness vary along elements in dynamics too. Pairs order 4.
+/// B-05. Flap frequencies of a straight blade whose width and height fall to 55 % at the tip, against shooting on the beam equation with
+/// rotary inertia: mass and stiffness vary along the elements in dynamics too. Pairs have order 4.
 #[test]
 fn b05_frequencies_of_a_tapered_blade() {
     let material = Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.1e9, density_kg_m3: 1400.0 };
@@ -242,7 +242,7 @@ fn b05_frequencies_of_a_tapered_blade() {
         }
         low
     };
-    // brackets from a scan
+    // brackets of the roots from a scan
     let scan: Vec<f64> = (0..4000).map(|i| (f64::from(i) * 0.25).powi(2)).collect();
     let exact: Vec<f64> = scan
         .windows(2)
@@ -265,7 +265,7 @@ fn b05_frequencies_of_a_tapered_blade() {
     assert!(errors[2][0] < 5e-7 && errors[2][1] < 1e-5, "16 pairs: {errors:?}");
 }
 
-/// Angular frequencies of the flap, ascending: mass matrix from the residual, stiffness from the elements' blocks.
+/// Angular frequencies of the flap modes, ascending, from the mass matrix of the residual and the stiffness of the elements' blocks.
 fn flap_frequencies(body: &BodyDescription) -> Vec<f64> {
     let model = Model::new(std::slice::from_ref(body));
     let mut work = Workspace::new(&model);

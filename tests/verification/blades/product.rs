@@ -11,9 +11,9 @@ fn blade(change: impl Fn(&str) -> String) -> Plant {
     Plant::new(Arc::new(config::parse(&text, "curved_blade.toml").unwrap_or_else(|error| panic!("{error}"))))
 }
 
-/// B-20. Without loads the curved and twisted blade rests in its natural shape: gauges read zero (they used to read
-/// the natural curvature), nothing moves, and the tip stands where the laws put it: 4 m edgewise, 3 m flapwise to
-/// second order in the arc's angle, turned by the 20° of twist. Tolerance: the arc's fourth order, 1e-3 of the length.
+/// B-20. Without loads the curved and twisted blade is in equilibrium in its natural shape: gauges read zero (they used to read the natural
+/// curvature), nothing moves, and the tip is at its prescribed position: 4 m edgewise, 3 m flapwise to second order in the arc's angle,
+/// rotated by the twist of 20°. Tolerance: 1e-3 of the length, for terms of fourth order in the arc's angle.
 #[test]
 fn b20_a_curved_blade_rests_in_its_natural_shape() {
     let mut plant = blade(|text| text.replacen("gravity_m_s2 = [0.0, 0.0, -9.81]", "", 1));
@@ -25,14 +25,13 @@ fn b20_a_curved_blade_rests_in_its_natural_shape() {
     assert!(tip.velocity_m_s.norm() < 1e-12);
     let expected = Vector3::new(90.0 - 2.0 * 25.0 / (3.0 * 90.0), 4.0, 3.0);
     assert!((tip.position_m - expected).norm() < 0.09, "tip at {}", tip.position_m);
-    // axes of the tip's section: the chord is turned by 20° towards z, less what the arc's slope takes
+    // axes of the tip section: the chord is rotated by 20° towards z, minus the contribution of the arc's slope
     let chord = tip.rotation * Vector3::y();
     assert!((chord.z.atan2(chord.y).to_degrees() - 20.0).abs() < 0.5, "{chord}");
 }
 
-/// B-21. The strain report and the gauges tell the same: the gauge on the upper face at the root reads
-/// `γ + b k₂` of the report's measures, the report's largest strain is no less, and the pair of gauges at ±45° differ
-/// by the shear of torsion.
+/// B-21. The strain report and the gauges agree: the gauge on the upper face at the root reads `γ + b k₂` of the report's measures, the
+/// largest strain of the report is at least as large, and the two gauges at ±45° differ by the shear strain of torsion.
 #[test]
 fn b21_report_and_gauges_agree() {
     let mut plant = blade(|text| {

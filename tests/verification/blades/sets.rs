@@ -1,12 +1,12 @@
-//! B-10 to B-16: the paper's test cases. Its figures are not in the text; what the text leaves open is chosen here.
+//! B-10 to B-16: the paper's test cases. The data of its figures are not available as numbers; what its text leaves open is chosen here.
 //!
-//! - Taper (its Fig. 2): both factors linear in `s`, 1 at 18 m, where the reference ellipse stands, and 0.55 at the tip.
-//! - Twist: the text has "20deg/m"; five turns over 90 m cannot be meant. 20° over the length, linear, 0 at the root.
-//! - Curvature: a plane circular arc whose tip lies, to second order, 4 m edgewise and 3 m flapwise off the root's
-//!   tangent. The section frames turn about it by the twist, so that their curvatures go with cos and sin of it.
+//! - Taper (its Fig. 2): both factors linear in `s`, 1 at 18 m, where the section is the reference ellipse, and 0.55 at the tip.
+//! - Twist: the text has "20deg/m"; five revolutions over 90 m cannot be meant. Here: 20° over the length, linear, 0 at the root.
+//! - Curvature: a plane circular arc whose tip lies, to second order, 4 m edgewise and 3 m flapwise from the tangent at the root. The
+//!   section frames are rotated about the arc by the twist, so the curvatures in these frames vary with its cosine and sine.
 //!
-//! With these the tip moves by 6.32, 12.41 and 18.14 % of the length at 250, 500 and 750 kN; the paper has "about" 6.4,
-//! 12.5 and 18.1 %.
+//! With these choices the tip moves by 6.32, 12.41 and 18.14 % of the length at 250, 500 and 750 kN; the paper gives "about" 6.4, 12.5 and
+//! 18.1 %.
 
 use crate::blades::blade::{POISSON, SHEAR_PA, Solution, YOUNG_PA, description, ellipse, errors, reference, solve};
 use crate::blades::boundary_value::Section;
@@ -27,7 +27,7 @@ fn solid(outline: Outline, width_m: f64, height_m: f64) -> Solid {
     Solid { shear_factor: None, outline, width_m, height_m, material: MATERIAL, torsional_rigidity_n_m2: None }
 }
 
-/// Data of a blade of the third set.
+/// Data of a blade of set 3.
 #[derive(Clone, Copy)]
 struct Shape {
     taper: bool,
@@ -38,7 +38,7 @@ struct Shape {
 const PRISMATIC: Shape = Shape { taper: false, twist: false, curvature: false };
 const TAPERED: Shape = Shape { taper: true, ..PRISMATIC };
 const TWISTED: Shape = Shape { twist: true, ..TAPERED };
-/// The blade of the second set.
+/// The blade of set 2.
 const CURVED: Shape = Shape { curvature: true, ..TWISTED };
 const SHAPES: [(&str, Shape); 4] =
     [("prismatic", PRISMATIC), ("tapered", TAPERED), ("twisted", TWISTED), ("curved", CURVED)];
@@ -52,7 +52,7 @@ impl Shape {
         if self.twist { 20f64.to_radians() / LENGTH_M } else { 0.0 }
     }
 
-    /// `(κ₂, κ₃)` of the arc in frames that do not turn about it.
+    /// `(κ₂, κ₃)` of the arc in frames that are not twisted about it.
     fn arc(self) -> [f64; 2] {
         if self.curvature { [-2.0 * 3.0 / LENGTH_M.powi(2), 2.0 * 4.0 / LENGTH_M.powi(2)] } else { [0.0; 2] }
     }
@@ -67,7 +67,7 @@ impl Shape {
         [self.twist_rate(), y * cosine + z * sine, z * cosine - y * sine]
     }
 
-    /// The engine's description: cos and sin of the twist by their Taylor polynomials, exact to 1e-12.
+    /// The engine's description: cosine and sine of the twist as Taylor polynomials, exact to 1e-12.
     fn description(self) -> BodyDescription {
         let taper = Profile::linear(self.factor(0.0), self.factor(LENGTH_M), LENGTH_M);
         let section =
@@ -76,7 +76,7 @@ impl Shape {
         let mut terms: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
         let mut power = 1.0;
         for n in 0..11 {
-            // derivatives of (cos, sin) at 0 go (1, 0), (0, 1), (−1, 0), (0, −1)
+            // derivatives of (cos, sin) at 0 repeat (1, 0), (0, 1), (−1, 0), (0, −1)
             let (cosine, sine) = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][n % 4];
             terms[0].push((y * cosine + z * sine) * power);
             terms[1].push((z * cosine - y * sine) * power);
@@ -111,8 +111,8 @@ fn bar() -> BodyDescription {
     description(LENGTH_M, solid(Outline::Rectangle, 8.0, 2.0).into(), [0.0; 4].into())
 }
 
-/// B-10. Set 1, a straight bar of 8 m × 2 m, 90 m long, under 10 000 and 50 000 kN: tip against `cases.json`
-/// (shooting, extensible, shear-free). 16 pairs hold 1e-6 of the length where the design asks for 1e-3.
+/// B-10. Set 1, a straight bar of 8 m × 2 m, 90 m long, under 10 000 and 50 000 kN: tip position against `cases.json` (shooting,
+/// extensible, shear-free). 16 pairs are within 1e-6 of the length; the design requires 1e-3.
 #[test]
 fn b10_straight_bar_against_the_reference_file() {
     for row in case("static.seed001_set1")["expected"].as_array().unwrap() {
@@ -127,15 +127,15 @@ fn b10_straight_bar_against_the_reference_file() {
     }
 }
 
-/// B-11. The paper's other forces against the boundary-value solution: tip, rotation, root moment, strains; the
-/// reference itself against `cases.json` to 1e-9.
+/// B-11. The other forces of the paper: tip, rotation, root moment and strains against the boundary-value solution; the latter agrees with
+/// `cases.json` to 1e-9.
 #[test]
 fn b11_straight_bar_against_shooting() {
     let stiffness = |_: f64| {
         let (width, height): (f64, f64) = (8.0, 2.0);
         Matrix4::from_diagonal(&Vector4::new(
             YOUNG_PA * width * height,
-            SHEAR_PA * 17.98, // plays no part in plane bending
+            SHEAR_PA * 17.98, // no effect in plane bending
             YOUNG_PA * width * height.powi(3) / 12.0,
             YOUNG_PA * height * width.powi(3) / 12.0,
         ))
@@ -154,9 +154,9 @@ fn b11_straight_bar_against_shooting() {
     }
 }
 
-/// B-12. Set 2, the curved, twisted and tapered blade from 100 to 1000 kN, and set 3, its four steps from the prismatic
-/// one: tip, rotation and root moment of 12 pairs against the boundary-value solution within 1e-5, strain measures
-/// within 4e-4 of each one's largest value (the small torsion is the worst).
+/// B-12. Set 2, the curved, twisted and tapered blade, from 100 to 1000 kN, and set 3, the four steps to it from the prismatic blade: tip,
+/// rotation and root moment of 12 pairs agree with the boundary-value solution within 1e-5, strain measures within 4e-4 of the largest
+/// value of each (the worst is the small torsion).
 #[test]
 fn b12_blades_against_shooting() {
     let second = [100.0, 250.0, 500.0, 750.0, 1000.0].map(|force_kn| ("curved", CURVED, force_kn));
@@ -184,7 +184,7 @@ fn b12_blades_against_shooting() {
     }
 }
 
-/// B-13. Order of convergence on the blade of set 2 at 750 kN: 4 for pairs, 2 for constant elements.
+/// B-13. Order of convergence for the blade of set 2 at 750 kN: 4 for pairs, 2 for constant elements.
 #[test]
 fn b13_order_on_the_blade() {
     let force = Vector3::z() * 750e3;
@@ -197,9 +197,9 @@ fn b13_order_on_the_blade() {
     }
 }
 
-/// B-14. What the paper's Figs. 10–12 show, in its order: the force moves the tip along z in all cases; taper adds to
-/// it, twist and curvature each take a little away; a displacement along y comes with the twist. The figure of the
-/// curved blade is 6.32, 12.41, 18.14 % of the length, against "about" 6.4, 12.5, 18.1 %.
+/// B-14. The effects in the paper's Figs. 10–12, in their order: the force moves the tip along z in all cases; taper increases this
+/// displacement, twist and curvature each reduce it slightly; twist adds a displacement along y. The displacement of the curved blade is
+/// 6.32, 12.41, 18.14 % of the length, against "about" 6.4, 12.5, 18.1 %.
 #[test]
 fn b14_effects_of_taper_twist_and_curvature() {
     for (force_kn, paper, chosen) in [(250.0, 6.4, 6.32), (500.0, 12.5, 12.41), (750.0, 18.1, 18.14)] {
@@ -223,9 +223,9 @@ fn half_axes(s: f64) -> (f64, f64) {
     (2.0 * TAPERED.factor(s), 0.5 * TAPERED.factor(s))
 }
 
-/// B-15. The largest longitudinal strain E₁₁ in the sections at 30, 50 and 70 % of the span of the bi-tapered blade
-/// (the paper's Fig. 13), against the boundary-value solution: `n/EA + (M/EI_y) b` there. Within 1e-5 of the value with
-/// 10 pairs; against linear theory, `F (L − s) b / EI_y`, within 10 % at 250 kN.
+/// B-15. The largest longitudinal strain E₁₁ in the sections at 30, 50 and 70 % of the span of the bi-tapered blade (the paper's Fig. 13),
+/// against the boundary-value solution: `n/EA + (M/EI_y) b` there. 10 pairs agree to 1e-5; linear theory, `F (L − s) b / EI_y`, agrees
+/// within 10 % at 250 kN.
 #[test]
 fn b15_largest_longitudinal_strain() {
     for force_kn in [250.0, 500.0, 750.0] {
@@ -252,8 +252,8 @@ fn b15_largest_longitudinal_strain() {
     }
 }
 
-/// B-16. Stress resultants of the recovered second Piola–Kirchhoff stress, integrated over the section of the curved
-/// blade, are the section's force and moment: `K_s` times the strain measures. Gauss points on rings, round-off.
+/// B-16. Stress resultants of the recovered second Piola–Kirchhoff stress, integrated over the section of the curved blade, equal the force
+/// and moment of the section, `K_s` times the strain measures, to round-off; the integral uses Gauss points on rings.
 #[test]
 fn b16_recovered_stress_carries_the_section_moment() {
     let found = CURVED.solve(6, 500e3, 6);
@@ -280,8 +280,8 @@ fn b16_recovered_stress_carries_the_section_moment() {
     assert_eq!(POISSON, 0.25);
 }
 
-/// B-17. The 45° bend of Bathe and Bolourchi under 600 lb with its curvature as a table and its section as a solid:
-/// order 4 and 1e-5 L at 8 pairs. V-23 has it with constants.
+/// B-17. The 45° bend of Bathe and Bolourchi under 600 lb with its curvature as a table and its section as a solid: order 4, and 1e-5 L
+/// with 8 pairs. V-23 has constant curvature and section.
 #[test]
 fn b17_bend_of_45_degrees() {
     const RADIUS_IN: f64 = 100.0;

@@ -1,4 +1,4 @@
-//! WT-30 to WT-33: a beam whose sections and axis are given by tables.
+//! WT-30 to WT-33: a beam whose sections and axis are given as tables.
 
 use crate::blades::blade::{description, errors, reference, solve};
 use crate::static_newton::assert_order;
@@ -24,7 +24,7 @@ fn section(stiffness: Matrix4<f64>) -> Section {
     }
 }
 
-/// Stiffness with a coupling of bending and twist at five stations; the factor falls, rises and falls.
+/// Stiffness with bend–twist coupling at five stations; its factor falls, rises and falls again.
 fn rows() -> Vec<SectionStation> {
     let row = |share: f64, factor: f64| {
         let mut stiffness = Matrix4::from_diagonal(&Vector4::new(90.0, 1.6, 1.3, 2.8)) * factor;
@@ -41,9 +41,9 @@ fn stiffness(s: f64) -> Matrix4<f64> {
     rows[piece].section.stiffness * (1.0 - share) + rows[piece + 1].section.stiffness * share
 }
 
-/// WT-30. Sections in a table with kinks at its stations: fourth order of pairs whose ends meet the stations; between, where a
-/// station lies inside an element, the integrals are still exact and the error falls by the second order that a kink in the
-/// strain allows, or better.
+/// WT-30. Sections in a table with kinks at its stations: pairs whose ends coincide with the stations converge with fourth order; if a
+/// station lies inside an element, the integrals are still exact and the error converges at least with the second order that a kink in the
+/// strain permits.
 #[test]
 fn wt30_order_of_a_table() {
     let force = Vector3::new(0.05, -0.1, 0.2);
@@ -61,13 +61,13 @@ fn wt30_order_of_a_table() {
     assert!(found[2] < found[0] / 8.0 && found[2] < 1e-4, "{found:?}");
 }
 
-/// WT-31. A body's axis in a table: the tip of a bent, twisted blade is at the position of the table, with pairs to the fourth order.
+/// WT-31. A body's axis given as a table: the tip of a bent, twisted blade is at the position in the table, to fourth order for pairs.
 #[test]
 fn wt31_axis_in_a_table() {
     let count = 60;
     let stations_m: Vec<f64> = (0..=count).map(|i| LENGTH_M * f64::from(i) / f64::from(count)).collect();
     let along = |f: &dyn Fn(f64) -> f64| stations_m.iter().map(|s| f(*s)).collect::<Vec<f64>>();
-    // no bend at either end, as natural splines have it; others lose their curvature in the outermost intervals
+    // no curvature at either end, as natural splines assume; other curves lose their curvature in the outermost intervals
     let wave = std::f64::consts::PI / LENGTH_M;
     let axis = Axis {
         y_m: along(&|s| 0.05 * (2.0 * wave * s).sin() - 0.2 * s),
@@ -85,7 +85,7 @@ fn wt31_axis_in_a_table() {
         (tip.y - axis.y_m[count as usize]).hypot(tip.z - axis.z_m[count as usize])
     });
     assert_order("WT-31 tip", &found, 3.5, 4.6);
-    // x is what the arc leaves
+    // x follows from the arc length
     let slopes = |s: f64| {
         let (y, z) = (0.1 * wave * (2.0 * wave * s).cos() - 0.2, 0.12 * wave * (wave * s).cos() + 0.1);
         (1.0 - y * y - z * z).sqrt()
@@ -103,23 +103,23 @@ fn wt31_axis_in_a_table() {
     );
 }
 
-/// WT-32. Condensed shear: where no shear force acts, the condensed stiffness gives the very strains of the full one.
+/// WT-32. Condensed shear: where no shear force acts, the condensed stiffness gives exactly the strains of the full stiffness.
 #[test]
 fn wt32_condensation_is_exact_without_shear_forces() {
     let root = Matrix6::from_fn(|i, j| ((3 * i + 5 * j) as f64).sin() + if i == j { 4.0 } else { 0.0 });
     let full = root * root.transpose();
     let condensed = config::condensed_stiffness(&full).unwrap();
-    // loads (Fz, Mx, My, Mz) of BeamDyn's axes, no shear force
+    // loads (Fz, Mx, My, Mz) in BeamDyn's axes, no shear force
     let loads = nalgebra::Vector6::new(0.0, 0.0, 1.0, -2.0, 0.5, 3.0);
     let strains = full.try_inverse().unwrap() * loads;
-    // (x, y, z) = (z, −y, x) of BeamDyn's
+    // (x, y, z) here = (z, −y, x) of BeamDyn
     let expected = Vector4::new(strains[2], strains[5], -strains[4], strains[3]);
     let found = condensed.try_inverse().unwrap() * Vector4::new(loads[2], loads[5], -loads[4], loads[3]);
     assert!((found - expected).amax() < 1e-13 * expected.amax(), "{found} {expected}");
     assert!(config::condensed_stiffness(&-full).is_none());
 }
 
-/// A blade in BeamDyn's format, two stations, with a coupling of shear and twist, and its primary file with prebend and twist.
+/// A blade in BeamDyn's format with two stations and a shear–twist coupling, and its primary file with prebend and twist.
 fn beamdyn() -> (String, String) {
     let mut blade =
         "------- BEAMDYN V1.00.* INDIVIDUAL BLADE INPUT FILE ---\n Test\n ---\n2   station_total\n 1 damp_type\n"
@@ -138,7 +138,7 @@ fn beamdyn() -> (String, String) {
             k(1e7),
             k(1e9)
         );
-        // centre of mass 0.2 m downwind, 0.1 m towards the trailing edge; moments about it 30 (about x) and 20 kg m
+        // centre of mass 0.2 m downwind, 0.1 m towards the trailing edge; moments of inertia about it 30 (about x) and 20 kg m
         let (m, x, y) = (100.0, 0.2, 0.1);
         let (xx, yy, xy) = (30.0 + m * y * y, 20.0 + m * x * x, m * x * y);
         blade += &format!(
@@ -159,7 +159,7 @@ fn beamdyn() -> (String, String) {
     (blade, primary)
 }
 
-/// WT-33. BeamDyn's files: condensed stiffness, inertia, arc lengths, signs of twist and prebend; then faulty ones.
+/// WT-33. BeamDyn's files: condensed stiffness, inertia, arc lengths, signs of twist and prebend; then faulty files.
 #[test]
 fn wt33_beamdyn_files() {
     let (blade, primary) = beamdyn();
@@ -178,7 +178,7 @@ fn wt33_beamdyn_files() {
     let axis = config::read_axis(&primary).unwrap();
     assert_eq!((at(&axis, "z_m")[4], at(&axis, "y_m")[4], at(&axis, "twist_deg")[4]), (-0.8, -0.4, -2.0));
     assert_eq!(at(&axis, "twist_deg")[0], -10.0);
-    // the parabola but for the splines' free ends, which leave a fifth of what the arc is longer than the chords
+    // the parabola, except for the free ends of the splines, which miss a fifth of the difference between arc and chord length
     let parabola: f64 = (0..1000)
         .map(|i| (f64::from(i) + 0.5) * 0.02)
         .map(|z| (1.0 + (0.004f64.powi(2) + 0.002f64.powi(2)) * z * z).sqrt() * 0.02)
@@ -207,7 +207,7 @@ fn wt33_beamdyn_files() {
         let fault = config::read_axis(&primary.replacen(found, due, 1)).unwrap_err();
         assert!(fault.reason.starts_with(reason), "{fault}");
     }
-    // every missing line is reported, by its number and its expected content
+    // every missing line is reported with its number and expected content
     let lines: Vec<&str> = blade.lines().collect();
     for cut in 1..lines.len() - 1 {
         assert!(config::read_sections(&lines[..cut].join("\n")).is_err(), "{cut} lines are taken for a blade");
@@ -231,7 +231,8 @@ const MODEL: &str = "name = \"blade\"\ngravity_m_s2 = [0.0, 0.0, -9.8]\n[section
     section = \"blade\"\nelements = 4\naxis = { eta = [0.0, 0.5, 1.0], twist_deg = [12.0, 6.0, 0.0] }\n\
     [joint.hold]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"blade\"\n";
 
-/// WT-34. The keys of the model file: the first twist turns the first section in the frame that the joint holds; faults by name.
+/// WT-34. The keys of the model file: the first twist rotates the first section relative to the frame that the joint holds; errors name the
+/// key.
 #[test]
 fn wt34_tables_of_the_model_file() {
     let machine = config::parse(MODEL, "blade.toml").unwrap_or_else(|refused| panic!("{refused}"));

@@ -1,4 +1,4 @@
-//! Failures that a motion brings about, and those that follow others.
+//! Failures triggered by the motion, and failures triggered by other failures.
 
 use crate::breaking::*;
 use foldwing::machine::Failure;
@@ -11,7 +11,7 @@ fn turning(joint: JointBuilder) -> JointBuilder {
     joint.start_rate_rad_s(RATE_RAD_S)
 }
 
-/// FL-10. A bound on the angle is located to 1e-10 s, whatever the communication step; the jam follows its delay.
+/// FL-10. The crossing of a bound on the angle is located to 1e-10 s, whatever the communication step; the jam follows after its delay.
 #[test]
 fn fl10_a_bound_on_the_angle_is_located() {
     for steps in [1, 9, 400] {
@@ -26,7 +26,7 @@ fn fl10_a_bound_on_the_angle_is_located() {
     }
 }
 
-/// FL-11. A bound on the rate of a swing, by its closed form.
+/// FL-11. A bound on the rate of an oscillation, against the closed form.
 #[test]
 fn fl11_a_bound_on_the_rate_is_located() {
     let falls = |bound_rad_s: f64| {
@@ -40,11 +40,11 @@ fn fl11_a_bound_on_the_rate_is_located() {
     let found_s = failed_s(&plant, 0).expect("it fails");
     assert!((found_s - expected_s).abs() < 1e-9, "off by {:e} s", found_s - expected_s);
     assert!((plant.outputs().joints()[0].rate_rad_s + 3.0).abs() < 1e-8);
-    // faster than it ever swings
+    // faster than any rate of the oscillation
     assert_eq!(failed_s(&falls(-START_RAD * FREQUENCY_RAD_S - 0.01), 0), None);
 }
 
-/// FL-12. One failure brings about another, at once or later; an impulse passes a bound without a crossing.
+/// FL-12. One failure triggers another, at once or after a delay; an impulse jumps over a bound without a crossing.
 #[test]
 fn fl12_failures_follow_failures() {
     let failures = [
@@ -59,7 +59,7 @@ fn fl12_failures_follow_failures() {
     assert_eq!(times, [Some(0.2), Some(0.2), Some(0.2 + 0.125), Some(0.2 + 0.125)]);
 }
 
-/// FL-13. A bound that the start has passed already fails at once, once the run goes on.
+/// FL-13. A bound already exceeded at the start triggers the failure as soon as the simulation continues.
 #[test]
 fn fl13_a_bound_passed_at_the_start() {
     let jam = Failure::motor_jam("jam", "hinge").when("hinge", Quantity::Rate, BoundSide::Above, 1.0);

@@ -1,4 +1,4 @@
-//! A brake that comes on with a ramp.
+//! A brake whose torque rises in a ramp.
 
 use crate::breaking::*;
 use foldwing::machine::Failure;
@@ -7,7 +7,7 @@ use foldwing::machine::failure::FrictionBrake;
 const RATE_RAD_S: f64 = 3.0;
 const TORQUE_N_M: f64 = 0.1;
 
-/// FL-15. A rotor under a brake slows as its torque grows, `ω = ω₀ − T/J (t − ½ t_r)`, and creeps to rest; what it loses is
+/// FL-15. A rotor under a brake slows as its torque grows, `ω = ω₀ − T/J (t − ½ t_r)`, and creeps to a stop; its kinetic energy is
 /// dissipated.
 #[test]
 fn fl15_a_brake_stops_a_rotor() {

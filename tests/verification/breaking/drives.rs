@@ -5,17 +5,17 @@ use crate::plant::machines::default_wing;
 use foldwing::machine::builder::JointBuilder;
 use foldwing::machine::{Beyond, Effect, Failure, GeneratorLaw, Latch, Motor, Spring};
 
-/// Time inside a communication step, at which the rotor moves at some −4 rad/s.
+/// Instant inside a communication step, when the rotor moves at about −4 rad/s.
 const FAILS_S: f64 = 0.123_456_789;
 
-/// Angle and rate of the rotor on its motor.
+/// Angle and rate of the rotor on the spring of its motor.
 fn swinging(time_s: f64) -> (f64, f64) {
     let phase = FREQUENCY_RAD_S * time_s;
     (START_RAD * phase.cos(), -START_RAD * FREQUENCY_RAD_S * phase.sin())
 }
 
-/// FL-02. After the loss of its motor at a given time the rotor coasts; the energy of the motor's spring is dissipated, and the
-/// communication step changes no bit.
+/// FL-02. After the loss of its motor at a given time the rotor coasts; the energy of the motor's spring is dissipated, and the result is
+/// bit-identical for all communication steps.
 #[test]
 fn fl02_a_motor_loss_at_its_time() {
     let (angle_rad, rate_rad_s) = swinging(FAILS_S);
@@ -38,7 +38,7 @@ fn fl02_a_motor_loss_at_its_time() {
     assert!(ends[0] == ends[1] && ends[1] == ends[2], "the communication step changes bits");
 }
 
-/// FL-03. Its input brings the same about at a communication point, and nothing repairs it.
+/// FL-03. The failure's input triggers the same at a communication point, and nothing reverses it.
 #[test]
 fn fl03_a_motor_loss_on_its_input() {
     let end = |by_input: bool| {
@@ -61,8 +61,8 @@ fn fl03_a_motor_loss_on_its_input() {
 }
 
 /// FL-09. Loss of the grid: with the loss of its motor the joint also loses the torque of its generator, whatever the input of the
-/// generator. The rotor coasts from there; the energy balance has the mechanical power of the generator until then, and not its electrical
-/// power. A motor that jams holds the rotor against the generator, which gives no power at rest.
+/// generator. The rotor coasts from then on; until then the energy balance contains the mechanical, not the electrical, power of the
+/// generator. A jammed motor holds the rotor against the generator, which gives no power at standstill.
 #[test]
 fn fl09_the_grid_is_lost() {
     let torque_n_m = 0.03;
@@ -87,7 +87,7 @@ fn fl09_the_grid_is_lost() {
     assert!((found.rate_rad_s - rate_rad_s).abs() < 1e-9, "{} of {rate_rad_s} rad/s", found.rate_rad_s);
     let after = plant.outputs().generators()[0];
     assert_eq!((after.torque_n_m, after.power_w), (0.0, 0.0));
-    // what the rotor lost, all of it work on the generator
+    // energy lost by the rotor, all of it work on the generator
     let work_j = 0.5 * INERTIA_KG_M2 * (rate_rad_s.powi(2) - 16.0);
     assert!((plant.outputs().energy().work - work_j).abs() < 1e-9, "{} of {work_j} J", plant.outputs().energy().work);
     plant.inputs_mut().joints_mut()[0].generator_on = true.into();
@@ -100,7 +100,7 @@ fn fl09_the_grid_is_lost() {
     assert_eq!(jammed.outputs().generators()[0].power_w, 0.0);
 }
 
-/// FL-04. A jam stops the joint where it is, whatever is released, and its kinetic energy is lost.
+/// FL-04. A jam stops the joint where it is, even if the joint is released, and its kinetic energy is lost.
 #[test]
 fn fl04_a_drive_jams() {
     let mut plant = begun(sprung, Failure::motor_jam("jam", "hinge").at_time_s(FAILS_S));
@@ -116,7 +116,7 @@ fn fl04_a_drive_jams() {
     }
 }
 
-/// FL-05. A motor that runs away takes its neutral angle where it will, whatever is commanded.
+/// FL-05. A runaway motor moves its neutral angle independently of the command.
 #[test]
 fn fl05_a_drive_runs_away() {
     let damped =
@@ -134,7 +134,7 @@ fn fl05_a_drive_runs_away() {
     assert!((plant.outputs().joints()[0].angle_rad + 2.0).abs() < 1e-3);
 }
 
-/// FL-06. A latch that breaks dissipates its energy and does not close again; one that does not close lets the joint pass.
+/// FL-06. A broken latch dissipates its energy and does not close again; a latch that fails to close lets the joint pass.
 #[test]
 fn fl06_latches_break_and_do_not_catch() {
     let wing = |effect: Option<(Effect, f64)>| {
@@ -165,7 +165,7 @@ fn fl06_latches_break_and_do_not_catch() {
     assert!(drift < 1e-4 && least_rad < 0.0, "energy account drifts by {drift:e} J; at {least_rad} rad");
 }
 
-/// FL-07. The lock of a joint opens, and never holds it again.
+/// FL-07. The lock of a joint opens and never holds the joint again.
 #[test]
 fn fl07_a_stopper_opens() {
     let held = |joint: JointBuilder| sprung(joint).release(false);
@@ -176,7 +176,7 @@ fn fl07_a_stopper_opens() {
     assert!((found.angle_rad - angle_rad).abs() < 1e-8 && (found.rate_rad_s - rate_rad_s).abs() < 1e-7, "{found:?}");
 }
 
-/// FL-08. Failures that are there at the start: by a time that has passed, by an input, by another that has happened.
+/// FL-08. Failures already present at the start: triggered by a time in the past, by an input, or by another failure that has occurred.
 #[test]
 fn fl08_failures_may_be_there_at_the_start() {
     let failures = [

@@ -1,5 +1,5 @@
-//! Failures of joints, latches, springs, loops and beams, with brakes. Against closed forms, with the energy balance, to the bit over
-//! communication steps and rollback.
+//! Failures of joints, latches, springs, loops and beams, and brakes: against closed forms, with the energy balance, and bit-identical for
+//! all communication steps and after rollback.
 //!
 //! Cases are numbered FL-xx.
 
@@ -21,7 +21,7 @@ const INERTIA_KG_M2: f64 = 0.02;
 const FREQUENCY_RAD_S: f64 = 7.0;
 const START_RAD: f64 = 0.8;
 
-/// A rotor on a hinge without gravity, what `change` makes of the hinge, and failures.
+/// A rotor on a hinge without gravity, with the hinge modified by `change` and with failures.
 fn rotor(change: impl Fn(JointBuilder) -> JointBuilder, failures: &[FailureBuilder]) -> Machine {
     let body = Body::rigid("rotor").inertia(1.0, [0.0; 3], Matrix3::identity() * INERTIA_KG_M2);
     let plain = machine([(body.clone(), Joint::revolute("hinge", Vector3::y()))]);
@@ -32,20 +32,20 @@ fn rotor(change: impl Fn(JointBuilder) -> JointBuilder, failures: &[FailureBuild
     whole.build().unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// The spring of a motor that swings the rotor.
+/// Adds a motor whose spring makes the rotor oscillate.
 fn sprung(joint: JointBuilder) -> JointBuilder {
     let stiffness_n_m_rad = INERTIA_KG_M2 * FREQUENCY_RAD_S.powi(2);
     joint.motor(Motor { stiffness_n_m_rad, ..Motor::default() }).start_angle_rad(START_RAD)
 }
 
-/// State of a failure, and its time.
+/// Time at which a failure occurred, if it has.
 fn failed_s(plant: &Plant, failure: usize) -> Option<f64> {
     let FailureOutputs { failed, time_s } = plant.outputs().failures()[failure];
     assert_eq!(failed.is_on(), time_s >= 0.0, "both outputs say the same");
     failed.is_on().then_some(time_s)
 }
 
-/// Goes on in equal steps; the largest drift of the energy account in J.
+/// Runs in equal steps and returns the largest drift of the energy balance in J.
 fn drift_j(plant: &mut Plant, end_s: f64, steps: usize) -> f64 {
     let (begin_s, begin_j) = (plant.time_s(), balance_j(plant.outputs()));
     let mut worst = 0.0f64;
@@ -56,17 +56,17 @@ fn drift_j(plant: &mut Plant, end_s: f64, steps: usize) -> f64 {
     worst
 }
 
-/// Brings a failure about from the next step on.
+/// Triggers a failure at the next step.
 fn trigger(plant: &mut Plant, failure: usize) {
     plant.inputs_mut().failures_mut()[failure] = Switch::ON;
 }
 
-/// A machine at its start with one failure of the hinge.
+/// A machine at its start, with one failure of the hinge.
 fn begun(change: impl Fn(JointBuilder) -> JointBuilder, failure: FailureBuilder) -> Plant {
     start(rotor(change, &[failure]))
 }
 
-/// A failure that never happens by itself costs no bit.
+/// A failure that does not occur leaves the results bit-identical.
 #[test]
 fn fl01_a_failure_that_does_not_happen_changes_nothing() {
     let mut sound = start(rotor(sprung, &[]));

@@ -1,4 +1,4 @@
-//! Going back over failures, to the bit; memory; air.
+//! Rollback to instants before failures, bit-identical; memory; aerodynamics.
 
 use crate::breaking::*;
 use crate::counting_allocator::allocations;
@@ -18,7 +18,7 @@ fn outputs_until(plant: &mut Plant, end_s: f64, steps: usize) -> Vec<Outputs> {
     all
 }
 
-/// FL-20. Steps taken again from before failures, between them and after them give the same bits, here and in a fresh plant.
+/// FL-20. Steps repeated from before, between and after failures give bit-identical results, in the same plant and in a new one.
 #[test]
 fn fl20_rollback_over_failures_to_the_bit() {
     let brake = FrictionBrake { torque_n_m: 0.05, ramp_s: 0.1, slip_rad_s: 1e-2 };
@@ -47,7 +47,7 @@ fn fl20_rollback_over_failures_to_the_bit() {
     assert!((0..4).all(|failure| failed_s(&plant, failure).is_some()));
 }
 
-/// FL-21. A snapshot of a machine without its failures is refused.
+/// FL-21. A snapshot of a machine without these failures is rejected.
 #[test]
 fn fl21_snapshots_of_other_failures_are_refused() {
     let plant = begun(sprung, Failure::motor_loss("motor", "hinge"));
@@ -55,7 +55,7 @@ fn fl21_snapshots_of_other_failures_are_refused() {
     assert!(other.restore(&plant.snapshot()).is_err());
 }
 
-/// FL-22. Failures allocate nothing.
+/// FL-22. Failures cause no memory allocation.
 #[test]
 fn fl22_failures_allocate_nothing() {
     let failures = [

@@ -10,7 +10,7 @@ fn failing(name: &str) -> Machine {
     config::parse(&text, name).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A shipped machine, and the same without what fails.
+/// A shipped machine with and without its failures.
 fn both(name: &str) -> [Machine; 2] {
     let mut machine = failing(name);
     machine.solver.tolerance = 1e-6;
@@ -18,7 +18,7 @@ fn both(name: &str) -> [Machine; 2] {
     [machine, sound]
 }
 
-/// FL-30. Loss of the motor during unfolding: the wing that latches with it does not without it.
+/// FL-30. Loss of the motor during unfolding: the wing, which latches with the motor, does not latch without it.
 #[test]
 fn fl30_the_motor_loss_on_the_way() {
     let [failing, sound] = both("motor_loss").map(|machine| {
@@ -51,7 +51,7 @@ fn fl31_the_latch_does_not_catch() {
     assert!(!failing.1.outputs().latches()[0].closed.is_on() && failing.0 < -0.5, "{} rad", failing.0);
 }
 
-/// FL-33. A latch that is closed when it fails to catch stays closed: it breaks only by `latch_break`.
+/// FL-33. A latch that is already closed when its failure to catch occurs stays closed: only `latch_break` opens it.
 #[test]
 fn fl33_a_closed_latch_need_not_catch() {
     let [mut failing, _] = both("latch_no_capture");
@@ -63,7 +63,7 @@ fn fl33_a_closed_latch_need_not_catch() {
     assert!(latch.closed.is_on() && latch.count.get() == 1 && latch.time_s < 0.14, "{latch:?}");
 }
 
-/// FL-32. One side of an aircraft unfolds: it rolls as the sound one does not, and momentum stays.
+/// FL-32. Only one wing of an aircraft unfolds: unlike the intact aircraft, it rolls; momentum is conserved.
 #[test]
 fn fl32_one_side_unfolds() {
     let [failing, sound] = both("one_side_unfolds").map(|machine| {

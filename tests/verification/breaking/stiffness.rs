@@ -1,4 +1,4 @@
-//! Load paths that keep a share of their stiffness: springs, closed loops, beams.
+//! Load paths that keep a fraction of their stiffness: springs, closed loops, beams.
 
 use crate::breaking::*;
 use foldwing::config;
@@ -6,7 +6,7 @@ use foldwing::machine::builder::JointBuilder;
 use foldwing::machine::{Failure, Spring};
 use std::path::Path;
 
-/// FL-25. A spring that keeps a quarter swings at half its frequency from there.
+/// FL-25. A rotor on a spring that keeps a quarter of its stiffness oscillates at half its frequency from then on.
 #[test]
 fn fl25_a_spring_keeps_a_share() {
     let stiffness_n_m_rad = INERTIA_KG_M2 * FREQUENCY_RAD_S.powi(2);
@@ -34,8 +34,8 @@ fn shipped(name: &str) -> String {
     std::fs::read_to_string(path).expect("a shipped model")
 }
 
-/// FL-26. Loops that open let their ends part; the account closes, and nothing pulls any more. One of two that hold the same pin
-/// leaves the other to hold it.
+/// FL-26. The ends of an opened loop separate; the energy balance closes, and the loop transmits no force any more. If one of two loops on
+/// the same pin opens, the other still holds it.
 #[test]
 fn fl26_a_loop_opens() {
     let text = shipped("four_bar");
@@ -61,7 +61,8 @@ fn fl26_a_loop_opens() {
     assert_eq!(end.force_n.norm(), 0.0);
 }
 
-/// FL-27. A beam that keeps a share bends as one of that stiffness: modes from the start equal those of a factor on it.
+/// FL-27. A beam that keeps a fraction of its stiffness bends like a beam of that stiffness; its modes from the start equal those with a
+/// stiffness factor.
 #[test]
 fn fl27_a_beam_weakens() {
     let text = shipped("folding_wing");
@@ -89,8 +90,8 @@ fn fl27_a_beam_weakens() {
     assert!(failed_s(&plant, 0) == Some(0.11) && drift < 1e-4, "energy account drifts by {drift:e} J");
 }
 
-/// FL-28. Failures of one load path multiply, and one that has not happened restores nothing: a loop that one failure opens stays
-/// open while another waits; two halves are a quarter, to the bit.
+/// FL-28. Failures of one load path multiply, and a failure that has not occurred restores nothing: a loop opened by one failure stays open
+/// while another is pending; two factors of one half give exactly one quarter.
 #[test]
 fn fl28_failures_of_one_load_path_multiply() {
     let text = shipped("four_bar");
@@ -113,7 +114,7 @@ fn fl28_failures_of_one_load_path_multiply() {
     assert!(quarter > 0.0 && halves == quarter, "{halves} N, {quarter} N");
 }
 
-/// FL-29. A spring that breaks takes its damper with it: the rotor turns on at the rate that it has.
+/// FL-29. A spring that breaks takes its damper with it: the rotor continues at its current rate.
 #[test]
 fn fl29_a_spring_breaks_with_its_damper() {
     let stiffness_n_m_rad = INERTIA_KG_M2 * FREQUENCY_RAD_S.powi(2);

@@ -1,20 +1,20 @@
-//! Inputs within a communication step.
+//! Inputs that vary within a communication step.
 
 use super::{Bench, Dice};
 use crate::coupling::wings;
 use foldwing::interface::Causality;
 
 const LOAD: &str = "load.outer[4].force.z";
-/// Amplitude in N and circular frequency in 1/s of the load: turns the outer wing by some 0.1 rad.
+/// Amplitude in N and angular frequency in rad/s of the load, which rotates the outer wing by about 0.1 rad.
 const LOAD_N: f64 = 0.05;
 const OMEGA_1_S: f64 = 125.0;
-/// Phase at the start. Held loads act half a step late, which the angle feels through the load at the start: without it
-/// the first order would vanish.
+/// Phase at the start. Held loads act half a step late, which affects the angle through the load at the start: without this phase the
+/// first-order error would vanish.
 const PHASE_RAD: f64 = 0.7;
 /// Before the latch closes.
 const END_S: f64 = 0.064;
 
-/// Fold angle in rad and tip height in m after a sinusoidal load that is given at `steps` communication points.
+/// Fold angle in rad and tip height in m under a sinusoidal load set at `steps` communication points.
 fn under_sine(steps: usize, with_rates: bool) -> [f64; 2] {
     let mut bench = Bench::shipped("folding_wing");
     bench.set("solver.tolerance", 1e-8);
@@ -30,8 +30,8 @@ fn under_sine(steps: usize, with_rates: bool) -> [f64; 2] {
     [bench.get("fold.angle"), bench.get("tip.position.z")]
 }
 
-/// E-01. A sinusoidal load given at the communication points: held, the error falls with the communication step; with
-/// its derivative, with the square. Reference: 16 times finer, with derivatives.
+/// E-01. A sinusoidal load set at the communication points: if it is held, the error falls with the communication step; with its
+/// derivative, with the square of the step. Reference: 16 times finer, with derivatives.
 #[test]
 fn e01_input_derivatives_make_the_error_fall_with_the_square_of_the_communication_step() {
     let steps = [16, 32, 64, 128];
@@ -44,7 +44,7 @@ fn e01_input_derivatives_make_the_error_fall_with_the_square_of_the_communicatio
     }
     let order = |errors: [f64; 4]| (errors[2] / errors[3]).log2();
     println!("E-01: orders {:.2} and {:.2}", order(held), order(with_rates));
-    // orders of the two finest steps, which the next power of the step changes by some percent
+    // orders of the two finest steps, which the next power of the step changes by a few per cent
     assert!((order(held) - 1.0).abs() < 0.15, "held: {held:?}");
     assert!((order(with_rates) - 2.0).abs() < 0.15, "with derivatives: {with_rates:?}");
     assert!(with_rates[3] < 0.2 * held[3], "{} against {}", with_rates[3], held[3]);
@@ -55,10 +55,10 @@ fn e01_input_derivatives_make_the_error_fall_with_the_square_of_the_communicatio
     std::fs::write(folder.join("input_derivatives.csv"), text).expect("writable");
 }
 
-/// E-02. Inputs that run linearly are given exactly by value and derivative: all real inputs at once, the communication
-/// step does not matter beyond the tolerance of the integration, 1e-9 per step. The account of energy holds with all of
-/// them moving, to the 1e-6 of the largest kinetic energy of P-11 (4e-7 is the ringing of an abrupt start): work of
-/// running fields, commands behind a rate limit, limited torques, loads, rotation.
+/// E-02. Inputs linear in time are exactly given by value and derivative: with all real inputs at once, the communication step does not
+/// matter beyond the integration tolerance of 1e-9 per step. The energy balance closes with all of them moving, to the 1e-6 of the largest
+/// kinetic energy of P-11 (4e-7 is the vibration after an abrupt start): work of varying fields, rate-limited commands, limited torques,
+/// loads, rotation.
 #[test]
 fn e02_linear_inputs_are_exact_and_conserve_energy() {
     let run = |steps: usize| {
@@ -101,8 +101,8 @@ fn e02_linear_inputs_are_exact_and_conserve_energy() {
     assert!(fine.1 < 1e-6 && coarse.1 < 1e-6, "drift of the energy: {:e} and {:e}", fine.1, coarse.1);
 }
 
-/// E-03. Derivatives hold for one step, and the input keeps the value reached: a get returns it, and the next step continues from there
-/// without a jump. They are part of the state.
+/// E-03. A derivative applies for one step, and the input keeps the value reached: a get returns it, and the next step continues from it
+/// without a jump. Derivatives are part of the state.
 #[test]
 fn e03_derivatives_hold_for_one_step_and_belong_to_the_state() {
     let mut bench = Bench::shipped("folding_wing");
@@ -120,9 +120,9 @@ fn e03_derivatives_hold_for_one_step_and_belong_to_the_state() {
     assert_eq!(*bench.plant.outputs(), first, "the derivative was restored with the state");
 }
 
-/// E-04. Wind that runs linearly, in steps of the caller of one, two and ten steps of the air, is the same wind: value and
-/// way of the wind are exact, so that only the iteration's tolerance (1e-6 of the loads) and the integration's remain.
-/// Steps that end inside those of the air cut them: there the difference falls with the step of the air.
+/// E-04. Wind that is linear in time is the same wind in communication steps of one, two and ten aerodynamic steps: its value and its
+/// integral over time are exact, so that only the tolerances of the iteration (1e-6 of the loads) and of the integration remain.
+/// Communication steps that end inside aerodynamic steps cut these: then the difference falls with the aerodynamic step.
 #[test]
 fn e04_linear_wind_is_exact_at_the_steps_of_the_air() {
     let run = |steps: usize| {

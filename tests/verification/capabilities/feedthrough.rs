@@ -1,22 +1,22 @@
-//! E-11 and E-12: between steps, outputs show the inputs that are set.
+//! E-11 and E-12: between steps, outputs reflect the inputs that are set.
 
 use super::Bench;
 use crate::coupling::wings;
 use foldwing::interface::{Causality, Stage, Value};
 use foldwing::plant::{OutputSet, Snapshot};
 
-/// Real outputs with the inputs as they are set.
+/// Values of the Real outputs with the inputs as set.
 fn shown(bench: &mut Bench, outputs: &[u32]) -> Vec<f64> {
     bench.plant.provide(OutputSet::ALL);
     bench.values(outputs)
 }
 
-/// Names and references of the Real rows of a causality.
+/// Names and value references of the Real variables of a causality.
 fn rows(bench: &Bench, causality: Causality) -> Vec<(String, u32)> {
     bench.reals(causality).iter().map(|row| (row.name.clone(), row.value_reference)).collect()
 }
 
-/// Adds `amount` to an input of a state, reads, and restores the state.
+/// Adds `amount` to an input in a given state, reads the outputs, and restores the state.
 fn shown_with(bench: &mut Bench, start: &Snapshot, outputs: &[u32], input: u32, amount: f64) -> Vec<f64> {
     let value = bench.values(&[input])[0] + amount;
     bench.table.set(&mut bench.plant, input, Value::Real(value)).expect("an input");
@@ -25,9 +25,9 @@ fn shown_with(bench: &mut Bench, start: &Snapshot, outputs: &[u32], input: u32, 
     values
 }
 
-/// E-11. What is shown after an input has been set is what a step of no length shows: at the start, in motion, around the
-/// latch, at limits of the motors, with free bodies and loops. Round-off alone may part them: 1e-9 of the largest value of the
-/// same vector, and 1e-11 in SI units, for accelerations come from a solution with the condition of the mass matrix.
+/// E-11. The outputs after an input has been set equal those after a step of zero length: at the start, in motion, around the latch, at
+/// motor limits, with free bodies and loops. Only round-off may differ: 1e-9 of the largest value of the same vector, and 1e-11 in SI
+/// units, because the solution for the accelerations has the condition number of the mass matrix.
 #[test]
 fn e11_outputs_show_the_inputs_that_are_set() {
     for name in ["folding_wing", "branched", "flying_wing", "four_bar", "three_bodies", "roll_fold"] {
@@ -42,7 +42,7 @@ fn e11_outputs_show_the_inputs_that_are_set() {
             let start = bench.plant.snapshot();
             let before = shown(&mut bench, &references);
             for (input, reference) in rows(&bench, Causality::Input) {
-                // 0.3 rad and 0.3 N·m meet the limits of motors that have any
+                // 0.3 rad and 0.3 N·m reach the limits of any motors
                 let now = shown_with(&mut bench, &start, &references, reference, 0.3);
                 assert_eq!(shown(&mut bench, &references), before, "{name}: {input} set back");
                 bench.set(&input, bench.get(&input) + 0.3);
@@ -70,8 +70,8 @@ fn e11_outputs_show_the_inputs_that_are_set() {
     }
 }
 
-/// E-11. In air the loads stand still between steps: what is shown follows the declared derivatives, of which E-08 compares
-/// each with steps. Differences of a polynomial of second degree are exact; allowed is round-off.
+/// E-11. Aerodynamic loads are held between steps: the outputs follow the declared derivatives, each of which E-08 compares with steps.
+/// Differences of a polynomial of second degree are exact; the allowed difference is round-off.
 #[test]
 fn e11_in_air_outputs_follow_the_derivatives() {
     let strips = "model = \"strip\"\nstep_s = 1e-3\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
@@ -104,8 +104,8 @@ fn e11_in_air_outputs_follow_the_derivatives() {
     assert!(moved > 20, "{moved} inputs show at once");
 }
 
-/// E-12. Reading with an input that is set changes nothing of what follows, to the bit; and a switch that is set shows nothing
-/// before the next step.
+/// E-12. Reading outputs after an input is set does not change any later result (bit-identical); a switch that is set takes effect only
+/// with the next step.
 #[test]
 fn e12_looking_changes_nothing() {
     let mut runs = [false, true].map(|looks| {
@@ -138,7 +138,7 @@ fn e12_looking_changes_nothing() {
     assert_eq!(bench.plant.outputs(), &before);
 }
 
-/// E-13. Asking for rates and derivatives, and saving and restoring, leave what an input that is set shows.
+/// E-13. Requesting rates and derivatives, or saving and restoring, does not change the outputs shown for an input that is set.
 #[test]
 fn e13_other_calls_leave_what_is_shown() {
     let strips = "model = \"strip\"\nstep_s = 1e-3\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";

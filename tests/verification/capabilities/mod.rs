@@ -1,5 +1,5 @@
-//! Optional capabilities of FMI at the level of plant and variable table: inputs that run in time, rates of outputs,
-//! derivatives by inputs and parameters.
+//! Optional capabilities of FMI at the level of plant and variable table: inputs that vary in time, rates of outputs, derivatives with
+//! respect to inputs and parameters.
 //!
 //! Cases are numbered E-xx.
 
@@ -15,7 +15,7 @@ use foldwing::machine::Machine;
 use foldwing::plant::Plant;
 use std::path::Path;
 
-/// A plant at time zero with its table.
+/// A plant at time zero with its variable table.
 pub struct Bench {
     pub plant: Plant,
     pub table: Interface,
@@ -29,7 +29,7 @@ impl Bench {
         Self::of(config::parse(&text, name).expect("valid"))
     }
 
-    /// Some machine.
+    /// A bench for any machine.
     pub fn of(machine: Machine) -> Self {
         let table = Interface::new(&machine);
         Self { plant: crate::coupling::wings::start(machine), table }
@@ -65,7 +65,7 @@ impl Bench {
         values
     }
 
-    /// Rows of Reals of a causality.
+    /// The Real variables of a causality.
     pub fn reals(&self, causality: Causality) -> Vec<&Variable> {
         let wanted = |row: &&Variable| row.causality == causality && matches!(row.value, Value::Real(_));
         self.table.variables().iter().filter(wanted).collect()
@@ -85,7 +85,7 @@ impl Bench {
     }
 }
 
-/// Numbers in [−1, 1] that are the same in every run.
+/// Pseudo-random numbers in [−1, 1], the same in every run.
 pub struct Dice(pub u64);
 
 impl Dice {

@@ -1,4 +1,4 @@
-//! Rates of outputs in time.
+//! Time derivatives of outputs.
 
 use super::Bench;
 use crate::coupling::wings;
@@ -23,12 +23,12 @@ fn rates(bench: &mut Bench, references: &[u32]) -> Vec<f64> {
     values
 }
 
-/// Rows with one scale: the components of a vector.
+/// Kind of a variable, for a common scale: the components of a vector.
 fn kind(name: &str) -> String {
     name.rsplit('.').nth(1).unwrap_or(name).to_owned()
 }
 
-/// Outputs that also depend on the rates of the coordinates, or change as fast (gaps of loops).
+/// Outputs that also depend on the rates of the coordinates, or change as fast as those (gaps of loops).
 fn follows_from_rates(name: &str) -> bool {
     [".angular_velocity", ".velocity.", ".angular_velocity.", "total_torque", "loop."]
         .iter()
@@ -36,9 +36,9 @@ fn follows_from_rates(name: &str) -> bool {
         || (name.starts_with("energy.") && !name.ends_with(".elastic") && !name.ends_with(".gravity"))
 }
 
-/// E-05. Rates of outputs that follow from coordinates and rates equal central differences over ±0.2 µs of the motion
-/// to 1e-5 of the largest rate of their kind; where rates of coordinates enter, to 1e-3, for accelerations contain modes
-/// of more than 100 kHz, which such differences smooth. On every shipped kind of machine, with inputs that run, and in air.
+/// E-05. Rates of outputs that depend on coordinates and rates equal central differences over ±0.2 µs of the motion to 1e-5 of the largest
+/// rate of their kind; where rates of coordinates enter, to 1e-3, because accelerations contain modes above 100 kHz, which such differences
+/// smooth. For every shipped kind of machine, with varying inputs, and with aerodynamics.
 #[test]
 fn e05_rates_of_the_state_equal_differences_of_the_motion() {
     let air = "model = \"uvlm\"\nstep_s = 1e-3\nwake_rows = 10\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
@@ -54,7 +54,7 @@ fn e05_rates_of_the_state_equal_differences_of_the_motion() {
             .collect();
         let references: Vec<u32> = rows.iter().map(|row| row.0).collect();
         let side_s = 2e-7;
-        // a change of the inputs finds the loads of the air anew: no smooth motion
+        // a change of the inputs recomputes the aerodynamic loads: no smooth motion
         let push = |bench: &mut Bench| {
             if name != "in air" {
                 bench.set_rate("gravity.z", 30.0);
@@ -71,8 +71,8 @@ fn e05_rates_of_the_state_equal_differences_of_the_motion() {
         push(&mut bench);
         bench.step(0.0303 + 3.0 * side_s);
         let high = bench.values(&references);
-        // where inputs run, internal steps are as short as these, and rates are drawn from places 1/64 of them apart: round-off
-        // of velocities over that distance, by weights of ten altogether
+        // where inputs vary, internal steps are as short as these, and rates come from points 1/64 of a step apart: round-off of the
+        // velocities divided by that distance, with weights of ten in total
         let speeds = rows.iter().zip(&before).filter(|((_, row), _)| row.contains("velocity"));
         let length_s = if name == "in air" { f64::INFINITY } else { side_s };
         let drawn = 640.0 * 1e-14 * speeds.map(|(_, speed)| speed.abs()).fold(0.0, f64::max) / length_s;
@@ -81,7 +81,7 @@ fn e05_rates_of_the_state_equal_differences_of_the_motion() {
             let slope = (high[i] - low[i]) / (2.0 * side_s);
             let alike = rows.iter().zip(&given).filter(|((_, other), _)| kind(other) == kind(row));
             let scale = alike.map(|(_, rate)| rate.abs()).fold(0.0, f64::max);
-            // round-off of the difference
+            // round-off of the difference quotient
             let noise = 1e-15 * (high[i].abs() + low[i].abs()) / side_s;
             let error = ((given[i] - slope).abs() - 10.0 * noise - drawn).max(0.0);
             if error > worst.0 * scale {
@@ -98,9 +98,9 @@ fn e05_rates_of_the_state_equal_differences_of_the_motion() {
     }
 }
 
-/// E-06. Forces, accelerations and recovered strains have the slope of the values read within the internal step: central differences over
-/// ±0.1 µs to 1e-3 of the slope, plus the round-off of the difference and 1e-6 of the largest slope of their kind. Times at which an
-/// internal step ends within the difference do not count: there the rate may jump.
+/// E-06. The rates of forces, accelerations and recovered strains are the time derivatives of the values read within the internal step:
+/// they equal central differences over ±0.1 µs to 1e-3, plus the round-off of the difference and 1e-6 of the largest rate of their kind.
+/// Instants with the end of an internal step inside the difference are skipped: the rate may jump there.
 #[test]
 fn e06_rates_of_what_follows_from_accelerations_are_the_slopes_of_what_is_read() {
     let air = "model = \"uvlm\"\nstep_s = 1e-3\nwake_rows = 10\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
@@ -129,7 +129,7 @@ fn e06_rates_of_what_follows_from_accelerations_are_the_slopes_of_what_is_read()
                 let scale = alike.map(|(_, rate)| rate.abs()).fold(0.0, f64::max);
                 let values = rows.iter().zip(high.iter().zip(&low)).filter(|(other, _)| kind(other) == kind(row));
                 let size = values.map(|(_, (high, low))| high.abs() + low.abs()).fold(0.0, f64::max);
-                // of sums as large as the kind, of strains beside 1, and of weight and inertia that cancel in free flight
+                // of sums as large as the kind, of strains relative to 1, and of weight and inertia forces that cancel in free flight
                 let floor = if row.contains(".reaction_") { 1e-15 } else { 1e-16 };
                 let noise = (1e-11 * size + floor) / side_s;
                 let error = ((given[k] - slope).abs() - noise - 1e-6 * scale).max(0.0);
@@ -151,7 +151,7 @@ fn following_accelerations(bench: &Bench) -> (Vec<String>, Vec<u32>) {
         .unzip()
 }
 
-/// E-07. Higher orders are given as zero; order zero, inputs and Booleans are refused.
+/// E-07. Higher-order derivatives are returned as zero; order zero, inputs and Booleans are rejected.
 #[test]
 fn e07_other_orders_and_rows() {
     let mut bench = Bench::shipped("folding_wing");

@@ -1,5 +1,5 @@
-//! Rates of outputs at communication points where an internal step ends: in air at the ends of aerodynamic steps, and
-//! wherever inputs change at every communication point.
+//! Rates of outputs at communication points where an internal step ends: with aerodynamics at the ends of aerodynamic steps, and wherever
+//! inputs change at every communication point.
 
 use super::Bench;
 use foldwing::config;
@@ -7,17 +7,17 @@ use foldwing::interface::Causality;
 use foldwing::machine::{Machine, Method};
 use std::path::{Path, PathBuf};
 
-/// Share of a row's largest rate by which the rate may miss the slope of the output. Extrapolated over a communication
-/// step the error of the output is this share of what the step changes at most; rates and differences agree to 1e-4 and better
-/// within an internal step, so that 1e-2 leaves room for modes of more than 100 kHz that differences smooth.
+/// Allowed difference between a rate and the time derivative of the output, relative to the largest rate of the variable. An output
+/// extrapolated over a communication step has an error of this fraction of its largest change in the step; rates and differences agree to
+/// 1e-4 or better within an internal step, so 1e-2 leaves room for modes above 100 kHz, which differences smooth.
 const ALLOWED: f64 = 1e-2;
-/// Five places up to the last: weights of the slope at the last, over 12 spacings.
+/// One-sided difference over five points for the derivative at the last of them: weights, to be divided by 12 spacings.
 const LEFT: [f64; 5] = [3.0, -16.0, 36.0, -48.0, 25.0];
 
-/// Real outputs of a machine over time, at places where slope and rate were compared.
+/// Real outputs of a machine, with the instants at which difference quotient and rate were compared.
 struct Compared {
     rows: Vec<(String, u32)>,
-    /// Slope, rate and the distance that round-off may make between them, per place and row.
+    /// Difference quotient, rate and the round-off allowed between them, per instant and variable.
     places: Vec<Vec<[f64; 3]>>,
 }
 
@@ -31,8 +31,8 @@ impl Compared {
         self.rows.iter().map(|row| row.1).collect()
     }
 
-    /// Compares at `time_s`, up to which the bench goes in steps of `side_s` from four of them before. False if an internal
-    /// step ends in between, where outputs have kinks.
+    /// Compares at `time_s`; the last four steps of the bench up to it have length `side_s`. False if an internal step ends in between,
+    /// where outputs have kinks.
     fn compare(&mut self, bench: &mut Bench, time_s: f64, side_s: f64) -> bool {
         let references = self.references();
         bench.step(time_s - 4.0 * side_s);
@@ -50,7 +50,7 @@ impl Compared {
             let sum: f64 = values.iter().zip(LEFT).map(|(values, weight)| weight * values[row]).sum();
             sum / (12.0 * side_s)
         };
-        // of sums as large as the largest row of the kind: loads that cancel, arms of moments
+        // of sums as large as the largest variable of the kind: loads that cancel, moment arms
         let size = |row: usize| {
             let alike =
                 self.rows.iter().zip(&values[4]).filter(|((other, _), _)| kind(other) == kind(&self.rows[row].0));
@@ -69,8 +69,8 @@ impl Compared {
         given
     }
 
-    /// The rows that miss: name, error over the largest rate, slope and rate there. Rows that cancel to round-off, as weight and
-    /// inertia do in free flight, are measured by those of their kind.
+    /// The variables beyond the tolerance: name, error relative to the largest rate, difference quotient and rate there. Variables that
+    /// cancel to round-off, such as weight and inertia in free flight, are scaled by those of their kind.
     fn misses(&self) -> Vec<(String, f64, f64, f64)> {
         let peaks: Vec<f64> = (0..self.rows.len())
             .map(|row| self.places.iter().map(|place| place[row][0].abs()).fold(0.0, f64::max))
@@ -98,8 +98,8 @@ impl Compared {
     }
 }
 
-/// Rows with one scale: the components of a vector; forces and their moments, for arms are about a metre; places and what is measured
-/// between them.
+/// Kind of a variable, for a common scale: components of a vector; forces and moments, since arms are about a metre; positions and
+/// distances.
 fn kind(name: &str) -> &str {
     match name.rsplit('.').nth(1) {
         Some("force" | "moment") => "load",
@@ -124,9 +124,9 @@ fn model_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// E-14. In air, of every shipped model that has any: rates of all outputs equal the slopes of what is read up to the present, at
-/// the ends of aerodynamic steps, where every usual communication point lies, and inside. Loads of the air stay within a step
-/// (Q1); what jumps with them at its begin is no slope.
+/// E-14. For every shipped model with aerodynamics: rates of all outputs equal the difference quotients of the values read up to the
+/// present, at the ends of aerodynamic steps, where every usual communication point lies, and inside these steps. Aerodynamic loads are
+/// constant within a step (Q1); their jump at its start is not part of the rate.
 #[test]
 fn e14_rates_in_air_are_slopes_of_what_is_read() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
@@ -151,12 +151,12 @@ fn e14_rates_in_air_are_slopes_of_what_is_read() {
     assert!(models >= 15, "{models} models in air");
 }
 
-/// E-15. Where an input changes at every communication point, each communication step ends with an internal one: rates at
-/// such points equal the slopes of a march that goes on in small steps there. With every method that draws its steps from stages, in
-/// still air and in strips.
+/// E-15. If an input changes at every communication point, each communication step ends with an internal step: rates at such points equal
+/// the difference quotients of a run that continues in small steps from there. For every method that takes its steps from stages, without
+/// aerodynamics and with strips.
 #[test]
 fn e15_rates_hold_where_inputs_change_at_every_point() {
-    // SDIRK2 takes steps of some 0.1 µs here
+    // SDIRK2 takes steps of about 0.1 µs here
     let methods = [
         (Method::TrBdf2, 1e-7, 1e-9),
         (Method::Sdirk2, 1e-8, 1e-9),
@@ -164,14 +164,15 @@ fn e15_rates_hold_where_inputs_change_at_every_point() {
         (Method::Esdirk4, 1e-7, 1e-11),
     ]
     .map(|(method, side_s, tolerance)| ("folding_wing", method, side_s, tolerance));
-    // what a jump of an input excites is followed by the error estimate alone: 21, 15, 2 and 0 rows miss at 1e-10 to 1e-13
+    // only the error estimate resolves the vibrations excited by a jump of an input: 21, 15, 2 and 0 variables are beyond the tolerance at
+    // 1e-10 to 1e-13
     let air = ("goland_wing", Method::Esdirk4, 1e-7, 1e-13);
     for (name, method, side_s, tolerance) in methods.into_iter().chain([air]) {
         let machine = || -> Machine {
             let path = format!("{}/examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
             let (mut machine, _) = config::read(path).unwrap_or_else(|error| panic!("{error}"));
             machine.solver.method = method;
-            // both marches are then one motion, also in axial modes near 2e5 rad/s between the ends of steps
+            // both runs then give the same motion, also in axial modes near 2e5 rad/s between the ends of steps
             machine.solver.tolerance = tolerance;
             machine
         };

@@ -1,4 +1,4 @@
-//! Derivatives of outputs by inputs and parameters.
+//! Derivatives of outputs with respect to inputs and parameters.
 
 use super::{Bench, Dice};
 use crate::coupling::wings;
@@ -8,11 +8,10 @@ use std::collections::BTreeMap;
 
 /// Required relative agreement.
 const AGREEMENT: f64 = 1e-6;
-/// Length of the steps that show the outputs after a change of the inputs, in s; outputs at their begin follow from one
-/// and two of them.
+/// Length in s of the steps after which outputs reflect a change of the inputs; one and two of them give the outputs at their start.
 const INSTANT_S: f64 = 1e-13;
 
-/// Derivatives of all unknowns by one known.
+/// Derivatives of all unknowns with respect to one known.
 fn column(bench: &mut Bench, stage: Stage, unknowns: &[u32], known: u32) -> Vec<f64> {
     let mut values = vec![f64::NAN; unknowns.len()];
     let outcome =
@@ -21,8 +20,8 @@ fn column(bench: &mut Bench, stage: Stage, unknowns: &[u32], known: u32) -> Vec<
     values
 }
 
-/// Compares the derivatives by all real inputs at the present state with central differences between steps of no length
-/// that start from it with changed inputs. Returns the number of pairs and the worst relative difference.
+/// Compares the derivatives with respect to all real inputs at the present state with central differences between steps of nearly zero
+/// length from that state with changed inputs. Returns the number of pairs and the largest relative difference.
 fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
     let unknowns: Vec<u32> = bench.reals(Causality::Output).iter().map(|row| row.value_reference).collect();
     let knowns: Vec<(u32, String)> =
@@ -31,7 +30,7 @@ fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
     let start = bench.plant.snapshot();
     let bits = bench.values(&unknowns);
     let (mut pairs, mut worst) = (0, 0.0_f64);
-    // largest derivative of each unknown by each kind of input, e.g. by all forces
+    // largest derivative of each unknown with respect to each kind of input, e.g. to all forces
     let kind = |name: &str| name.rsplit('.').nth(1).unwrap_or(name).to_owned();
     let mut largest: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for (known, name) in &knowns {
@@ -51,7 +50,7 @@ fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
                 bench.plant.restore(&start).expect("own snapshot");
                 bench.table.set(&mut bench.plant, known, Value::Real(value + sign * step)).expect("an input");
                 if bench.table.find("aero.density").is_some() {
-                    // loads of the air that a change of the inputs would find anew do not count: they are frozen
+                    // changes of the aerodynamic loads with the inputs do not count: these loads are held
                     bench.set("aero.density", 1e-20);
                 }
                 let start_s = bench.plant.time_s();
@@ -64,7 +63,7 @@ fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
         };
         let (above, below) = (side(1.0), side(-1.0));
         bench.plant.restore(&start).expect("own snapshot");
-        // round-off of one component goes by the size of its whole vector: a linkage in a plane has zeros across it
+        // round-off of a component scales with the magnitude of its vector: for a planar linkage, components normal to the plane are zero
         let vector = |unknown: u32| {
             let name = &bench.table.variables()[unknown as usize].name;
             name.rsplit_once('.').map_or(name.clone(), |(stem, _)| stem.to_owned())
@@ -79,7 +78,7 @@ fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
             let slope = (above[i] - below[i]) / (2.0 * step);
             let declared = dependencies[unknown as usize].running.iter().any(|&(reference, _)| reference == known);
             assert!(declared || given[i] == 0.0, "{what}: {} by {name} is not declared", row.name);
-            // round-off of the difference: accelerations come from a solution, with the condition of the mass matrix
+            // round-off of the difference: the solution for the accelerations has the condition number of the mass matrix
             let floor = if row.name.starts_with("gauge.") { 1e-15 } else { 1e-13 };
             let noise = (1e-11 * sizes[&vector(unknown)] + floor) / step;
             let error = (given[i] - slope).abs();
@@ -98,7 +97,7 @@ fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
     (pairs, worst)
 }
 
-/// Sets all real inputs to numbers that do not push any drive to its limit.
+/// Sets all real inputs to random values that do not drive any motor to its limit.
 fn scatter(bench: &mut Bench, dice: &mut Dice) {
     let names: Vec<String> = bench.reals(Causality::Input).iter().map(|row| row.name.clone()).collect();
     for name in names {
@@ -113,9 +112,9 @@ fn scatter(bench: &mut Bench, dice: &mut Dice) {
     }
 }
 
-/// E-08. Derivatives by all inputs equal central differences at random states of every kind of machine: before, at and
-/// after the latch, at a rate limit, at a torque limit, in air. To 1e-6, beside 1e-10 of the largest derivative by inputs
-/// of the same kind: accelerations are the solution of a system, whose round-off goes by its largest entries.
+/// E-08. Derivatives with respect to all inputs equal central differences at random states of every kind of machine: before, at and after
+/// the latch, at a rate limit, at a torque limit, with aerodynamics. To 1e-6, plus 1e-10 of the largest derivative with respect to inputs
+/// of the same kind: accelerations are the solution of a linear system, whose round-off scales with its largest entries.
 #[test]
 fn e08_derivatives_by_inputs_equal_differences() {
     let lattice = "model = \"uvlm\"\nstep_s = 1e-3\nwake_rows = 10\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
@@ -138,7 +137,7 @@ fn e08_derivatives_by_inputs_equal_differences() {
     }
 }
 
-/// E-08. The same before, at and after the latch of the shipped wing.
+/// E-08. The same comparison before, at and after the latch of the shipped wing.
 #[test]
 fn e08_derivatives_around_the_latch() {
     let rigid =
@@ -162,8 +161,8 @@ fn e08_derivatives_around_the_latch() {
     }
 }
 
-/// E-08. A motor at its torque limit does not depend on its command, one with a rate limit not instantaneously; one without limits depends
-/// on it by its stiffness.
+/// E-08. The torque of a motor at its torque limit does not depend on the command; with a rate limit it does not depend on it
+/// instantaneously; without limits the derivative is the stiffness.
 #[test]
 fn e08_limits_of_the_drive() {
     let by_command = |prepare: &dyn Fn(&mut Bench)| {
@@ -181,9 +180,9 @@ fn e08_limits_of_the_drive() {
     assert_eq!(by_command(&|bench| bench.set("fold.motor_torque_limit", 0.01)), 0.0);
 }
 
-/// E-09. In Initialization Mode derivatives of initial values by inputs and parameters equal fourth-order central
-/// differences of the initialisation with relative steps of 1e-4, whose own error is 1e-16 of the fifth derivative, from the
-/// unstrained state and, in air, with loads of the first instant. Undeclared pairs give zero.
+/// E-09. In Initialization Mode, derivatives of initial values with respect to inputs and parameters equal fourth-order central differences
+/// of the initialisation with relative steps of 1e-4, whose truncation error is 1e-16 of the fifth derivative; from the unstrained state
+/// and, with aerodynamics, with loads at the first instant. Undeclared pairs give zero.
 #[test]
 fn e09_derivatives_of_initial_values_equal_differences() {
     let lattice = "model = \"uvlm\"\nstep_s = 1e-3\nwake_rows = 10\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 1.0]";
@@ -200,13 +199,13 @@ fn e09_derivatives_of_initial_values_equal_differences() {
             let given = column(&mut bench, Stage::Starting, &unknowns, known);
             assert_eq!(bench.values(&unknowns), bits, "{name}: asking for {known_name} changes the outputs");
             let value = bench.values(&[known])[0];
-            // polynomials of second degree have no error, and large steps the least round-off
+            // for polynomials of second degree, differences have no truncation error, and large steps have the least round-off
             let exact = ["load.", "gravity.", "root."].iter().any(|group| known_name.starts_with(group));
             let size = if value == 0.0 { 1.0 } else { value.abs() };
             let step = if exact && name != "in air" { 0.5 } else { 1e-4 * size };
             let mut side = |sign: f64| {
                 let shifted = Value::Real(value + sign * step);
-                // what must not be negative has one side only
+                // non-negative values permit only a one-sided difference
                 let reached = bench.table.set(&mut bench.plant, known, shifted).is_ok();
                 bench.plant.initialize(0.0).expect("a start");
                 let values = bench.values(&unknowns);
@@ -225,8 +224,8 @@ fn e09_derivatives_of_initial_values_equal_differences() {
                     (above[i] - below[i]) / step
                 };
                 assert!(declared || given[i] == 0.0, "{name}: {} by {known_name} is not declared", row.name);
-                // round-off of the values, of strains as differences of poses of size 1, and of angular accelerations as
-                // sums of what moments of 1 N·m give a plate of 1e-5 kg·m²
+                // round-off of the values, of strains as differences of poses of size 1, and of angular accelerations as sums of the
+                // effects of moments of 1 N·m on a plate of 1e-5 kg·m²
                 let floor = match row.name.as_str() {
                     name if name.starts_with("gauge.") => 1e-15,
                     name if name.contains("angular_acceleration") => 1e-11,
@@ -251,7 +250,7 @@ fn e09_derivatives_of_initial_values_equal_differences() {
     }
 }
 
-/// E-10. Seeds add up, and rows that are no unknowns or knowns are refused.
+/// E-10. Seeds superpose, and variables that are not unknowns or knowns are rejected.
 #[test]
 fn e10_seeds_add_up_and_other_rows_are_refused() {
     let mut bench = Bench::shipped("folding_wing");

@@ -1,4 +1,4 @@
-//! C-20 to C-23: the first two conventional methods of Table 1 and what they cost: singularity and tuning.
+//! C-20 to C-23: the first two conventional methods of Table 1 and their drawbacks: singularity and tuning.
 
 use crate::conventional::link::{Axis, turn};
 use crate::conventional::pendulum::{
@@ -9,21 +9,21 @@ use crate::whole::is_whole;
 use nalgebra::{DVector, Matrix3};
 use std::f64::consts::FRAC_PI_2;
 
-/// Largest distance of two tips in m; NaN where one motion has blown up.
+/// Largest distance of two tips in m; NaN if one motion has diverged.
 fn tip_difference(a: &[Sample], b: &[Sample]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a.tip_m - b.tip_m).norm()).fold(0.0, |m: f64, x| if m >= x { m } else { x })
 }
 
-/// An energy in J or a length in m that has left all bounds.
+/// True if an energy in J or a length in m has diverged.
 fn blown_up(value: f64) -> bool {
     value.is_nan() || value.abs() > 10.0
 }
 
-/// C-20. Rotation angles break down where the motion passes their singular attitude; joint parameters pass through.
+/// C-20. Rotation angles break down where the motion passes their singular attitude; joint parameters do not.
 ///
-/// Which attitude is singular is a matter of the chart. Body A of the ball–ball pendulum reaches some attitude at
-/// 0.3 s; a chart whose middle angle is 90° exactly there has a singular mass matrix in that step. A chart that stays
-/// 0.3 rad away gives the motion of the joint parameters to round-off, so that nothing but the singularity is at fault.
+/// Which attitude is singular depends on the chart. Body A of the ball–ball pendulum reaches some attitude at 0.3 s; a chart whose middle
+/// angle is 90° exactly there has a singular mass matrix in that step. A chart that stays 0.3 rad away from its singularity reproduces the
+/// motion of the joint parameters to round-off, so only the singularity causes the failure.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn c20_rotation_angles_fail_at_their_singular_attitude() {
@@ -66,8 +66,8 @@ fn c20_rotation_angles_fail_at_their_singular_attitude() {
     );
 }
 
-/// C-21. Fictitious springs on two redundant angles of the revolute joint: the error falls as `1/k`, the highest
-/// frequency rises as `√k`, and the paper's step is unstable before the error is small. Joint parameters need neither.
+/// C-21. Fictitious springs on two redundant angles of the revolute joint: the error falls as `1/k`, the highest frequency rises as `√k`,
+/// and the integration with the paper's step becomes unstable before the error is small. Joint parameters need no such springs.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn c21_redundant_angles_need_tuning() {
@@ -92,8 +92,8 @@ fn c21_redundant_angles_need_tuning() {
     assert!(fine.0 < 0.3 * middle.0, "k = 1e5 with a quarter of the step: tip error {:.1e} m", fine.0);
 }
 
-/// C-22. Penalty joint: gap and error fall as `1/k`; the paper's step is unstable at the stiffness that would do. Without the
-/// revolute joint where studies are short.
+/// C-22. Penalty joint: gap and error fall as `1/k`; at a sufficient stiffness the integration with the paper's step is unstable. The short
+/// studies omit the revolute joint.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn c22_penalty_joint_needs_tuning() {
@@ -103,7 +103,7 @@ fn c22_penalty_joint_needs_tuning() {
         let (system, start) = joint_parameters(between, 2);
         let ours = run_as_printed(&system, &start, 0.3, true);
         let outcome = |position_n_m: f64| {
-            // gradients are numbers, positions metres: 0.01 m² makes springs of both of like frequency here
+            // gradients are dimensionless, positions in metres: a factor of 0.01 m² gives both springs similar frequencies here
             let (penalty, start) = penalty_joint(between, 2, position_n_m, 0.01 * position_n_m);
             let samples = run_as_printed(&penalty, &start, 0.3, true);
             let (error_m, gap_m) = (tip_difference(&ours, &samples), largest(&samples, |s| s.gap_m));

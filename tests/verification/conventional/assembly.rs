@@ -7,11 +7,11 @@ use nalgebra::{DMatrix, DVector, Matrix3, Matrix4, SMatrix, Vector3};
 /// A uniform beam and the joint at its inner end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Body at whose outer end it hangs; the root frame's origin otherwise.
+    /// Body to whose outer end the joint is attached; none for the root frame's origin.
     pub parent: Option<usize>,
     /// Joint.
     pub joint: Joint,
-    /// Parent ← body where the joint turns nothing.
+    /// Rotation from body to parent frame at zero joint rotation.
     pub mount: Matrix3<f64>,
     /// Length in m.
     pub length_m: f64,
@@ -25,12 +25,12 @@ pub struct Body {
     pub stiffness: [f64; 4],
 }
 
-/// A node in motion: `h`, its derivatives by the active coordinates, `ḣ`, and `ḧ` at `q̈ = 0`.
+/// Motion of a node: `h`, its derivatives with respect to the active coordinates, `ḣ`, and `ḧ` at `q̈ = 0`.
 #[derive(Debug, Clone)]
 pub struct NodeMotion {
     /// Nodal vectors.
     pub h: Node,
-    /// Columns of `B`; fewer than the body's active coordinates where outer elements do not matter.
+    /// Columns of `B`; fewer than the body's active coordinates, because coordinates of outer elements do not move the node.
     pub columns: Vec<Node>,
     /// `ḣ`.
     pub rate: Node,
@@ -57,16 +57,16 @@ impl NodeMotion {
         }
     }
 
-    /// `ḧ` at accelerations of the active coordinates.
+    /// `ḧ` for given accelerations of the active coordinates.
     pub fn acceleration(&self, active: &[usize], a: &DVector<f64>) -> Node {
         active.iter().zip(&self.columns).fold(self.bias, |sum, (&j, column)| sum + column * a[j])
     }
 }
 
-/// A body in motion.
+/// Motion of a body.
 #[derive(Debug, Clone)]
 pub struct BodyMotion {
-    /// Coordinates that move it, in the order of the nodes' columns.
+    /// Coordinates that move the body, in the order of the nodes' columns.
     pub active: Vec<usize>,
     /// Nodes from the inner end outward.
     pub nodes: Vec<NodeMotion>,
@@ -81,7 +81,7 @@ pub struct Equations {
     pub force: DVector<f64>,
     /// `Ψ_q`.
     pub jacobian: DMatrix<f64>,
-    /// Right side of the constraints at the level of accelerations.
+    /// Right-hand side of the constraints at the level of accelerations.
     pub gamma: DVector<f64>,
 }
 
@@ -119,7 +119,7 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// Lays out the coordinates (eqs. 10–12) and adds the constraints that the joints' variables bring along.
+    /// Assigns the coordinates (eqs. 10–12) and adds the constraints between the joints' variables.
     pub fn new(bodies: Vec<Body>, given: Vec<Constraint>, springs: Vec<Spring>, gravity_m_s2: Vector3<f64>) -> Self {
         let mut first = vec![0];
         let mut constraints = Vec::new();
@@ -184,7 +184,7 @@ impl Assembly {
         motions
     }
 
-    /// Eq. (9) at a state, with the motion that belongs to it.
+    /// Eq. (9) at a state, with the motion of the bodies there.
     pub fn equations(&self, q: &DVector<f64>, v: &DVector<f64>) -> (Equations, Vec<BodyMotion>) {
         let motion = self.motion(q, v);
         let n = self.coordinates();
@@ -265,8 +265,8 @@ impl Assembly {
         energies
     }
 
-    /// Force in N and moment in N·m about its inner end that a body and those that hang on it take through the joint:
-    /// inertia less gravity, summed inward over the nodes.
+    /// Force in N and moment in N·m about the inner end that the joint transmits to a body and all bodies attached to it: inertia minus
+    /// gravity, summed inward over the nodes.
     pub fn reaction(&self, body: usize, q: &DVector<f64>, v: &DVector<f64>) -> [Vector3<f64>; 2] {
         let (acceleration, _) = self.accelerations(q, v);
         let motion = self.motion(q, v);
@@ -303,7 +303,7 @@ impl Assembly {
         DVector::from_iterator(self.multipliers(), values)
     }
 
-    /// Projects joint variables and their rates onto their own constraints.
+    /// Projects joint variables and their rates onto the constraints of these variables.
     pub fn project(&self, q: &mut DVector<f64>, v: &mut DVector<f64>) {
         self.constraints.iter().for_each(|constraint| constraint.project(q, v));
     }
@@ -327,7 +327,7 @@ impl ElementMass {
     }
 }
 
-/// Hermite's cubic for `r` and `r_x` (the textbook matrix of the bending beam), linear `r_y` and `r_z`.
+/// Cubic Hermite functions for `r` and `r_x` (the textbook matrix of the bending beam), linear ones for `r_y` and `r_z`.
 fn element_mass(body: &Body) -> ElementMass {
     let l = body.length_m / body.elements as f64;
     let m = body.mass_kg_m * l / 420.0;

@@ -31,7 +31,7 @@ pub enum Constraint {
     DirectionCosines(usize),
     /// A node at the root frame's origin.
     Pinned(End),
-    /// Two nodes in one place: `r_b = r_a`.
+    /// Two coincident nodes: `r_b = r_a`.
     Coincident(End, End),
     /// Scalar product of two gradients.
     Product {
@@ -46,11 +46,11 @@ pub enum Constraint {
 
 /// Products of eq. (18): pairs of `μ` in its order; the seventh equation is `μ₃₂ = 0`.
 const COSINE_PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
-/// Place of `μ₃₂` among the nine.
+/// Index of `μ₃₂` among the nine.
 const MU_32: usize = 7;
 
 impl Constraint {
-    /// Belongs to the variables of one joint or root node: `Ψ` of eq. (9), and the rigid nodes of the DAE.
+    /// True for constraints between the variables of one joint or root node: `Ψ` of eq. (9), and the rigid nodes of the DAE.
     pub fn is_local(&self) -> bool {
         match self {
             Self::EulerParameters(_) | Self::DirectionCosines(_) => true,
@@ -83,7 +83,7 @@ impl Constraint {
         }
     }
 
-    /// Adds to rows of `Ψ_q`, from `first` on, and of `γ = −d/dt(Ψ_q) q̇`.
+    /// Adds its rows of `Ψ_q`, starting at `first`, and of `γ = −d/dt(Ψ_q) q̇`.
     pub fn linearise(
         &self,
         motion: &[BodyMotion],
@@ -128,8 +128,7 @@ impl Constraint {
         }
     }
 
-    /// Moves the joint variables of a constraint, and their rates, onto it by the shortest way; constraints between
-    /// nodes stay as they are.
+    /// Projects the joint variables of a constraint, and their rates, orthogonally onto it; constraints between nodes are left unchanged.
     pub fn project(&self, q: &mut DVector<f64>, v: &mut DVector<f64>) {
         match *self {
             Self::EulerParameters(at) => {
@@ -186,11 +185,11 @@ fn position_rows(
 /// A fictitious spring.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spring {
-    /// `½ k (q_i − rest)²`: holds a redundant rotation angle.
+    /// `½ k (q_i − rest)²`: restrains a redundant rotation angle.
     Coordinate {
         /// Coordinate.
         index: usize,
-        /// Its value at rest.
+        /// Its unstressed value.
         rest: f64,
         /// `k` in N·m/rad.
         stiffness: f64,

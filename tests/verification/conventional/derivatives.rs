@@ -1,16 +1,16 @@
-//! C-01, C-02: the dense model against its own definitions.
+//! C-01, C-02: consistency of the dense model.
 
 use crate::conventional::assembly::{Assembly, Body};
 use crate::conventional::link::{Axis, Joint};
 use crate::conventional::pendulum::{Between, body, gravity, index_1_dae, joint_parameters};
 use nalgebra::{DVector, Matrix3};
 
-/// A number in (−1, 1) that looks random.
+/// A pseudo-random number in (−1, 1).
 fn scatter(i: usize) -> f64 {
     (12.9898 * i as f64 + 0.7).sin() * 0.9
 }
 
-/// A chain with every kind of joint variable, bent and moving.
+/// Chains with every kind of joint variable, bent and moving.
 fn chains() -> Vec<(&'static str, Assembly)> {
     let identity = Matrix3::identity();
     let mount = crate::conventional::link::turn(Axis::Z, 0.4)[0] * crate::conventional::link::turn(Axis::X, -0.8)[0];
@@ -69,9 +69,8 @@ fn c01_velocity_transformation_is_the_derivative_of_the_nodes() {
     }
 }
 
-/// C-02. The energy of a free motion is constant in the first order of time: `Ṫ + U̇ + V̇ = 0`, for each method on its
-/// constraint manifold. Central differences over 2e-8 s leave round-off of 1e-15 of the energy: 1e-7 of a power that
-/// would change it in 1 ms.
+/// C-02. The energy of a free motion is constant to first order in time: `Ṫ + U̇ + V̇ = 0`, for each method on its constraint manifold.
+/// Central differences over 2e-8 s leave round-off of 1e-15 of the energy: 1e-7 of a power that would change it in 1 ms.
 #[test]
 fn c02_power_balances_on_the_constraints() {
     for between in Between::ALL {
@@ -81,7 +80,7 @@ fn c02_power_balances_on_the_constraints() {
             let n = system.coordinates();
             let mut q = start.clone();
             for i in 0..n {
-                // strains only: the start satisfies the constraints, straight or not
+                // perturbs strains only: the start satisfies the constraints, straight or not
                 let strain = (0..2).any(|b| (system.strain(b, 0)..system.first[b + 1]).contains(&i));
                 if strain && system.bodies[0].joint != Joint::Nodal {
                     q[i] += 0.01 * scatter(i);
@@ -94,7 +93,7 @@ fn c02_power_balances_on_the_constraints() {
             let correction = svd.solve(&(&equations.jacobian * &guess), 1e-12).expect("least squares");
             let v = guess - correction;
             let (a, _) = system.accelerations(&q, &v);
-            let h = 1e-8; // the highest mode turns by 1e-4 rad in it
+            let h = 1e-8; // the phase of the highest mode changes by 1e-4 rad in it
             let energy = |s: f64| system.energies(&(&q + &v * s + &a * (s * s / 2.0)), &(&v + &a * s)).total();
             let power = (energy(h) - energy(-h)) / (2.0 * h);
             let scale = system.energies(&q, &v).kinetic / 1e-3;

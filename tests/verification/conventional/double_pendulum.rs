@@ -6,7 +6,7 @@ use crate::conventional::reference;
 use crate::conventional::sample::{Sample, largest, run, run_as_printed, write_motion};
 use crate::whole::is_whole;
 
-/// Two elements per body, Runge–Kutta at 1e-4 s, 2 s: as in the paper; the first 0.4 s of them where studies are short.
+/// Two elements per body, Runge–Kutta at 1e-4 s, 2 s, as in the paper; only the first 0.4 s in short studies.
 fn compare(between: Between) {
     let name = between.name();
     let (ours, start) = joint_parameters(between, 2);
@@ -17,7 +17,7 @@ fn compare(between: Between) {
     write_motion(&format!("double_pendulum_{name}_joint_parameters"), &ours);
     write_motion(&format!("double_pendulum_{name}_dae"), &dae);
 
-    // both integrate the same discrete system, so that they differ by round-off that the motion amplifies
+    // both integrate the same discrete system, so they differ only by round-off, amplified by the motion
     let difference = |quantity: &dyn Fn(&Sample, &Sample) -> f64| {
         ours.iter().zip(&dae).map(|(a, b)| quantity(a, b)).fold(0.0, f64::max)
     };
@@ -50,13 +50,13 @@ fn compare(between: Between) {
         assert!(drift < 1e-10, "{name}, {method}: total energy reaches {drift:.1e} of the largest kinetic energy");
     }
 
-    // by construction or by projection, hence round-off at any time …
+    // satisfied by construction or by projection, hence round-off at any time …
     let [gap_m, cardan, hinge, own] = residuals(&ours);
     assert!(gap_m < 1e-14, "{name}: P and Q reconstructed {gap_m:.1e} m apart");
     assert!(own < 1e-14, "{name}: Ψ = {own:.1e}");
     assert!(between != Between::Universal || cardan < 1e-14, "{name}: r_y^P·r_z^Q = {cardan:.1e}");
     assert!(between != Between::Revolute || hinge < 1e-14, "{name}: |r_x^P + r_z^Q| = {hinge:.1e}");
-    // … but drifting under multipliers at the level of accelerations
+    // … but with drift for multipliers at the level of accelerations
     let [early, late] = [residuals(&dae[..=5]), residuals(&dae)];
     for (what, i, present) in [
         ("gap", 0, true),
@@ -88,28 +88,29 @@ fn residuals(samples: &[Sample]) -> [f64; 4] {
     ]
 }
 
-/// C-10. §4.1: strains, tip, energies, joint forces of both methods agree; constraints hold and drift, respectively.
+/// C-10. §4.1: strains, tip, energies and joint forces of both methods agree; the constraints hold for joint parameters and drift for the
+/// DAE.
 #[test]
 fn c10_ball_and_ball() {
     compare(Between::Ball);
 }
 
-/// C-11. The same for §4.2.
+/// C-11. The same comparison for §4.2.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn c11_ball_and_universal() {
     compare(Between::Universal);
 }
 
-/// C-12. The same for §4.3.
+/// C-12. The same comparison for §4.3.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn c12_ball_and_revolute() {
     compare(Between::Revolute);
 }
 
-/// C-13. Tip of the ball–ball pendulum within 1 mm of geometrically nonlinear cables (Exudyn) up to 1 s, closer with
-/// more elements (in whole studies). The reference has B along −Z and is mirrored; its own mesh error is 2e-5 m.
+/// C-13. Tip of the ball–ball pendulum within 1 mm of geometrically nonlinear cables (Exudyn) up to 1 s, and closer with more elements (in
+/// full studies). In the reference B lies along −Z, so it is mirrored; its mesh error is 2e-5 m.
 #[test]
 fn c13_tip_meets_the_reference_up_to_1_s() {
     let reference = reference::columns("double_pendulum_ball_ball_exudyn.csv");
@@ -129,8 +130,8 @@ fn c13_tip_meets_the_reference_up_to_1_s() {
     }
 }
 
-/// C-14. Eq. (20) as printed turns components in the root frame, `R_B = c R_A`; the product and the other tests take
-/// `c` in the parent's frame, `R_B = R_A c`. Both describe the same motion.
+/// C-14. Eq. (20) as printed rotates components in the root frame, `R_B = c R_A`; the product and the other tests take `c` in the parent's
+/// frame, `R_B = R_A c`. Both describe the same motion.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn c14_euler_parameters_in_root_or_parent_frame_give_one_motion() {

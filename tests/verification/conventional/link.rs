@@ -1,7 +1,7 @@
 //! One step of the recursion of Otsuka et al. (7)–(8): `h_outer = A(x) h_inner`, with exact derivatives.
 //!
-//! A node is a 4×3 matrix `h` whose rows are `r, r_x, r_y, r_z` in the root frame. Elements and all joints but one act
-//! on the rows, `A = L ⊗ I₃`; the ball joint as eq. (20) prints it acts on the columns.
+//! A node is a 4×3 matrix `h` whose rows are `r, r_x, r_y, r_z` in the root frame. Elements and all joints but one act on the rows, `A = L
+//! ⊗ I₃`; the ball joint as printed in eq. (20) acts on the columns.
 
 use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3};
 
@@ -30,11 +30,11 @@ pub enum Joint {
     Universal,
     /// Four Euler parameters; the rotation `c` of eq. (21) is taken in the parent's frame, `R_B = R_A c`.
     Ball,
-    /// Four Euler parameters; `c` acts on components in the root frame as eq. (20) prints it, `R_B = c R_A`.
+    /// Four Euler parameters; `c` acts on components in the root frame as printed in eq. (20), `R_B = c R_A`.
     BallInRoot,
     /// Three rotations about successive axes: the first conventional method of Table 1.
     Angles([Axis; 3]),
-    /// Position and four Euler parameters in the root frame: a body that only springs hold.
+    /// Position and four Euler parameters in the root frame: a body held only by springs.
     Free,
     /// The twelve nodal vectors themselves: the third conventional method of Table 1.
     Nodal,
@@ -60,7 +60,7 @@ impl Joint {
 pub enum Map {
     /// Acts on the four rows.
     Rows(Matrix4<f64>),
-    /// Turns the three gradients by the transpose on the right; the factor multiplies the position.
+    /// Multiplies the three gradients by the transpose from the right; the factor multiplies the position.
     Gradients(f64, Matrix3<f64>),
 }
 
@@ -91,10 +91,10 @@ pub struct Jet {
     pub bias: Map,
 }
 
-/// Terms of the exponential's series; `‖κΔs‖` stays below 4 in the tests, where the rest is below 1e-18.
+/// Terms of the exponential's series; `‖κΔs‖` stays below 4 in the tests, where the remainder is below 1e-18.
 const TERMS: u32 = 40;
 
-/// Element: `exp(κ Δs)` of eqs. (5)–(7), by the series of the matrix and of its derivatives.
+/// Element: `exp(κ Δs)` of eqs. (5)–(7) and its derivatives, by power series.
 pub fn element(length_m: f64, strain: &[f64], rate: &[f64]) -> Jet {
     let x = generator(1.0, strain) * length_m;
     let unit = |j: usize| {
@@ -105,7 +105,7 @@ pub fn element(length_m: f64, strain: &[f64], rate: &[f64]) -> Jet {
     let directions: [Matrix4<f64>; 4] = std::array::from_fn(unit);
     let w = generator(0.0, rate) * length_m;
 
-    // term k of exp(X), its derivatives along the four strains, and the first and second along the rate
+    // term k of exp(X), its derivatives with respect to the four strains, and the first and second along the rate
     let (mut term, mut sum) = (Matrix4::identity(), Matrix4::identity());
     let (mut along, mut along_sum) = ([Matrix4::zeros(); 4], [Matrix4::zeros(); 4]);
     let (mut first, mut first_sum) = (Matrix4::zeros(), Matrix4::zeros());
@@ -135,8 +135,7 @@ pub fn element(length_m: f64, strain: &[f64], rate: &[f64]) -> Jet {
     }
 }
 
-/// Matrix `κ` of eq. (6), its 3×3 blocks being multiples of the identity; `stretch` is 1 for the matrix itself and 0
-/// for its derivatives.
+/// Matrix `κ` of eq. (6), whose 3×3 blocks are multiples of the identity; `stretch` is 1 for the matrix itself and 0 for its derivatives.
 fn generator(stretch: f64, strain: &[f64]) -> Matrix4<f64> {
     let [ex, kx, ky, kz] = [strain[0], strain[1], strain[2], strain[3]];
     #[rustfmt::skip]
@@ -149,7 +148,7 @@ fn generator(stretch: f64, strain: &[f64]) -> Matrix4<f64> {
     kappa
 }
 
-/// Joint: `C(η)` of eq. (8), then the constant attitude `mount` of the body at rest, parent ← body.
+/// Joint: `C(η)` of eq. (8), then the constant rotation `mount` from body to parent frame at zero joint rotation.
 pub fn joint(kind: &Joint, mount: &Matrix3<f64>, x: &[f64], rate: &[f64]) -> Jet {
     let count = kind.variables();
     let still = Jet { value: rows(1.0, &Matrix3::identity()), partial: vec![], rate: none(), bias: none() };
@@ -195,7 +194,7 @@ pub fn joint(kind: &Joint, mount: &Matrix3<f64>, x: &[f64], rate: &[f64]) -> Jet
     };
     let mounted = |map: Map| match (map, rows(1.0, mount)) {
         (Map::Rows(matrix), Map::Rows(mount)) => Map::Rows(mount * matrix),
-        (map, _) => map, // the ball joint in the root frame is used with the identity only
+        (map, _) => map, // the ball joint in the root frame is only used with the identity
     };
     Jet {
         value: mounted(jet.value),
@@ -205,7 +204,7 @@ pub fn joint(kind: &Joint, mount: &Matrix3<f64>, x: &[f64], rate: &[f64]) -> Jet
     }
 }
 
-/// `h = (r, R)` to `(one·r, R c)`: row `j` of the gradients becomes `Σ_k c_kj r_k`.
+/// Maps `h = (r, R)` to `(one·r, R c)`: row `j` of the gradients becomes `Σ_k c_kj r_k`.
 fn rows(one: f64, c: &Matrix3<f64>) -> Map {
     let mut matrix = Matrix4::zeros();
     matrix[(0, 0)] = one;
@@ -217,7 +216,7 @@ fn none() -> Map {
     Map::Rows(Matrix4::zeros())
 }
 
-/// Jet of a map that is linear in its variables, with the constant `one` on the position.
+/// Jet of a map that is linear in its variables; `one` is the constant factor of the position.
 fn linear(count: usize, x: &[f64], rate: &[f64], map: impl Fn(&[f64], f64) -> Map) -> Jet {
     let unit = |j: usize| {
         let mut e = vec![0.0; count];
@@ -227,7 +226,7 @@ fn linear(count: usize, x: &[f64], rate: &[f64], map: impl Fn(&[f64], f64) -> Ma
     Jet { value: map(x, 1.0), partial: (0..count).map(unit).collect(), rate: map(rate, 0.0), bias: none() }
 }
 
-/// Jet of the Euler parameters' rotation, a quadratic form.
+/// Jet of the rotation by Euler parameters, a quadratic form.
 fn quadratic(x: &[f64], rate: &[f64], map: impl Fn(f64, &Matrix3<f64>) -> Map) -> Jet {
     let unit = |j: usize| {
         let mut e = [0.0; 4];
@@ -272,7 +271,7 @@ pub fn turn(axis: Axis, angle_rad: f64) -> [Matrix3<f64>; 3] {
     [n * n.transpose() + plane * cosine + cross * sine, cross * cosine - plane * sine, -(cross * sine) - plane * cosine]
 }
 
-/// Jet of three successive rotations by the product rule.
+/// Jet of three successive rotations, by the product rule.
 fn angles(axes: &[Axis; 3], x: &[f64], rate: &[f64]) -> Jet {
     let turns: [[Matrix3<f64>; 3]; 3] = std::array::from_fn(|i| turn(axes[i], x[i]));
     let product = |orders: [usize; 3]| turns[0][orders[0]] * turns[1][orders[1]] * turns[2][orders[2]];

@@ -1,9 +1,8 @@
 //! The methods that Otsuka et al. compare joint parameters with, small and dense: rotation angles, penalty joint,
 //! index-1 DAE, planar finite segments; and joint parameters themselves in the dense form of eq. (9).
 //!
-//! Nothing here is product code, and apart from the comparisons nothing here uses product code: kinematics, inertia
-//! and solution are written a second time, for clarity instead of speed. Results are in
-//! `docs/validation/conventional.md`; `make validate` runs the long studies too.
+//! This module contains no product code and uses it only for comparison: kinematics, inertia and solution are written a second time, for
+//! clarity rather than speed. Results are in `docs/validation/conventional.md`; `make validate` also runs the long studies.
 
 mod angles;
 mod assembly;

@@ -1,7 +1,7 @@
 //! The double pendulums of Otsuka et al. §4.1–4.3, by every method of Table 1.
 //!
-//! Body A lies along `X`, hung at the origin by a ball joint; body B hangs at its end along `+Z`, so that
-//! `r_x^P + r_z^Q = 0` as §4.3 has it; gravity acts along `−Y`. Point P is A's end, Q is B's beginning.
+//! Body A lies along `X` and is attached to the origin by a ball joint; body B, along `+Z`, is attached to its end, so that `r_x^P + r_z^Q
+//! = 0` as in §4.3; gravity acts along `−Y`. Point P is the end of A, Q the start of B.
 
 use crate::conventional::assembly::{Assembly, Body};
 use crate::conventional::constraint::{Constraint, End, Spring};
@@ -41,7 +41,7 @@ impl Between {
     /// All three.
     pub const ALL: [Self; 3] = [Self::Ball, Self::Universal, Self::Revolute];
 
-    /// For file names.
+    /// Side of the square section in m.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ball => "ball",
@@ -81,7 +81,7 @@ pub fn joined_nodes(elements: usize) -> [End; 2] {
     [End { body: 0, node: elements }, End { body: 1, node: 0 }]
 }
 
-/// The paper's method, with its start.
+/// The paper's method and its initial state.
 pub fn joint_parameters(between: Between, elements: usize) -> (Assembly, DVector<f64>) {
     let identity = Matrix3::identity();
     let (joint, mount) = match between {
@@ -151,9 +151,9 @@ pub fn penalty_joint(
     (system, q)
 }
 
-/// The first conventional method: three angles about `z, y, x` at both joints. Body A's attitude is
-/// `chart · R(angles)`, so that the chart decides which attitude is singular; B's angles start at zero. Fictitious
-/// springs of `redundant_n_m_rad` hold two angles where the joint is revolute.
+/// The first conventional method: three angles about `z, y, x` at both joints. Body A's attitude is `chart · R(angles)`, so the chart
+/// determines which attitude is singular; B's angles start at zero. For the revolute joint, fictitious springs of `redundant_n_m_rad`
+/// restrain two angles.
 pub fn rotation_angles(
     between: Between,
     elements: usize,
@@ -191,7 +191,7 @@ fn set_node(system: &Assembly, q: &mut DVector<f64>, body: usize, r: Vector3<f64
     q.rows_mut(at + 3, 9).copy_from_slice(attitude.as_slice());
 }
 
-/// One step of the classical Runge–Kutta method; `project` after it where the method has such a step.
+/// One step of the classical Runge–Kutta method, followed by a projection onto the constraints if `project` is set.
 pub fn runge_kutta(system: &Assembly, q: &mut DVector<f64>, v: &mut DVector<f64>, h: f64, project: bool) {
     let a1 = system.accelerations(q, v).0;
     let (q2, v2) = (&*q + &*v * (h / 2.0), &*v + &a1 * (h / 2.0));
@@ -207,7 +207,7 @@ pub fn runge_kutta(system: &Assembly, q: &mut DVector<f64>, v: &mut DVector<f64>
     }
 }
 
-/// Highest angular frequency in rad/s of small motions about a state at rest, in the null space of the constraints.
+/// Highest angular frequency in rad/s of small motions about a state without velocity, in the null space of the constraints.
 pub fn highest_frequency(system: &Assembly, q: &DVector<f64>) -> f64 {
     let still = DVector::zeros(q.len());
     let (equations, _) = system.equations(q, &still);

@@ -1,7 +1,7 @@
 //! The paper's method in the plane, inextensible: constant curvature per element, one angle at the hinge.
 //!
-//! §4.4 times planar codes, so that times compare like with like only against this: same unknowns per section as the
-//! finite segments, same algebra twice, by recursion in O(n) and with the dense `BᵀMB`, same integrator.
+//! §4.4 compares run times with planar codes; only this one makes that comparison fair: the same unknowns per section as the finite
+//! segments, the same algebra in two variants, by recursion in O(n) and with the dense `BᵀMB`, and the same integrator.
 
 use super::segments::{Algebra, PlanarChain, table_4};
 use foldwing::solve::{EquationsOfMotion, Powers, Singular};
@@ -19,7 +19,7 @@ struct Node {
     angular_acceleration: f64,
 }
 
-/// Connection of a node to the next: an element or the hinge. `shift` is the distance, `column` the Jacobian `(v_x, v_z, ω)` of the
+/// Connection of one node to the next: an element or the hinge. `shift` is the distance, `column` the Jacobian `(v_x, v_z, ω)` of the
 /// coordinate.
 #[derive(Debug, Clone, Copy, Default)]
 struct Step {
@@ -27,7 +27,7 @@ struct Step {
     column: Vector3<f64>,
 }
 
-/// Two bodies of Table 4.
+/// The two bodies of Table 4.
 pub struct PlanarBeams {
     algebra: Algebra,
     per_body: usize,
@@ -43,7 +43,7 @@ pub struct PlanarBeams {
 }
 
 impl PlanarBeams {
-    /// Table 4 with `elements` per body. Coordinates: curvatures of the first body, hinge, curvatures of the second.
+    /// Table 4 with `elements` elements per body. Coordinates: curvatures of the first body, hinge angle, curvatures of the second.
     pub fn table_4(elements: usize, algebra: Algebra) -> Self {
         let steps = 2 * elements + 1;
         Self {
@@ -101,7 +101,7 @@ impl PlanarBeams {
         }
     }
 
-    /// Element mass over the twists `(v, ω)` of two nodes, from the nodal form of the fully parameterised element.
+    /// Element mass matrix for the twists `(v, ω)` of two nodes, from the nodal form of the fully parameterised element.
     fn twist_mass(&self, a: &Node, b: &Node) -> SMatrix<f64, 6, 6> {
         let l = self.length_m;
         let m = table_4::MASS_KG_M * l / 420.0;
@@ -143,8 +143,8 @@ impl PlanarBeams {
     }
 }
 
-/// `(X, Z)` of a circular arc of length `l` and curvature `κ` from its inner frame, and its first two derivatives by
-/// `κ`. Power series in `β = κl`: ten terms leave 1e-17 at one radian, where the elements stay.
+/// `(X, Z)` of a circular arc of length `l` and curvature `κ` from its inner frame, and its first two derivatives with respect to `κ`.
+/// Power series in `β = κl`: ten terms are accurate to 1e-17 up to one radian, which no element exceeds.
 fn arc(l: f64, curvature: f64) -> [Vector2<f64>; 3] {
     let beta = curvature * l;
     let mut sums = [Vector2::zeros(); 3];
@@ -152,7 +152,7 @@ fn arc(l: f64, curvature: f64) -> [Vector2<f64>; 3] {
     let (mut factorial, mut sign) = (1.0, 1.0);
     for k in 0..20 {
         factorial *= f64::from(k + 1);
-        // ∫₀¹ (cos βs, sin βs) ds: even powers to X, odd ones to Z, by 1/(k+1)!
+        // ∫₀¹ (cos βs, sin βs) ds: even powers to X, odd ones to Z, with coefficients 1/(k+1)!
         let share = sign / factorial;
         for (sum, power) in sums.iter_mut().zip(power) {
             if k % 2 == 0 { sum.x += share * power } else { sum.y += share * power }
@@ -165,18 +165,18 @@ fn arc(l: f64, curvature: f64) -> [Vector2<f64>; 3] {
     [sums[0] * l, sums[1] * (l * l), sums[2] * (l * l * l)]
 }
 
-/// A quarter turn.
+/// A vector rotated by 90°.
 fn across(v: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-v.y, v.x)
 }
 
-/// Twist of the inner node seen at the outer one.
+/// Twist of the inner node transferred to the outer one.
 fn carry(step: &Step, twist: &Vector3<f64>) -> Vector3<f64> {
     let turned = across(step.shift) * twist.z;
     Vector3::new(twist.x + turned.x, twist.y + turned.y, twist.z)
 }
 
-/// Wrench at the outer node seen at the inner one: the transpose of [`carry`].
+/// Wrench at the outer node transferred to the inner one: the transpose of [`carry`].
 fn pull(step: &Step, wrench: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(wrench.x, wrench.y, wrench.z + across(step.shift).dot(&wrench.xy()))
 }

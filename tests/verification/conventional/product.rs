@@ -1,4 +1,4 @@
-//! C-40 to C-43: the product's recursions and time integration against the dense models, on the double pendulums.
+//! C-40 to C-43: the product's recursions and time integration against the dense models, for the double pendulums.
 
 use crate::conventional::assembly::Assembly;
 use crate::conventional::pendulum::{
@@ -53,12 +53,12 @@ fn outputs(machine: Machine, end_s: f64) -> Vec<Outputs> {
     all
 }
 
-/// C-40. Product (O(n) recursion with the constraints kept inside the joints) against dense joint parameters (KKT) on
-/// the same mesh: tip, elastic energy (all strains in one number), joint forces and moments, total energy over 2 s (0.4 s where
-/// studies are short), both by Runge–Kutta at the paper's step.
+/// C-40. Product (O(n) recursion with the constraints kept inside the joints) against dense joint parameters (KKT) on the same mesh: tip,
+/// elastic energy (which depends on all strains), joint forces and moments, and total energy over 2 s (0.4 s in short studies), both by
+/// Runge–Kutta with the paper's step.
 ///
-/// The dense form corrects drift in the redundant parameters, the product in its own way, and both carry round-off of a
-/// condition number of 1e6: 1e-9 m is five orders below the difference of two meshes.
+/// The dense form corrects drift in the redundant parameters, the product does so differently, and both have round-off with a condition
+/// number of 1e6: 1e-9 m is five orders below the difference of two meshes.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn c40_product_follows_the_dense_model() {
@@ -103,7 +103,7 @@ fn c40_product_follows_the_dense_model() {
     }
 }
 
-/// Writes a motion of the product.
+/// Writes a motion computed by the product.
 fn write_product(name: &str, product: &[Outputs]) {
     let rows = product.iter().map(|outputs| {
         let mut row = vec![outputs.time_s];
@@ -117,8 +117,8 @@ fn write_product(name: &str, product: &[Outputs]) {
     write_table(&format!("double_pendulum_{name}_product"), header, rows);
 }
 
-/// C-42. Tip of the ball–ball pendulum by the product: within 1 mm of the reference up to 1 s with eight constant
-/// elements or four pairs per body.
+/// C-42. Tip of the ball–ball pendulum computed by the product: within 1 mm of the reference up to 1 s with eight constant elements or four
+/// pairs per body.
 #[test]
 fn c42_product_meets_the_reference_up_to_1_s() {
     let reference = reference::columns("double_pendulum_ball_ball_exudyn.csv");
@@ -134,7 +134,7 @@ fn c42_product_meets_the_reference_up_to_1_s() {
     }
 }
 
-/// C-43. Energy of the product over 2 s: 1e-6 of its largest kinetic part with ESDIRK4 at 5 ms.
+/// C-43. Total energy computed by the product over 2 s: constant to 1e-6 of the largest kinetic energy with ESDIRK4 at 5 ms.
 #[test]
 fn c43_product_conserves_energy() {
     for between in Between::ALL {
@@ -147,7 +147,7 @@ fn c43_product_conserves_energy() {
     }
 }
 
-/// Model of the product with the mesh of a dense one.
+/// Model of the product with the same mesh as a dense one.
 fn model(between: Between) -> Model {
     let body = |parent, mount, joint| BodyDescription {
         length_m: LENGTH_M,
@@ -174,7 +174,7 @@ fn model(between: Between) -> Model {
     ])
 }
 
-/// A bent and moving state on the constraints.
+/// A bent and moving state that satisfies the constraints.
 fn scattered(system: &Assembly, start: &DVector<f64>, seed: f64) -> (DVector<f64>, DVector<f64>) {
     let wave = |i: usize, phase: f64| (12.9898 * i as f64 + phase + seed).sin();
     let mut q = DVector::from_fn(start.len(), |i, _| start[i] + 0.3 * wave(i, 0.0));
@@ -183,8 +183,8 @@ fn scattered(system: &Assembly, start: &DVector<f64>, seed: f64) -> (DVector<f64
     (q, v)
 }
 
-/// C-41. Accelerations of all coordinates, redundant joint parameters included, at bent and moving states: product by
-/// its recursion, dense by eq. (9) with its multipliers. The condition number of the mass matrix is about 1e6 here.
+/// C-41. Accelerations of all coordinates, redundant joint parameters included, at bent and moving states: by the product's recursion, and
+/// by eq. (9) in dense form with multipliers. The condition number of the mass matrix is about 1e6 here.
 #[test]
 fn c41_accelerations_equal_the_dense_ones() {
     for between in Between::ALL {

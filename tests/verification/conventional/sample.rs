@@ -1,4 +1,4 @@
-//! Motions of the double pendulum, sampled with all that figs. 4 to 6 of the paper show, and their tables.
+//! Motions of the double pendulum, sampled with all quantities of figs. 4 to 6 of the paper, and their tables.
 
 use crate::conventional::assembly::{Assembly, row};
 use crate::conventional::constraint::Constraint;
@@ -9,7 +9,7 @@ use nalgebra::{DVector, Vector3};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// One time of a motion.
+/// Sample of a motion at one instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
     /// Time in s.
@@ -18,9 +18,9 @@ pub struct Sample {
     pub root_strain: [f64; 4],
     /// Tip of B in m.
     pub tip_m: Vector3<f64>,
-    /// Kinetic, elastic, gravity in J.
+    /// Kinetic, elastic and gravitational energy in J.
     pub energy_j: [f64; 3],
-    /// Distance of P, reached from the origin outward, and Q, reached from the tip inward, in m.
+    /// Distance in m between P, computed from the origin outward, and Q, computed from the tip inward.
     pub gap_m: f64,
     /// `r_y^P · r_z^Q` of the same nodes.
     pub cardan: f64,
@@ -33,7 +33,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Reads a state.
+    /// Evaluates a state.
     pub fn of(system: &Assembly, time_s: f64, q: &DVector<f64>, v: &DVector<f64>) -> Self {
         let [a, b] = beams(system);
         let motion = system.motion(q, v);
@@ -62,13 +62,13 @@ impl Sample {
     }
 }
 
-/// Indices of A and B among bodies that may be mere carriers.
+/// Indices of A and B among bodies that may also include massless carriers.
 pub fn beams(system: &Assembly) -> [usize; 2] {
     let beams: Vec<usize> = (0..system.bodies.len()).filter(|&i| system.bodies[i].elements > 0).collect();
     [beams[0], beams[1]]
 }
 
-/// First node of a body from its last: the elements' maps backward.
+/// First node of a body from its last one: the elements' maps in reverse.
 fn inward(system: &Assembly, body: usize, tip: Node, q: &DVector<f64>) -> Node {
     let beam = &system.bodies[body];
     (0..beam.elements).rev().fold(tip, |node, element| {
@@ -78,7 +78,7 @@ fn inward(system: &Assembly, body: usize, tip: Node, q: &DVector<f64>) -> Node {
     })
 }
 
-/// Wrench of A on B from the multipliers of the constraints between nodes of two bodies; none where there are none.
+/// Wrench of A on B from the multipliers of the constraints between nodes of two bodies; `None` without such constraints.
 fn multiplier_wrench(system: &Assembly, q: &DVector<f64>, v: &DVector<f64>) -> Option<[Vector3<f64>; 2]> {
     let motion = system.motion(q, v);
     let (_, lambda) = system.accelerations(q, v);
@@ -101,8 +101,8 @@ fn multiplier_wrench(system: &Assembly, q: &DVector<f64>, v: &DVector<f64>) -> O
     wrench.filter(|_| joined)
 }
 
-/// Integrates and samples every `every` steps of `step_s`, the start included; with `project`, positions and rates are projected onto
-/// the constraints.
+/// Integrates with `step_s` and samples every `every` steps, the start included; with `project`, positions and rates are projected onto the
+/// constraints.
 pub fn run(
     system: &Assembly,
     start: &DVector<f64>,
@@ -131,7 +131,7 @@ pub fn largest(samples: &[Sample], quantity: impl Fn(&Sample) -> f64) -> f64 {
     samples.iter().map(quantity).fold(0.0, |m, x| if x.is_nan() { f64::NAN } else { m.max(x.abs()) })
 }
 
-/// Writes `target/verification/<name>.csv`, if studies run whole.
+/// Writes `target/verification/<name>.csv` in full studies.
 pub fn write_table(name: &str, header: &str, rows: impl Iterator<Item = Vec<f64>>) {
     if !is_whole() {
         return;

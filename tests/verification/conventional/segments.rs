@@ -1,9 +1,8 @@
-//! Planar finite segments: rigid links with springs at their hinges, the method that §4.4 compares with.
+//! Planar finite segments: rigid links with springs at their hinges, the method of comparison in §4.4.
 //!
-//! Two bodies of equal segments in the plane `X`–`Z`, the first clamped, a free hinge between them. Coordinates are
-//! the relative angles `φ_i`; link `i` points to `(cos θ_i, sin θ_i)`, `θ_i = Σ φ`. The equations implement the
-//! library's [`EquationsOfMotion`] twice, by recursion in O(n) and with a dense matrix, so that the same integrators
-//! run on them as on the beams.
+//! Two bodies of equal segments in the plane `X`–`Z`, the first clamped, a free hinge between them. Coordinates are the relative angles
+//! `φ_i`; link `i` points to `(cos θ_i, sin θ_i)`, `θ_i = Σ φ`. The equations implement the library's [`EquationsOfMotion`] twice, by
+//! recursion in O(n) and with a dense matrix, so that the same integrators solve them as the beams.
 
 use foldwing::solve::stepper::{Method, Stepper};
 use foldwing::solve::{
@@ -30,7 +29,7 @@ pub mod table_4 {
 /// Spring at the clamped end: bending of half a segment, or of a whole one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RootSpring {
-    /// `EI/l` as between segments: the clamp yields by half a segment too much.
+    /// `EI/l` as between segments: the clamp is too soft by half a segment.
     WholeSegment,
     /// `2EI/l`.
     HalfSegment,
@@ -63,7 +62,7 @@ pub struct Segments {
     algebra: Algebra,
     length_m: f64,
     mass_kg: f64,
-    /// About the segment's centre, kg·m².
+    /// Moment of inertia about the segment's centre, kg·m².
     inertia_kg_m2: f64,
     links: Vec<Link>,
     wrenches: Vec<Vector3<f64>>,
@@ -75,7 +74,7 @@ pub struct Segments {
 }
 
 impl Segments {
-    /// Table 4 in `segments` per body.
+    /// Table 4 with `segments` segments per body.
     pub fn table_4(segments: usize, root: RootSpring, algebra: Algebra) -> Self {
         let length_m = table_4::LENGTH_M / segments as f64;
         let spring = table_4::BENDING_N_M2 / length_m;
@@ -136,7 +135,7 @@ impl Segments {
         [kinetic.sum(), elastic.sum(), gravity.sum()]
     }
 
-    /// Inertia of a link about its inner hinge, over `(v_x, v_z, ω)`.
+    /// Inertia of a link about its inner hinge, for `(v_x, v_z, ω)`.
     fn spatial(&self, link: &Link, weight: f64) -> Matrix3<f64> {
         let half = 0.5 * self.length_m;
         let m = self.mass_kg;
@@ -144,7 +143,7 @@ impl Segments {
         Matrix3::new(m, 0.0, s.x, 0.0, m, s.y, s.x, s.y, self.inertia_kg_m2 + m * half * half) * weight
     }
 
-    /// Joint-space mass matrix by the textbook formula in absolute angles, summed to relative ones.
+    /// Mass matrix by the textbook formula in absolute angles, summed to relative ones.
     pub fn dense_mass(&self) -> DMatrix<f64> {
         let n = self.links.len();
         let l2 = self.mass_kg * self.length_m * self.length_m;
@@ -179,7 +178,7 @@ impl EquationsOfMotion for Segments {
         self.place(q, v);
         let (l, half) = (self.length_m, 0.5 * self.length_m);
         let mut alpha = 0.0;
-        let mut hinge = Vector2::new(0.0, table_4::GRAVITY_M_S2); // acceleration less gravity
+        let mut hinge = Vector2::new(0.0, table_4::GRAVITY_M_S2); // acceleration minus gravity
         for ((link, a), wrench) in self.links.iter().zip(a).zip(&mut self.wrenches) {
             alpha += a;
             let turning = link.normal * alpha - link.axis * link.rate_rad_s.powi(2);
@@ -204,7 +203,7 @@ impl EquationsOfMotion for Segments {
             self.dense = Some(matrix.cholesky().ok_or(Singular { coordinate: 0 })?);
             return Ok(());
         }
-        let mut outer = Matrix3::zeros(); // articulated inertia at the outer hinge, its own angle eliminated
+        let mut outer = Matrix3::zeros(); // articulated inertia at the outer hinge, with its angle eliminated
         for i in (0..self.links.len()).rev() {
             let link = &self.links[i];
             let mut shift = Matrix3::identity();
@@ -268,7 +267,7 @@ impl EquationsOfMotion for Segments {
 
 /// Equations of a planar system with a free end.
 pub trait PlanarChain: EquationsOfMotion {
-    /// Free end in m at a configuration.
+    /// Position of the free end in m for a configuration.
     fn tip_m(&mut self, q: &[f64]) -> Vector2<f64>;
 }
 
@@ -280,7 +279,7 @@ impl PlanarChain for Segments {
     }
 }
 
-/// Free end every 10 ms from 10 ms to 5 s, by fixed steps.
+/// Position of the free end every 10 ms from 10 ms to 5 s, with fixed steps.
 pub fn fall(segments: &mut impl PlanarChain, method: Method, step_s: f64) -> Vec<Vector2<f64>> {
     let n = segments.coordinates();
     let mut stepper = Stepper::new(method, n);
@@ -306,5 +305,5 @@ pub fn fall(segments: &mut impl PlanarChain, method: Method, step_s: f64) -> Vec
     tips
 }
 
-/// Displacement error that Newton's iteration may leave in a step, over the chain's length: far below the mesh's.
+/// Tolerance of Newton's iteration in a step, as displacement divided by the chain's length: far below the discretisation error.
 pub const NEWTON: Accuracy = Accuracy::within(1e-8);

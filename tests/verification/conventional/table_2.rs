@@ -1,4 +1,4 @@
-//! C-03: Table 2 of the paper from the models themselves.
+//! C-03: Table 2 of the paper, computed from the models.
 
 use crate::conventional::constraint::Constraint;
 use crate::conventional::pendulum::{Between, index_1_dae, joint_parameters};
@@ -15,22 +15,22 @@ pub struct Row {
     pub reduction: usize,
 }
 
-/// Table 2. The paper prints a sum of 33 and a reduction of 97 % for the revolute joint; 12 + 11 = 23, and eq. (13)
-/// then gives 96 % (95.7 %), which stands here.
+/// Table 2. The paper prints a sum of 33 and a reduction of 97 % for the revolute joint; 12 + 11 = 23, and eq. (13) then gives 96 % (95.7
+/// %), the value used here.
 pub const TABLE_2: [Row; 3] = [
     Row { between: Between::Revolute, conventional: [12, 11], joint_parameters: [1, 0], reduction: 96 },
     Row { between: Between::Universal, conventional: [12, 10], joint_parameters: [9, 7], reduction: 27 },
     Row { between: Between::Ball, conventional: [12, 9], joint_parameters: [4, 1], reduction: 76 },
 ];
 
-/// C-03. Both dense models have the variables and multipliers of Table 2, and the freedoms that are left agree.
+/// C-03. Both dense models have the variables and multipliers of Table 2, and their numbers of remaining degrees of freedom agree.
 #[test]
 fn c03_variables_and_multipliers_are_those_of_table_2() {
     for row in TABLE_2 {
         let (ours, _) = joint_parameters(row.between, 2);
         let (dae, _) = index_1_dae(row.between, 2);
         let variables = |system: &crate::conventional::assembly::Assembly| system.bodies[1].joint.variables();
-        // body A hangs by a ball joint, with its 6 rigid-node constraints and 3 of position in the DAE
+        // body A is attached by a ball joint, which in the DAE has 6 rigid-node and 3 position constraints
         let dae_multipliers = dae.multipliers() - 9;
         let own: usize = ours.constraints.iter().map(Constraint::rows).sum::<usize>() - 1;
         let name = row.between.name();

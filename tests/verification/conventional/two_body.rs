@@ -1,4 +1,4 @@
-//! C-30 to C-35: the two-body system of §4.4 by the product and by finite segments: convergence.
+//! C-30 to C-35: convergence for the two-body system of §4.4, with the product and with finite segments.
 
 use crate::conventional::planar::PlanarBeams;
 use crate::conventional::reference;
@@ -11,10 +11,10 @@ use foldwing::machine::*;
 use foldwing::solve::{EquationsOfMotion, stepper};
 use nalgebra::{Matrix4, Vector2, Vector3, Vector4};
 
-/// Axial stiffness in N: the paper gives none; the reference paths have this one.
+/// Axial stiffness in N: the paper gives none; the reference paths use this value.
 pub const AXIAL_N: f64 = 1e7;
 
-/// The product's machine of Table 4, ESDIRK4 with fixed steps.
+/// Table 4 as a machine of the product, ESDIRK4 with fixed steps.
 pub fn machine(kind: ElementKind, count: usize, axial_n: f64, step_s: f64) -> Machine {
     let section = Section {
         shear: None,
@@ -41,7 +41,7 @@ pub fn machine(kind: ElementKind, count: usize, axial_n: f64, step_s: f64) -> Ma
     }
 }
 
-/// Free end `(X, Z)` every 10 ms from 10 ms to 5 s.
+/// Position `(X, Z)` of the free end every 10 ms from 10 ms to 5 s.
 pub fn path(machine: Machine) -> Vec<Vector2<f64>> {
     let mut plant = machines::start(machine);
     let mut path = Vec::with_capacity(500);
@@ -63,7 +63,7 @@ pub fn rms_m(path: &[Vector2<f64>]) -> f64 {
     (path.iter().map(|tip| tip.y * tip.y).sum::<f64>() / path.len() as f64).sqrt()
 }
 
-/// Compared quantities.
+/// Models that are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Model {
     Constant,
@@ -86,7 +86,7 @@ impl Model {
         rms_m(&self.path(sections))
     }
 
-    /// Path of the free end with `sections` per body; a pair counts as two.
+    /// Path of the free end with `sections` sections per body; a pair counts as two.
     fn path(self, sections: usize) -> Vec<Vector2<f64>> {
         match self {
             Self::Constant => path(machine(ElementKind::Constant, sections, AXIAL_N, 0.01)),
@@ -104,8 +104,8 @@ fn inextensible_rms_m() -> f64 {
     reference::case("dyn.two_body_table4")["expected"]["RMS_Z_1toM"].as_f64().expect("a number")
 }
 
-/// RMS(Z) of the product with EA = 1e7 N, 20 pairs per body at 5 ms, in m; C-34 computes it again. It lies 1.9e-5
-/// above the inextensible value, which is what the axial stiffness does (C-33).
+/// RMS(Z) of the product with EA = 1e7 N, 20 pairs per body at 5 ms, in m; C-34 recomputes it. It is 1.9e-5 above the inextensible value,
+/// because of the axial flexibility (C-33).
 const EXTENSIBLE_RMS_M: f64 = 10.146_183_3;
 
 /// Converged value for a model: segments are inextensible.
@@ -113,8 +113,8 @@ fn converged_rms_m(model: Model) -> f64 {
     if matches!(model, Model::Segments(_)) { inextensible_rms_m() } else { EXTENSIBLE_RMS_M }
 }
 
-/// C-30. Finite segments by recursion equal the dense textbook form: the mass matrix by unit accelerations, and the
-/// solution of the linear system. Round-off of a condition number of 1e6.
+/// C-30. Finite segments by recursion equal the dense textbook form: the mass matrix by unit accelerations, and the solution of the linear
+/// system. Tolerance: round-off at a condition number of 1e6.
 #[test]
 fn c30_finite_segments_recursion_equals_dense_form() {
     let n = 10;
@@ -147,7 +147,7 @@ fn c30_finite_segments_recursion_equals_dense_form() {
     }
 }
 
-/// C-31. Finite segments conserve energy: the residual is the derivative of the energies that it is compared with.
+/// C-31. Finite segments conserve energy: this checks the residual against the energies.
 #[test]
 fn c31_finite_segments_conserve_energy() {
     let mut segments = Segments::table_4(6, RootSpring::HalfSegment, Algebra::Recursive);
@@ -155,7 +155,7 @@ fn c31_finite_segments_conserve_energy() {
     let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
     let mut largest_j = 0.0_f64;
     let mut kinetic_j = 0.0_f64;
-    // Runge–Kutta at 0.2 ms, written here again so that the library's integrators are not on trial
+    // Runge–Kutta at 0.2 ms, written here again to be independent of the library's integrators
     let h = 2e-4;
     let mut rate = |q: &[f64], v: &[f64]| {
         let mut a = vec![0.0; n];
@@ -191,8 +191,8 @@ fn c31_finite_segments_conserve_energy() {
     assert!(largest_j < 1e-8 * kinetic_j, "energy off by {largest_j:.1e} J of {kinetic_j:.0} J");
 }
 
-/// C-35. The planar beams that the benchmark times are the paper's method: recursion equals dense form, and they fall
-/// as the product does with EA = 1e9 N, where the extension is gone (1e-6 of RMS(Z) with EA = 1e9 N, C-33).
+/// C-35. The planar beams that the benchmark times are the paper's method: recursion equals dense form, and their motion is that of the
+/// product with EA = 1e9 N, for which the extension is negligible (1e-6 of RMS(Z), C-33).
 #[test]
 fn c35_planar_beams_are_the_product_in_the_plane() {
     let n = 11;
@@ -228,16 +228,15 @@ fn c35_planar_beams_are_the_product_in_the_plane() {
     assert!((planar_m / product_m - 1.0).abs() < 2e-6, "RMS(Z) {planar_m:.6} m and {product_m:.6} m");
 }
 
-/// Orders between successive meshes.
+/// Convergence orders between successive meshes.
 fn orders(sections: &[usize], errors: &[f64]) -> Vec<f64> {
     let pairs = sections.windows(2).zip(errors.windows(2));
     pairs.map(|(n, e)| (e[0] / e[1]).ln() / (n[1] as f64 / n[0] as f64).ln()).collect()
 }
 
-/// C-32. Convergence of RMS(Z) in the number of sections per body: order 2 of constant elements and of segments with
-/// half a segment's bending at the clamp, order 1 with the spring `EI/l` everywhere, about 4 of linear elements (two
-/// sections each). Errors are against the converged value of the same axial stiffness; the time step (ESDIRK4, 10 ms)
-/// adds less than 1e-7.
+/// C-32. Convergence of RMS(Z) in the number of sections per body: order 2 for constant elements and for segments with the bending
+/// stiffness of half a segment at the clamp, order 1 with the spring `EI/l` everywhere, about 4 for linear elements (two sections each).
+/// Errors are relative to the converged value of the same axial stiffness; the time step (ESDIRK4, 10 ms) adds less than 1e-7.
 #[test]
 fn c32_orders_of_convergence() {
     for (model, sections, [low, high], last) in [
@@ -257,9 +256,9 @@ fn c32_orders_of_convergence() {
     }
 }
 
-/// C-33. Refined: RMS(Z) = 10.146 m, and the free end's Z within 5 mm of an independent geometrically exact solution
-/// throughout 5 s. That one has EA = GA = 1e7 N and rotary inertia 0.1 kg·m; this one the same without shear. The
-/// converged value in `cases.json` is inextensible: EA = 1e9 N meets it to 1e-6, EA = 1e7 N lies 2e-5 above.
+/// C-33. On a fine mesh RMS(Z) = 10.146 m, and Z of the free end is within 5 mm of an independent geometrically exact solution throughout 5
+/// s. The latter has EA = GA = 1e7 N and rotary inertia 0.1 kg·m; the model here has the same values without shear. The converged value in
+/// `cases.json` is inextensible: EA = 1e9 N agrees to 1e-6, EA = 1e7 N is 2e-5 above.
 #[test]
 fn c33_refined_path_meets_the_references() {
     let refined = path(machine(ElementKind::Linear, 10, AXIAL_N, 0.01));
@@ -285,9 +284,9 @@ fn c33_refined_path_meets_the_references() {
     assert!(worst_m < 5e-3, "free end {worst_m:.1e} m off at {worst_s:.2} s");
 }
 
-/// C-34. Fig. 7: paths, and the error of RMS(Z) against the number of sections, 2 to 50, by eq. (23) as printed
-/// (reference: 50 sections of the same method) and against the converged value. Limits by eq. (23): 2.6e-3 with 6
-/// constant elements, 6e-4 with 12; 1e-4 with two linear ones. Only the converged value where studies are short.
+/// C-34. Fig. 7: paths, and the error of RMS(Z) against the number of sections, 2 to 50, by eq. (23) as printed (reference: 50 sections of
+/// the same method) and against the converged value. Limits by eq. (23): 2.6e-3 with 6 constant elements, 6e-4 with 12; 1e-4 with two
+/// linear ones. Short studies use only the converged value.
 #[test]
 fn c34_error_against_sections() {
     let models = [

@@ -1,4 +1,4 @@
-//! Aeroelastic coupling: orders in the aerodynamic step, independence of the caller's steps, light wings, rollback, energy balances.
+//! Aeroelastic coupling: orders in the aerodynamic step, independence of the communication steps, light wings, rollback, energy balances.
 
 use crate::coupling::wings::{folding_wing, light_wing, march, start};
 use crate::whole::is_whole;
@@ -16,8 +16,8 @@ fn lattice(step_s: f64, more: &str) -> String {
     format!("model = \"uvlm\"\n{WIND}\nstep_s = {step_s:?}\nmirror_normal = [1.0, 0.0, 0.0]\n{more}")
 }
 
-/// Tip of the straight wing 0.08 and 0.1 s after the start of a smooth gust, the fold joint held; structural steps are short and fixed, so
-/// that only the aerodynamic step changes.
+/// Tip of the straight wing 0.08 and 0.1 s after the start of a smooth gust, with the fold joint locked; structural steps are short and
+/// fixed, so that only the aerodynamic step varies.
 fn tip_in_gust(air: &str) -> [f64; 2] {
     let gust = "[gust.one]\nshape = \"one_minus_cosine\"\nvelocity_m_s = [0.0, 0.0, 1.0]\nlength_m = 0.8\norigin_m = [0.0, 0.025, 0.0]\n";
     let mut machine = folding_wing(&format!("{air}\n{gust}"), 5, 1);
@@ -30,8 +30,8 @@ fn tip_in_gust(air: &str) -> [f64; 2] {
     [early_m, march(plant, 0.1, 1).outputs().tips()[0].position_m.z]
 }
 
-/// Order of the agreement in the aerodynamic step is two, lag states and apparent mass included: the loads run
-/// linearly over a step, their lag is advanced exactly for that, and the fluid's impulse over a step is exact.
+/// The coupling is of second order in the aerodynamic step, lag states and apparent mass included: the loads are linear over a step,
+/// their lag states are integrated exactly for such loads, and the fluid's impulse over a step is exact.
 #[test]
 fn q01_order_in_the_aerodynamic_step_is_two() {
     let states = [4e-3, 2e-3, 1e-3, 5e-4].map(|step_s| tip_in_gust(&strips(step_s, "coupling_tolerance = 1e-8")));
@@ -43,7 +43,7 @@ fn q01_order_in_the_aerodynamic_step_is_two() {
     }
 }
 
-/// The caller's steps do not matter: the aerodynamic steps are the plant's own.
+/// Communication steps do not matter: the plant uses its own aerodynamic steps.
 #[test]
 fn q02_communication_steps_do_not_matter() {
     for air in [strips(1e-3, ""), lattice(1.25e-3, "wake_rows = 10")] {
@@ -58,8 +58,8 @@ fn q02_communication_steps_do_not_matter() {
     }
 }
 
-/// Prediction with one correction and iteration differ by little at the step of the shipped model: the added mass
-/// of this wing is 1.6 % of its own.
+/// Prediction with one correction and iteration differ little at the step of the shipped model: the added mass of this wing is 1.6 %
+/// of its structural mass.
 #[test]
 fn q03_staggered_and_iterated_agree_for_a_heavy_wing() {
     for step_s in [1e-3, 5e-4] {
@@ -67,14 +67,14 @@ fn q03_staggered_and_iterated_agree_for_a_heavy_wing() {
             ["coupling = \"staggered\"", "coupling_tolerance = 1e-8"].map(|more| tip_in_gust(&strips(step_s, more)));
         let difference = (staggered[0] - iterated[0]).abs() / iterated[0].abs();
         println!("staggered less iterated: {difference:.1e} of the tip's displacement at {step_s} s");
-        // the prediction is second order in the step, and the correction multiplies it by the ratio of the masses
+        // the prediction is second order in the step, and the correction multiplies its error by the mass ratio
         assert!(difference < 1e-3, "{difference:e}");
     }
 }
 
-/// Wings much lighter than the air that they move: with 1/200 of its mass the wing has 3.3 times its own mass in
-/// air around it, and vibrates much faster than the aerodynamic steps. One correction then diverges; the iteration
-/// converges, and its answer with the step.
+/// Wings with an added mass far above their structural mass: with 1/200 of its mass the wing has an added mass of 3.3 times its own,
+/// and vibrates much faster than the aerodynamic steps. One correction then diverges; the iteration converges, and its result converges
+/// with the step.
 #[test]
 fn q04_added_mass_does_not_make_light_wings_unstable() {
     let run = |step_s: f64, more: &str| -> Result<f64, PlantError> {
@@ -95,8 +95,8 @@ fn q04_added_mass_does_not_make_light_wings_unstable() {
     );
 }
 
-/// Where the next change of the loads is foreseen it is not made: two trial marches in most steps of a heavy wing, and the
-/// motion stays within the tolerance of that with a tolerance of 1e-10. A light wing, whose loads take many marches, too.
+/// The next change of the loads is omitted if it is predictable: most steps of a heavy wing take two trial integrations, and the
+/// motion stays within the tolerance of that with a tolerance of 1e-10. So does a light wing, whose loads take many trial integrations.
 #[test]
 fn q80_changes_foreseen_are_not_made() {
     let heavy = |tolerance: f64| {
@@ -121,17 +121,17 @@ fn q80_changes_foreseen_are_not_made() {
         println!(
             "Q-80 tolerance {tolerance:e}: off by {off:.1e}, {off_light:.1e} rad, {solutions:.2?} solutions per step"
         );
-        // the angle passes through one radian and more
+        // the angle changes by more than one radian
         assert!(off < tolerance && off_light < tolerance, "{tolerance:e}: {off:e} {off_light:e}");
-        // without foresight 2.6 and more
+        // without the prediction 2.6 and more
         assert!(solutions[0] < 2.4, "{tolerance:e}: {solutions:?}");
     }
 }
 
-/// No mode of the structure gains energy from the coupling: one mode `m ẍ + k x = F` with apparent mass `μ m` and
-/// aerodynamic damping, marched exactly within the steps by the rules (Q1) and (Q4), for frequencies up to six periods per
-/// step. With the velocities of the instants, modes of about half a period per step grow: by 1 % per step for the shipped
-/// wing, by a factor of 7 for one of a third of the mass of its air.
+/// No mode of the structure gains energy from the coupling: one mode `m ẍ + k x = F` with apparent mass `μ m` and aerodynamic
+/// damping, integrated exactly within the steps by the rules (Q1) and (Q4), for frequencies up to six periods per step. With instantaneous
+/// velocities, modes of about half a period per step grow: by 1 % per step for the shipped wing, by a factor of 7 for a wing with a third
+/// of its added mass.
 #[test]
 fn q09_no_mode_gains_energy() {
     for (mass, damping) in [(0.016, 0.0), (0.016, 0.016), (0.3, 0.0), (1.0, 0.2), (3.3, 0.0), (3.3, 1.0), (20.0, 0.0)] {
@@ -139,7 +139,7 @@ fn q09_no_mode_gains_energy() {
         for i in 1..=4000 {
             largest = largest.max(growth(0.01 * f64::from(i), mass, damping, [1.75, -0.25, -0.5]));
         }
-        // eigenvalues of a 4 x 4 matrix near a double one at fast modes: the root of round-off
+        // eigenvalues of a 4 × 4 matrix, nearly double for fast modes: accurate to the square root of round-off
         assert!(largest < 1.0 + 1e-7, "{mass} {damping}: {largest}");
     }
     let instant = (1..=1000).map(|i| instant_growth(0.01 * f64::from(i), 0.016)).fold(0.0, f64::max);
@@ -147,11 +147,11 @@ fn q09_no_mode_gains_energy() {
     assert!(instant > 1.005);
 }
 
-/// Spectral radius of one step of length 1 of a mode of frequency `theta`, unit mass.
+/// Spectral radius of one step of length 1 for a mode of frequency `theta` and unit mass.
 fn growth(theta: f64, mass: f64, damping: f64, weights: [f64; 3]) -> f64 {
     let (sine, cosine) = theta.sin_cos();
     let [own, earlier, last] = weights;
-    // a unit force displaces by `reach` and adds `sine/theta` to the velocity; state: x, v, last mean velocity, w
+    // a unit force causes the displacement `reach` and the velocity change `sine/theta`; state: x, v, last mean velocity, w
     let reach = (1.0 - cosine) / (theta * theta);
     let columns = (0..4).map(|j| {
         let [x, v, mean, w] = std::array::from_fn(|i| f64::from(u8::from(i == j)));
@@ -169,7 +169,7 @@ fn growth(theta: f64, mass: f64, damping: f64, weights: [f64; 3]) -> f64 {
     radius(&(scale * matrix * inverse))
 }
 
-/// The same without damping, with aerodynamics that depend on the velocities at the steps' ends.
+/// Spectral radius without damping, for aerodynamics that depend on the velocities at the ends of the steps.
 fn instant_growth(theta: f64, mass: f64) -> f64 {
     let (sine, cosine) = theta.sin_cos();
     let reach = (1.0 - cosine) / (theta * theta);
@@ -186,7 +186,7 @@ fn radius(matrix: &Matrix4<f64>) -> f64 {
     matrix.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
-/// Rollback and serialisation across aerodynamic steps, bit for bit, with the wake.
+/// Rollback and serialisation across aerodynamic steps are bit-identical, wake included.
 #[test]
 fn q05_rollback_is_exact_with_air() {
     for air in [strips(1e-3, ""), lattice(1.25e-3, "wake_rows = 20\nreport_circulation = true")] {
@@ -211,7 +211,7 @@ fn march_on(plant: &mut Plant) -> foldwing::plant::Outputs {
     plant.outputs().clone()
 }
 
-/// The energy account holds with air: its work is that of its loads, to the time integration's error.
+/// The energy balance holds with aerodynamics: their work is that of the aerodynamic loads, within the error of the time integration.
 #[test]
 fn q06_energy_account_holds_with_air() {
     for (air, limit) in [(strips(1e-3, ""), 1e-6), (lattice(1.25e-3, "wake_rows = 20"), 1e-6)] {
@@ -235,8 +235,8 @@ fn q06_energy_account_holds_with_air() {
     }
 }
 
-/// Reactions at the root carry the loads of the air: with nothing else moving, force and moment of the air at the
-/// origin are what the root reaction changes by. Loads per station add up to the whole.
+/// Reactions at the root contain the aerodynamic loads: with nothing else moving, the root reaction changes by the aerodynamic force
+/// and moment about the origin. Loads per station add up to the total.
 #[test]
 fn q07_loads_reach_the_root_and_add_up() {
     for air in [strips(1e-3, ""), lattice(1.25e-3, "wake_rows = 10")] {
@@ -253,7 +253,7 @@ fn q07_loads_reach_the_root_and_add_up() {
         let outputs = plant.outputs();
         let size = outputs.air_total().force_n.norm();
         assert!(size > 1e-3, "{size}");
-        // what still moves at the end
+        // motion that remains at the end
         let rest = outputs.energy().kinetic;
         assert!(rest < 1e-9, "{rest:e}");
         let force = (outputs.root().force_n - outputs.air_total().force_n).norm();
@@ -271,7 +271,7 @@ fn q07_loads_reach_the_root_and_add_up() {
     }
 }
 
-/// Air at rest around a wing at rest does nothing, at any density.
+/// Still air exerts no loads on a motionless wing, at any density.
 #[test]
 fn q08_still_air_around_a_wing_at_rest_does_nothing() {
     for model in ["uvlm", "strip"] {
@@ -285,8 +285,8 @@ fn q08_still_air_around_a_wing_at_rest_does_nothing() {
     }
 }
 
-/// A start from equilibrium in the wind stays where it is, and is where a damped run ends up; linear in the air's
-/// density for small loads.
+/// A run that starts from equilibrium in the wind stays there, a damped run ends at the same equilibrium, and small loads are linear
+/// in the air density.
 #[test]
 fn q10_equilibrium_in_the_wind_stays() {
     let machine = |density: f64, start: StartState| {
@@ -309,21 +309,21 @@ fn q10_equilibrium_in_the_wind_stays() {
     assert!(begun > 1e-3, "the wind of 1.7 degrees from below lifts the tip: {begun}");
     let later = tip(&march(rest, 0.1, 1));
     println!("tip at rest {begun:.9} m, after 0.1 s {later:.9} m");
-    // the wake of the established flow is laid out at once, that of the run row by row: 3e-5
+    // the start computes the wake of the steady flow at once, the run sheds it row by row: 3e-5
     approx::assert_relative_eq!(later, begun, max_relative = 1e-4);
     let settled = tip(&march(start(machine(1.2, StartState::Unstrained)), 1.5, 1));
     println!("after 1.5 s from the straight wing {settled:.9} m");
-    // exp(-30 * 1.5) of the way is left
+    // a fraction exp(-30 * 1.5) of the initial difference is left
     approx::assert_relative_eq!(settled, begun, max_relative = 1e-4);
     let thin = tip(&start(machine(1.2e-3, StartState::Equilibrium)));
     approx::assert_relative_eq!(thin * 1e3, begun, max_relative = 0.3);
 }
 
-/// A wing in wind that does not bend it remains at rest: its loads are round-off, on which the coupling cannot converge in a relative
+/// A wing in wind that does not bend it stays at rest: its loads are round-off, for which the coupling cannot converge in a relative
 /// sense. The start from equilibrium used to fail in the first step for lack of convergence, with both aerodynamic models, in wind along
 /// the chord and without wind.
 ///
-/// 1e-12 N of the wing's weight of 0.6 N: the joint rotates by a hundredth of a degree by its motor, which is a dihedral relative to the
+/// 1e-12 N of the wing's weight of 0.6 N: the joint rotates by a hundredth of a degree on its motor, which is a dihedral relative to the
 /// wind, not an incidence.
 #[test]
 fn q11_wing_without_loads_rests_in_the_wind() {
@@ -398,6 +398,6 @@ tolerance = {tolerance:e}
     let [off_m, off_fine_m] = [coarse.1, fine.1].map(|tip_m| (tip_m - exact_m).norm());
     println!("Q-88: {} and {} steps, the tip is off by {off_m:.1e} and {off_fine_m:.1e} m", coarse.0, fine.0);
     assert!((fine.0 as f64) < 30.0 * coarse.0 as f64, "{} {}", coarse.0, fine.0);
-    // shares of the wing's length, with the few dozen steps that the motion goes on for
+    // fractions of the wing's length, after the few dozen steps for which the motion continues
     assert!(off_m < 1e-4 && off_fine_m < 1e-8, "{off_m:e} {off_fine_m:e}");
 }

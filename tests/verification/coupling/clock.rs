@@ -1,4 +1,4 @@
-//! Clocks of callers that carry round-off: loads read at the end of an aerodynamic step.
+//! Clocks of importers that accumulate round-off: loads read at the end of an aerodynamic step.
 
 use crate::coupling::wings::start;
 use foldwing::config;
@@ -7,8 +7,7 @@ use nalgebra::Vector3;
 /// Communication step in s: four aerodynamic steps of the shipped tunnel.
 const STEP_S: f64 = 5e-3;
 
-/// Forces of the air in N and strain at the root after every communication step of a clock; `sways`: with a wind that changes
-/// at each of them.
+/// Aerodynamic force in N and strain at the root after every communication step of a clock; with `sways`, the wind changes at each of them.
 fn read(time_s: impl Fn(u32) -> f64, sways: bool) -> Vec<(Vector3<f64>, f64)> {
     let text = include_str!("../../../examples/models/folding_wing_in_tunnel.toml");
     let text = text.replace("strips = 10", "strips = 4").replace("chord_panels = 4", "chord_panels = 2");
@@ -25,9 +24,9 @@ fn read(time_s: impl Fn(u32) -> f64, sways: bool) -> Vec<(Vector3<f64>, f64)> {
     points.collect()
 }
 
-/// What is read at the end of an aerodynamic step belongs to that step, whatever the last bits of the caller's clock:
-/// products, sums, one bit early or late, and 1e-13 s, which sums of a thousand steps are off. Before, a clock that was late
-/// by one bit read the loads of the next step, which differ by up to the largest of the run.
+/// Values read at the end of an aerodynamic step belong to that step, whatever the last bits of the importer's clock: products, sums,
+/// one bit early or late, and 1e-13 s, the error of a sum of a thousand steps. Before, a clock that was late by one bit read the loads of
+/// the next step, which can differ by as much as the largest load of the run.
 #[test]
 fn q60_loads_do_not_depend_on_the_last_bits_of_the_clock() {
     let product = |step: u32| f64::from(step) * STEP_S;
@@ -49,7 +48,7 @@ fn q60_loads_do_not_depend_on_the_last_bits_of_the_clock() {
             let force = pairs().map(|(a, b)| (a.0 - b.0).norm()).fold(0.0, f64::max) / largest_n;
             let strain = pairs().map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max) / largest_strain;
             println!("Q-60 {name}, wind sways {sways}: force {force:.1e}, strain {strain:.1e} of the largest");
-            // loads change by their own size in some milliseconds: 1e-13 s are 1e-10 of it
+            // loads change by their own magnitude in some milliseconds: in 1e-13 s by 1e-10 of it
             assert!(force < 1e-8 && strain < 1e-8, "{name}: {force:e}, {strain:e}");
         }
     }

@@ -1,4 +1,4 @@
-//! Edges that go on in another surface have no slit, whatever they hang on.
+//! Edges that continue in another surface leave no slit, whatever bodies they are attached to.
 
 use crate::coupling::wings::start;
 use foldwing::config;
@@ -20,7 +20,7 @@ fn surface(name: &str, strips: usize, more: &str) -> String {
     format!("[surface.{name}]\nbody = \"{name}\"\nchord_m = 0.2\nstrips = {strips}\n{more}\n")
 }
 
-/// A machine of these tables in wind at 5 degrees from below.
+/// A machine of these tables in wind from 5 degrees below.
 fn machine(tables: &[String], air: &str) -> Machine {
     let (sine, cosine) = 5f64.to_radians().sin_cos();
     let text = format!(
@@ -40,7 +40,7 @@ fn force_n(machine: Machine) -> Vector3<f64> {
 const CLAMPED: &str = "type = \"clamped\"";
 const LEFT: &str = "type = \"clamped\"\nmount_rotation_deg = [0.0, 0.0, 180.0]";
 
-/// Two halves of 1 m that hang on `parent` at `place`.
+/// Two halves of 1 m, attached to `parent` at `place`.
 fn halves(parent: &str, place: &str) -> Vec<String> {
     vec![
         body("right", 1.0, parent, &format!("{CLAMPED}\n{place}")),
@@ -50,8 +50,8 @@ fn halves(parent: &str, place: &str) -> Vec<String> {
     ]
 }
 
-/// Half a wing at a mirror, a whole wing of one body, and two halves on the root or on a keel without surface: one
-/// wing. The halves had a slit of half a panel: lift 12 to 8 % low, drag 11 to 14 % high.
+/// Half a wing at a mirror plane, a whole wing of one body, and two halves on the root or on a keel without surface are the same
+/// wing. The halves used to have a slit of half a panel: lift 12 to 8 % low, drag 11 to 14 % high.
 #[test]
 fn q56_two_halves_are_one_wing() {
     let half = [body("right", 1.0, "root", CLAMPED), surface("right", 8, "")];
@@ -60,7 +60,7 @@ fn q56_two_halves_are_one_wing() {
         [body("wing", 2.0, "root", &format!("{CLAMPED}\nroot_position_m = [-1.0, 0.0, 0.0]")), surface("wing", 16, "")];
     let keel = |place: &str| {
         let upright = format!("{CLAMPED}\nmount_rotation_deg = [0.0, -90.0, 0.0]");
-        // turned back by 90 degrees about y, the left one by 180 degrees about z before: half a turn about x + z
+        // rotated back by 90 degrees about y, the left one before that by 180 degrees about z: 180 degrees about x + z
         let mut tables = vec![body("keel", 0.5, "root", &upright)];
         tables.push(body("right", 1.0, "keel", &format!("{CLAMPED}\nmount_rotation_deg = [0.0, 90.0, 0.0]\n{place}")));
         tables.push(body(
@@ -86,8 +86,8 @@ fn q56_two_halves_are_one_wing() {
     }
 }
 
-/// What only happens to meet at the start ends freely: the inner edges of a wing folded like a Z, halves whose
-/// chords differ, halves that hang side by side.
+/// Edges that meet only in the start position are free edges: the inner edges of a wing folded like a Z, halves whose chords differ,
+/// halves attached side by side.
 #[test]
 fn q57_edges_that_only_meet_at_the_start_end_freely() {
     let inset = |machine: &Machine| -> Vec<bool> {

@@ -1,5 +1,5 @@
-//! Equilibria in air that the iteration between structure and air does not find: wings on strips that bend far, folds beyond stall; against
-//! the ends of runs.
+//! Aeroelastic equilibria that the fixed-point iteration between structure and aerodynamics does not find: wings on strips with large
+//! bending, folds beyond stall; against the ends of simulations.
 
 use foldwing::config;
 use foldwing::plant::{Branch, Departure, Holding, Plant, PlantError, Rest, Search};
@@ -21,7 +21,7 @@ fn tip_m(plant: &Plant) -> Vector3<f64> {
     plant.outputs().tips()[0].position_m
 }
 
-/// A cantilever on strips: length in m, bending and torsional stiffness in N·m², place of its axis on the chord.
+/// A cantilever with strips: length in m, bending and torsional stiffness in N·m², position of its axis along the chord.
 #[derive(Debug, Clone, Copy)]
 struct Cantilever {
     length_m: f64,
@@ -52,10 +52,10 @@ impl Cantilever {
 const TUBE: Cantilever =
     Cantilever { length_m: 2.4, bending_n_m2: 540.0, torsion_n_m2: 415.0, axis: 0.25, elements: 6 };
 
-/// Cantilevers that bend up by as much as their length, as long as a tube of 25 mm, twice as long, and a third as stiff, at 40 to
-/// 100 m/s: the equilibrium turns up steadily with the speed, which it does not among those of wings that are rolled up. From 100 m/s, 40 m/s and
-/// 70 m/s on they were refused as unstable, or another one was found. A damped run from the unstrained tube at 100 m/s comes to rest at it: to where
-/// three places at equal times lead if what is left decays exponentially, 4e-4 m short of that.
+/// Cantilevers that bend up by as much as their length, as long as a tube of 25 mm, twice as long, and a third as stiff, at 40 to 100
+/// m/s: the deflection of the equilibrium rises steadily with the speed, unlike that of rolled-up equilibria. From 100 m/s, 40 m/s and 70
+/// m/s on these used to be rejected as unstable, or another equilibrium was found. A damped run from the unstrained tube at 100 m/s settles
+/// there: the exponential extrapolation from three positions at equal intervals agrees, 4e-4 m from the last of them.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn q83_wings_that_bend_far_rest_on_the_path_from_still_air() {
@@ -92,8 +92,9 @@ fn q83_wings_that_bend_far_rest_on_the_path_from_still_air() {
     assert!(decay < 0.5 && off_m < 1e-3 * TUBE.length_m, "{decay} {off_m}");
 }
 
-/// A wing that is soft in torsion, with its axis behind the lift: the path from still air ends at a limit point, and beyond it the
-/// error, or the report on another equilibrium, has the divergence speed. A hundredth below that speed there is an equilibrium on the path.
+/// A wing that is soft in torsion, with its axis aft of the aerodynamic centre: the path from still air ends at a limit point, and
+/// beyond it the error, or the report on another equilibrium, gives the divergence speed. One per cent below that speed there is an
+/// equilibrium on the path.
 #[test]
 fn q84_divergence_ends_the_path_and_is_named() {
     let wing = Cantilever { torsion_n_m2: 60.0, axis: 0.3, elements: 8, ..TUBE };
@@ -115,7 +116,7 @@ fn q84_divergence_ends_the_path_and_is_named() {
     }
 }
 
-/// A half wing with a tip on a flared hinge, in the lattice with a polar that breaks down at 11 deg.
+/// A half wing with a tip on a flared hinge, in the lattice with a polar that stalls at 11 deg.
 fn folding(pitch_deg: f64, free: bool, strips: [usize; 2], flare_deg: f64) -> String {
     let (sine, cosine) = flare_deg.to_radians().sin_cos();
     let side = [(11.0, 1.05, 0.03), (14.0, 0.7, 0.15), (25.0, 0.75, 0.4), (90.0, 0.0, 1.2)];
@@ -144,9 +145,9 @@ fn folding(pitch_deg: f64, free: bool, strips: [usize; 2], flare_deg: f64) -> St
     text
 }
 
-/// Folding wings beyond stall at pitches of -20 to 20 deg, fold free and locked: every equilibrium is found, and the strips beyond stall are
-/// counted. With them the sideslip wing of the wind tunnel (`examples/wind_tunnel`) with a measured polar of NACA 0015, which was refused at 13 and 17 deg: a
-/// flow that began anew for every fold angle jumped from one circulation to another, and the loads with it.
+/// Folding wings beyond stall at pitches of -20 to 20 deg, fold free and locked: every equilibrium is found, and the strips beyond
+/// stall are counted. Also the sideslip wing of the wind tunnel (`examples/wind_tunnel`) with a measured polar of NACA 0015, which used to
+/// fail at 13 and 17 deg: a flow solution restarted for every fold angle jumped from one circulation to another, and so did the loads.
 #[test]
 fn q85_folds_beyond_stall_come_to_rest() {
     for pitch_deg in [-20.0, -17.0, -14.0, 6.0, 14.0, 17.0, 20.0] {
@@ -201,9 +202,9 @@ fn fold_deg(plant: &Plant) -> f64 {
     plant.outputs().joints()[0].angle_rad.to_degrees()
 }
 
-/// The end of a run from the unstrained wing is the equilibrium, beyond stall too: fold angles. What is left of 50 deg after 2 s, with the
-/// 6 per second at which the hinge's damping lets it go, is 3e-4 deg; the run ended on another circulation than `static` before, 3 deg off in the sideslip
-/// wing at 12 deg.
+/// The fold angle at the end of a run from the unstrained wing is that of the equilibrium, also beyond stall. With the decay rate of
+/// 6 1/s due to the hinge damping, 3e-4 deg of the initial 50 deg are left after 2 s; before, the run ended with a different circulation
+/// than `static`, 3 deg off for the sideslip wing at 12 deg.
 #[test]
 fn q86_a_run_beyond_stall_ends_at_the_equilibrium() {
     for pitch_deg in [6.0, 14.0, 17.0] {
@@ -221,8 +222,8 @@ fn q86_a_run_beyond_stall_ends_at_the_equilibrium() {
     }
 }
 
-/// A stiff vane that turns freely about its axis. The air turns it nose up between 0 and 0.6 rad, where it rests, but for a narrow dip about
-/// 0.2 rad, where the latch is: there it turns the vane back to 0.164 rad, over which the search steps.
+/// A stiff vane that rotates freely about its axis. The aerodynamic moment is nose-up between 0 and its equilibrium at 0.6 rad, except in a
+/// narrow range about 0.2 rad, where the latch is: there it rotates the vane back to 0.164 rad; the search steps over this range.
 fn vane(start_deg: f64, latch: &str) -> String {
     let moments = [
         (-1.05, 0.5),
@@ -249,8 +250,8 @@ fn vane(start_deg: f64, latch: &str) -> String {
     )
 }
 
-/// Two equilibria exclude each other: with the latch closed the loads push the joint back towards its start, and without it the search
-/// ends beyond the latch. The error names the joint, and both remedies that it names lead to an equilibrium.
+/// Two equilibria exclude each other: with the latch closed the loads push the joint back towards its start, and without it the
+/// search ends beyond the latch. The error names the joint, and both remedies in it lead to an equilibrium.
 #[test]
 fn q91_a_latch_between_two_equilibria_is_named() {
     let start_deg = 0.1f64.to_degrees();
@@ -259,7 +260,7 @@ fn q91_a_latch_between_two_equilibria_is_named() {
     let message = refused.expect_err("no equilibrium").to_string();
     assert!(message.contains("the latch of shaft would have to pull its joint back"), "{message}");
     assert!(message.contains("choose a start angle near the equilibrium, or disable the latch"), "{message}");
-    // without the latch, from its far side, and with the latch disabled; the vane itself twists by 1e-6 rad
+    // without the latch, from the far side of the latch, and with the latch disabled; the vane itself twists by 1e-6 rad
     let angle_rad = |plant: &Plant| plant.outputs().joints()[0].angle_rad;
     let near = |plant: &Plant| (angle_rad(plant) - 0.6).abs() < 1e-5;
     for text in [vane(start_deg, ""), vane(30.0, &latch)] {

@@ -1,4 +1,4 @@
-//! Flaps on machines: the linear model's answer against the machine in time, rest, snapshots, both sides of a wing.
+//! Control surfaces on machines: response of the linear model against the simulated machine, equilibrium, snapshots, both sides of a wing.
 
 use foldwing::config;
 use foldwing::interface::{Interface, LinearModel};
@@ -8,12 +8,12 @@ use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Length of the flap's bump and end of the record in s.
+/// Duration of the deflection pulse, and end of the record, in s.
 const BUMP_S: f64 = 0.06;
 const END_S: f64 = 0.12;
 /// Steps of the record in s.
 const SAMPLE_S: f64 = 1e-3;
-/// Largest angle in rad: small against an incidence of 0.025.
+/// Largest deflection in rad: small compared with an incidence of 0.025.
 const SIZE_RAD: f64 = 1e-5;
 
 /// `(1 − cos)/2` and its rate in 1/s.
@@ -22,7 +22,7 @@ fn bump(time_s: f64) -> [f64; 2] {
     if time_s < BUMP_S { [0.5 * (1.0 - phase.cos()), 0.5 * TAU / BUMP_S * phase.sin()] } else { [0.0, 0.0] }
 }
 
-/// The shipped folding wing in a wind that makes it carry weight, with an aileron on the folding part.
+/// The shipped folding wing with an aileron on the folding part, in a wind that loads the wing.
 fn machine(angle_deg: f64, held: bool, model: &str, step_s: f64) -> Machine {
     let text = include_str!("../../../examples/models/folding_wing.toml");
     let text: String = text
@@ -57,7 +57,7 @@ fn read(plant: &Plant) -> [f64; 3] {
     [outputs.tips()[0].position_m.z, outputs.gauges()[0], outputs.flaps()[0].hinge_moment_n_m]
 }
 
-/// The same over time, less what they are at the start.
+/// Tip, bending strain and hinge moment over time, minus their values at the start, from a simulation.
 fn marched(angle_deg: f64, held: bool, step_s: f64) -> Vec<[f64; 3]> {
     let mut plant = Plant::new(Arc::new(machine(angle_deg, held, "strip", step_s)));
     plant.parameters_mut().solver_mut().tolerance = 1e-9;
@@ -82,7 +82,7 @@ fn marched(angle_deg: f64, held: bool, step_s: f64) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// The same of the linear model, by the trapezoidal rule in steps of 1/40 of the samples; straight lines between them.
+/// The same quantities from the linear model, by the trapezoidal rule in steps of 1/40 of the samples, with inputs linear between samples.
 fn linear(model: &LinearModel) -> Vec<[f64; 3]> {
     let m = &model.matrices;
     let (n, parts) = (m.a.nrows(), 40);
@@ -109,9 +109,9 @@ fn linear(model: &LinearModel) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// A small aileron that moves and returns, held at 60° and behind a closed latch at 0°: tip and root strain within 1e-4 of the
-/// largest value, the marching carried on to steps of no length by its second order. The hinge moment leaves out what the rate of
-/// the input `command_rate` adds through the apparent mass: that is bounded apart.
+/// A small aileron deflection and return, with the tip held at 60° and with a closed latch at 0°: tip and root strain agree within
+/// 1e-4 of the largest value, with the simulation extrapolated to zero step by its second order. The hinge moment excludes the contribution
+/// of the rate of the input `command_rate` through the apparent mass, which is bounded separately.
 #[test]
 fn q67_a_small_aileron_moves_the_linear_model_as_the_machine() {
     for (angle_deg, held) in [(60.0, true), (0.0, false)] {
@@ -144,8 +144,8 @@ fn q67_a_small_aileron_moves_the_linear_model_as_the_machine() {
     }
 }
 
-/// In equilibrium the wing bends under the control surface as in the linear model, and the hinge moment agrees; with strips and with
-/// the lattice a downward deflection raises the wing and has a restoring hinge moment.
+/// In equilibrium the control surface bends the wing as much as in the linear model, and the hinge moment agrees; with strips and
+/// with the lattice a downward deflection raises the wing and has a restoring hinge moment.
 #[test]
 fn q68_a_flap_bends_the_wing_at_rest() {
     for model in ["strip", "uvlm"] {
@@ -172,15 +172,15 @@ fn q68_a_flap_bends_the_wing_at_rest() {
             let rest = -m.a.clone().lu().solve(&m.b).expect("regular");
             let gains = &m.c * rest + &m.d;
             for (gain, slope) in gains.iter().zip([slopes[0], slopes[2]]) {
-                // central differences of 1e-3 rad: third order
+                // central differences of 1e-3 rad: error of third order
                 approx::assert_relative_eq!(*gain, slope, max_relative = 1e-4);
             }
         }
     }
 }
 
-/// Steps taken again from a snapshot, with a flap in motion, give the same bits; beyond its limits a flap is refused with
-/// place, value and cure, and the machine stays at the last good time.
+/// Steps repeated from a snapshot, with a moving control surface, give bit-identical results; a command beyond the limits is rejected
+/// with location, value and remedy, and the machine stays at the last valid time.
 #[test]
 fn q69_flaps_go_back_with_snapshots_and_stop_at_their_limits() {
     for model in ["strip", "uvlm"] {
@@ -210,7 +210,7 @@ fn q69_flaps_go_back_with_snapshots_and_stop_at_their_limits() {
     }
 }
 
-/// Positive angles move the trailing edge towards `−z` whichever side the leading edge lies on: a wing whose leading edge lies
+/// Positive angles move the trailing edge towards `−z` on whichever side the leading edge lies: a wing whose leading edge lies
 /// towards `−y`, in the wind from there, is the mirror image of one towards `+y`.
 #[test]
 fn q70_flaps_go_down_on_both_sides() {

@@ -1,22 +1,22 @@
-//! flutter of Goland's wing by time marching.
+//! flutter of Goland's wing from simulations in time.
 
 use crate::coupling::goland::{Goland, LATTICE_WITH_SUCTION, reference};
 use crate::whole::is_whole;
 
-/// Flutter speed in m/s and frequency in rad/s with the strip model's fit to Wagner's function, of the continuous wing
-/// by transfer matrices: W-32 of the crate "strips", which shares nothing with the product but that fit.
+/// Flutter speed in m/s and frequency in rad/s of the continuous wing with the strip model's fit to Wagner's function, by transfer
+/// matrices: W-32 of the crate "strips", which shares only that fit with the product.
 const FITTED: [f64; 2] = [137.335, 69.346];
 
-/// Differences to the reference in parts of it.
+/// Relative differences from the reference.
 fn off(ours: [f64; 2], reference: [f64; 2]) -> [f64; 2] {
     [ours[0] / reference[0] - 1.0, ours[1] / reference[1] - 1.0]
 }
 
-/// Strips: flutter speed and frequency, and how they converge with strips, aerodynamic step and elements.
+/// Strips: flutter speed and frequency, and their convergence with strips, aerodynamic step and elements.
 ///
-/// Loads run linearly over a step and along a strip: second order in both. Elements are fourth order; two pairs suffice.
-/// Carried on to strips and steps of no width the reference is left by what the orders leave, a tenth of a percent of
-/// which the finest runs still have half. Short: the wing as it is run.
+/// Loads are linear over a step and along a strip: second order in both. Elements are of fourth order; two pairs suffice. Extrapolated to
+/// zero strip width and step, the results differ from the reference by the remaining higher-order terms, a tenth of a per cent; the finest
+/// runs differ by half of that. Short studies: only the wing of the shipped mesh.
 #[test]
 fn q22_strips_flutter_where_the_continuous_wing_does() {
     let base = Goland::strips();
@@ -43,8 +43,8 @@ fn q22_strips_flutter_where_the_continuous_wing_does() {
     assert!((pairs[0] / middle[0] - 1.0).abs() < 1e-4, "{pairs:?}");
 }
 
-/// In heavier air the wing flutters earlier, in thinner air later, by the ratio of W-32's determinant for Theodorsen's theory
-/// (136.950 to 146.70 m/s from 1.225 to 1.02 kg/m³, 7.12 %); the fit changes that ratio by less than a tenth.
+/// In denser air the wing flutters at lower speed, in thinner air at higher speed, by the ratio from W-32's determinant with
+/// Theodorsen's theory (136.950 to 146.70 m/s from 1.225 to 1.02 kg/m³, 7.12 %); the fit changes that ratio by less than a tenth.
 #[test]
 fn q23_thinner_air_lets_it_flutter_later() {
     let thick = Goland::strips().flutter(137.0, 0.036);
@@ -54,16 +54,16 @@ fn q23_thinner_air_lets_it_flutter_later() {
     assert!((ratio / (146.70 / 136.950 - 1.0) - 1.0).abs() < 0.1, "{ratio}");
 }
 
-/// The lattice, coarse: later flutter than by strips, whose wing has no tip; the rule for the loads and all of the
-/// wake beyond ten chords do not matter; prints how far strips and panels do. Q-25 goes to the published lattice. Short: without
-/// other wakes, other rules and finer strips.
+/// A coarse lattice: flutter at a higher speed than with strips, which have no tip loss; the load formula and the wake beyond ten
+/// chords do not matter; prints the effect of strips and panels. Q-25 covers the published lattice. Short studies: without other wakes,
+/// load formulas and finer strips.
 #[test]
 fn q24_lattice_flutters_later_than_strips() {
     let base = Goland::lattice(4, 8);
     let run = |case: Goland| case.flutter(176.0, 0.04);
     let coarse = run(base);
     let by_strips = Goland { density_kg_m3: 1.02, ..Goland::strips() }.flutter(147.0, 0.036);
-    // at aspect ratio 6.67 the lift slope is 0.73 of strip theory's, and the speed goes with the root of the slope: 1.17
+    // at aspect ratio 6.67 the lift slope is 0.73 of strip theory's, and the speed varies with 1/√(slope): 1.17
     assert!(coarse[0] > 1.1 * by_strips[0], "{coarse:?}, {by_strips:?}");
     if !is_whole() {
         return;
@@ -73,22 +73,23 @@ fn q24_lattice_flutters_later_than_strips() {
     let strips = run(Goland::lattice(4, 16));
     println!("Q-24 4 x 8 panels: {coarse:.3?} (m/s, rad/s); 16 strips {strips:.3?}");
     println!("Q-24 wake of 5, 20 chords: {short:.3?}, {long:.3?}; Kutta-Joukowski: {suction:.3?}");
-    // loads of small motions are the same by both rules; squares of the motion are 1e-8 of it
+    // loads of small motions are equal by both formulas; squares of the motion are 1e-8 of it
     assert!((suction[0] / coarse[0] - 1.0).abs() < 1e-6, "{suction:?}");
-    // a wave of the wake is 8.7 chords long: its vortices alternate; 5 and 10 chords leave 1.1 % and 0.34 % of the lift (U-16)
+    // a wave of the wake is 8.7 chords long, and its vortices alternate; truncation at 5 and 10 chords changes the lift by 1.1 % and 0.34 %
+    // (U-16)
     assert!((long[0] / coarse[0] - 1.0).abs() < 3.4e-3 && (short[0] / coarse[0] - 1.0).abs() < 1.1e-2);
 }
 
-/// Flutter speed in m/s that the reference file has for a lattice of 16 panels along the chord at 1.02 kg/m³.
+/// Flutter speed in m/s in the reference file for a lattice of 16 panels along the chord at 1.02 kg/m³.
 fn published_lattice() -> f64 {
     reference()["vortex_lattice"][0]["flutter_speed_m_s"].as_f64().expect("a number")
 }
 
-/// The published lattice: its panels and its wake, 16 along the chord and 16 along each half wing.
+/// The published lattice with its panels and its wake: 16 along the chord and 16 along each half wing.
 ///
-/// Its rings begin at the leading edge of each panel, ours at a quarter of it. The flow of both is that of the same
-/// plates a quarter of a panel apart, so that our lattice stands for the published one where the elastic axis lies a
-/// quarter of a panel further aft. Carried on to more panels both come to the same.
+/// Its rings begin at the leading edge of each panel, ours at a quarter of it. Both flows are those of the same plates a quarter of a panel
+/// apart, so our lattice corresponds to the published one if the elastic axis lies a quarter of a panel further aft. With more panels both
+/// converge to the same value.
 #[test]
 #[ignore = "minutes: make validate"]
 fn q25_flutter_of_the_published_lattice() {
@@ -105,6 +106,6 @@ fn q25_flutter_of_the_published_lattice() {
     let theirs = aft(Goland::lattice(16, 16)).flutter(166.0, 0.03);
     let off = theirs[0] / published_lattice() - 1.0;
     println!("Q-25 16 x 16 with rings from the panels' edges: {theirs:.2?}, {:+.2} %", 100.0 * off);
-    // the goal for published values
+    // required agreement with published values
     assert!(off.abs() < 0.03, "{theirs:?}");
 }

@@ -1,4 +1,4 @@
-//! Equal flows give equal results in any frame: flying wings, moving roots, wind.
+//! Equal flows give equal results in every frame: flying wings, moving roots, wind.
 
 use crate::coupling::wings::{march, start};
 use crate::trees::Random;
@@ -6,7 +6,7 @@ use foldwing::config;
 use foldwing::plant::{Plant, Statistics, SurfaceLattice};
 use nalgebra::Vector3;
 
-/// A stiff wing so heavy that the air does not move it, at 5 degrees of incidence.
+/// A stiff wing at 5 degrees of incidence, so heavy that aerodynamic loads do not move it.
 fn heavy_wing(joint: &str, gravity_m_s2: [f64; 3], wind_m_s: [f64; 3], air: &str) -> Plant {
     let panels = if air.contains("strip") { "" } else { "chord_panels = 3\n" };
     let text = format!(
@@ -38,7 +38,7 @@ fn models() -> impl Iterator<Item = String> {
         .flat_map(|air| [true, false].map(|established| format!("{air}\nsteady_initial_flow = {established}")))
 }
 
-/// Forces of the air in N at the start and every 10 ms, `change` called before each step.
+/// Aerodynamic forces in N at the start and every 10 ms; `change` is called before each step.
 fn forces_n(mut plant: Plant, mut change: impl FnMut(&mut Plant)) -> Vec<Vector3<f64>> {
     let mut forces = vec![plant.outputs().air_total().force_n];
     for step in 1..=15 {
@@ -54,8 +54,8 @@ fn difference(one: &[Vector3<f64>], two: &[Vector3<f64>]) -> f64 {
     one.iter().zip(two).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / largest_n
 }
 
-/// Fixed in the wind, flying through air at rest, and both together: one flow, one lift, from the start on. Version
-/// 0.1.0 shed no wake in air at rest and laid the wake of the start along the wind: 77 % off.
+/// Fixed in the wind, flying through still air, and both together: the same flow and lift from the start on. Version 0.1.0 shed no
+/// wake in still air and placed the wake of the start along the wind: 77 % off.
 #[test]
 fn q50_wind_and_flight_are_one_flow() {
     for air in models() {
@@ -69,12 +69,12 @@ fn q50_wind_and_flight_are_one_flow() {
     }
 }
 
-/// A wing that falls freely through air at rest, and one on a root that accelerates alike, whose wind runs up at
-/// the same rate: velocities are averaged relative to that wind, eq. (Q4).
+/// A wing in free fall through still air, and one on a root with the same acceleration in wind that accelerates at the same rate:
+/// velocities are averaged relative to that wind, eq. (Q4).
 #[test]
 fn q51_a_root_that_accelerates_is_a_wing_that_does() {
     let (gravity_m_s2, rate_m_s2) = ([0.0, 8.0, -3.0], Vector3::new(0.0, -8.0, 3.0));
-    // no far wake: that is seen from where the velocity of a step's begin leads, 2e-5 of the load off in an accelerated frame
+    // no far wake: its direction follows from the velocity at the start of a step, an error of 2e-5 of the load in an accelerated frame
     for air in models().map(|air| air.replace("wake_rows = 12", "wake_rows = 6")) {
         let falls = forces_n(flying([0.0, 10.0, 0.0], gravity_m_s2, [0.0; 3], &air), |_| ());
         let root = heavy_wing("type = \"clamped\"", gravity_m_s2, [0.0, -10.0, 0.0], &air);
@@ -112,8 +112,8 @@ fn angle_deg(plant: Plant, end_s: f64) -> f64 {
     march(plant, end_s, 1).outputs().joints()[0].angle_rad.to_degrees()
 }
 
-/// A wing that unfolds in air at rest, seen from roots that move with the air. Before, 0.10269 s to the latch at
-/// rest and 0.10507 s in every other frame.
+/// A wing that unfolds in still air, in frames of roots that move with the air. Before, it latched at 0.10269 s with a fixed root and
+/// at 0.10507 s in every other frame.
 #[test]
 fn q52_unfolding_in_air_at_rest_does_not_depend_on_the_frame() {
     for air in ["steady_initial_flow = true", "steady_initial_flow = false"] {
@@ -121,15 +121,15 @@ fn q52_unfolding_in_air_at_rest_does_not_depend_on_the_frame() {
         for speed_m_s in [1.0, 20.0] {
             let moving_deg = angle_deg(unfolding(Some(speed_m_s), speed_m_s, air), 0.06);
             println!("Q-52 {rest_deg} deg at rest, {:e} at {speed_m_s} m/s", moving_deg - rest_deg);
-            // the joint of the carrier is integrated too: Newton's iteration leaves 1e-8 of its own
+            // the joint of the carrier is integrated too: Newton's iteration leaves a relative error of 1e-8
             assert!((moving_deg - rest_deg).abs() < 1e-7 * rest_deg, "{moving_deg} {rest_deg}");
         }
     }
 }
 
-/// The same with a free wake, folded sheets included, until shortly before the latch closes. With cores narrower than the distance of
-/// the wake's lines round-off grows: the latch closed at 0.1047, 0.1063 and 0.1035 s with a fifth of that distance, and with the core of
-/// the panels a run stopped. Only round-off remains; required is 1e-4.
+/// As Q-52 with a free wake, folded sheets included, until shortly before the latch closes. With vortex cores narrower than the
+/// spacing of the wake's lines, round-off grows: the latch closed at 0.1047, 0.1063 and 0.1035 s with a fifth of that spacing, and with the
+/// core of the panels a run failed. Now only round-off remains; the required agreement is 1e-4.
 #[test]
 fn q81_a_free_wake_does_not_depend_on_the_frame() {
     let air = "free_wake = true";
@@ -145,7 +145,7 @@ fn between(random: &mut Random, from: f64, to: f64) -> f64 {
     from + (to - from) * 0.5 * (1.0 + random.symmetric())
 }
 
-/// A wing of two to four bodies on locked, flared hinges at drawn angles, in a wind that comes from the side too.
+/// A wing of two to four bodies on locked, flared hinges at random angles, in a wind that may also come from the side.
 fn held(random: &mut Random, free_wake: bool) -> Plant {
     let mut text = "name = \"Held\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n".to_owned();
     let (bodies, chord_m) = (2 + (between(random, 0.0, 3.0) as usize).min(2), between(random, 0.1, 0.25));
@@ -185,7 +185,7 @@ fn held(random: &mut Random, free_wake: bool) -> Plant {
 }
 
 /// Random wings on locked hinges: a free wake with the default core changes the forces by a few per cent of the largest. With cores
-/// of a hundredth of a panel the wake was thrown about where sheets lie over each other: by up to 21 times, and runs stopped.
+/// of a hundredth of a panel, the wake became irregular where sheets overlap: the forces changed by up to 21 times, and runs failed.
 #[test]
 fn q82_free_wakes_of_held_wings_stay_near_prescribed_ones() {
     let forces_n = |seed: u64, free_wake: bool| -> Vec<Vector3<f64>> {
@@ -199,12 +199,12 @@ fn q82_free_wakes_of_held_wings_stay_near_prescribed_ones() {
     for seed in 1..=10 {
         let off = difference(&forces_n(seed, false), &forces_n(seed, true));
         println!("Q-82 {seed}: {off:.1e}");
-        // what rolls up behind folded wings: twice the largest of twelve such wings that were looked at
+        // roll-up behind folded wings: twice the largest value of twelve such wings
         assert!(off < 0.04, "{seed}: {off}");
     }
 }
 
-/// Air at rest is the limit of slow wind, whether the flow of the start is established or not.
+/// Still air is the limit of slow wind, whether the flow at the start is steady or impulsive.
 #[test]
 fn q53_slow_wind_leads_to_air_at_rest() {
     let rest_deg = angle_deg(unfolding(None, 0.0, ""), 0.06);
@@ -212,23 +212,23 @@ fn q53_slow_wind_leads_to_air_at_rest() {
         let air = format!("steady_initial_flow = {established}");
         let off_deg = [1e-3, 1e-2].map(|wind| angle_deg(unfolding(None, wind, &air), 0.06) - rest_deg);
         println!("Q-53 {rest_deg} deg at rest, off by {off_deg:?}");
-        // the wake of an established start has a ring at the edge from the first step on, which moves the youngest vortex,
-        // eq. (U9), whatever the wind: 0.039 deg, 3e-5 s of the way; a wind of 0.01 m/s adds 0.009 deg (2026-11-24, since that vortex
-        // goes across the chord with the air: 0.006 before at most)
+        // after a steady-flow start the wake has a ring at the edge from the first step on, which moves the youngest vortex, eq. (U9),
+        // whatever the wind: 0.039 deg, 3e-5 s of the motion; a wind of 0.01 m/s adds 0.009 deg (2026-11-24, since that vortex moves across
+        // the chord with the air; before, at most 0.006)
         let own_deg = [0.045, 0.055];
         assert!(off_deg.iter().zip(own_deg).all(|(off, own)| off.abs() < own), "{off_deg:?} of {rest_deg}");
     }
 }
 
-/// Distance of the row that the start has left behind the trailing edge, and the time of it in s.
+/// Distance from the trailing edge to the row shed at the start, and the corresponding time in s.
 fn first_row_m(plant: &Plant, start: &[SurfaceLattice]) -> (f64, Vector3<f64>) {
     let (time_s, now) = plant.lattice().expect("a lattice");
     let last = now[0].wake_node_m.last().expect("a row");
     (time_s, last[3] - start[0].wake_node_m[0][3])
 }
 
-/// The wake goes as far as the wind does, whatever happens inside aerodynamic steps: jumps and runs of the wind
-/// there, between the caller's steps of 1.3 ms and the air's of 5 ms.
+/// The wake travels with the wind, whatever happens inside aerodynamic steps: jumps and ramps of the wind there, with communication
+/// steps of 1.3 ms and aerodynamic steps of 5 ms.
 #[test]
 fn q54_wake_goes_with_a_wind_that_jumps_inside_a_step() {
     let air = "model = \"uvlm\"\nwake_rows = 50\nsteady_initial_flow = false";
@@ -246,14 +246,14 @@ fn q54_wake_goes_with_a_wind_that_jumps_inside_a_step() {
         way_m += wind_m_s * 1.3e-3 + rate_m_s2 * (0.5 * 1.3e-3 * 1.3e-3);
         wind_m_s += rate_m_s2 * 1.3e-3;
         let (time_s, row_m) = first_row_m(&plant, &start);
-        // the lattice is at the end of the aerodynamic step, to which the present wind is extrapolated
+        // the lattice is at the end of the aerodynamic step, up to which the present wind is extrapolated
         let expected_m = way_m + wind_m_s * (time_s - plant.time_s());
         let runs = rate_m_s2 != Vector3::zeros();
         assert!(runs || (row_m - expected_m).norm() < 1e-12, "step {step}: {row_m} {expected_m}");
     }
 }
 
-/// Rows that outgrow two panels are counted, whatever moves, and the advice names a step that ends it.
+/// Rows longer than two panels are counted, whatever the cause of the motion, and the warning gives a step that avoids them.
 #[test]
 fn q55_rows_that_are_too_long_are_told() {
     let air = "model = \"uvlm\"\nwake_rows = 12";
@@ -268,7 +268,8 @@ fn q55_rows_that_are_too_long_are_told() {
     }
 }
 
-/// The advice distinguishes a length that only just exceeds the bound from the bound, and its proposed step stays within it.
+/// The warning gives enough digits to distinguish the bound from a length that only just exceeds it, and its proposed step stays
+/// within the bound.
 #[test]
 fn q55_advice_on_rows_is_told_to_the_digit_that_matters() {
     for (panels, told) in [(2.0031, "up to 2.003 panels"), (2.01, "up to 2.01 panels"), (2.16, "up to 2.2 panels")] {

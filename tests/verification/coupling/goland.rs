@@ -1,7 +1,7 @@
 //! Goland's wing for the tests: the shipped model with every kind of aerodynamics, simulated in time.
 //!
-//! In wind along its chord the wing meets a small short gust. Growth rate and frequency of the response come from the tip's heave by the
-//! matrix pencil ([`crate::coupling::identification`]); at the flutter speed the growth rate vanishes.
+//! In wind along its chord the wing encounters a small short gust. Growth rate and frequency of the response come from the tip's heave by
+//! the matrix pencil ([`crate::coupling::identification`]); at the flutter speed the growth rate vanishes.
 
 use crate::coupling::identification::{Oscillation, least_damped};
 use crate::coupling::wings::start;
@@ -9,11 +9,11 @@ use foldwing::config;
 use foldwing::machine::Machine;
 use serde_json::Value;
 
-/// Samples before this time are not used: the gust has passed after 40 ms, higher modes have died away.
+/// Samples before this time are not used: the gust has passed after 40 ms, higher modes have decayed.
 const FROM_S: f64 = 0.1;
-/// Distance of the samples in s: 22 per period of the flutter.
+/// Sampling interval in s: 22 samples per period of the flutter.
 const INTERVAL_S: f64 = 4e-3;
-/// Frequencies in rad/s between which the flutter is looked for; bending and torsion in a vacuum have 49 and 87.
+/// Frequency range in rad/s in which flutter is sought; bending and torsion in a vacuum are at 49 and 87.
 const BAND_RAD_S: [f64; 2] = [40.0, 110.0];
 
 /// Strip theory.
@@ -22,13 +22,13 @@ pub const STRIPS: &str = "model = \"strip\"";
 /// The vortex lattice of a half wing.
 pub const LATTICE: &str = "model = \"uvlm\"\nmirror_normal = [1.0, 0.0, 0.0]";
 
-/// The same with loads by Kutta and Joukowski's theorem.
+/// The same lattice with loads by the Kutta–Joukowski theorem.
 pub const LATTICE_WITH_SUCTION: &str = "model = \"uvlm\"\nmirror_normal = [1.0, 0.0, 0.0]\nleading_edge_suction = true";
 
 /// Discretisation of a run, and its aerodynamics.
 #[derive(Clone, Copy, Debug)]
 pub struct Goland {
-    /// Lines of `[aerodynamics]` with the model.
+    /// Lines of `[aerodynamics]` that select the model.
     pub air: &'static str,
     /// Density of the air in kg/m³.
     pub density_kg_m3: f64,
@@ -40,14 +40,14 @@ pub struct Goland {
     pub chord_panels: usize,
     /// Rows of panels in the wake.
     pub wake_rows: usize,
-    /// Travel of the wind in an aerodynamic step, in chords; the motion is so small that the error estimate needs no shorter structural
-    /// steps.
+    /// Distance the wind travels in an aerodynamic step, in chords; the motion is so small that the error estimate needs no shorter
+    /// structural steps.
     pub step_chords: f64,
-    /// Elastic axis behind the leading edge, of the chord.
+    /// Distance of the elastic axis behind the leading edge, as a fraction of the chord.
     pub elastic_axis_fraction: f64,
     /// Incidence of the surface in degrees.
     pub incidence_deg: f64,
-    /// Largest velocity of the gust in m/s: so small that squares of the motion are lost.
+    /// Peak velocity of the gust in m/s: so small that terms quadratic in the motion are negligible.
     pub gust_m_s: f64,
     /// End of the record in s.
     pub end_s: f64,
@@ -74,8 +74,8 @@ impl Goland {
         }
     }
 
-    /// Lattice with panels of the travel in a step, wake of ten chords, at the density of the published values; the wing ends at a mirror
-    /// plane.
+    /// Lattice whose panels have the length that the wind travels in a step, with a wake of ten chords, at the density of the published
+    /// values; the wing ends at a mirror plane.
     pub fn lattice(chord_panels: usize, strips: usize) -> Self {
         Self {
             air: LATTICE,
@@ -89,7 +89,7 @@ impl Goland {
         }
     }
 
-    /// The wing in a wind along its chord, with the structure of the shipped model after `change`.
+    /// The wing in a wind along its chord, with the structure of the shipped model modified by `change`.
     pub fn machine(&self, speed_m_s: f64, change: impl Fn(String) -> String) -> Machine {
         let shipped = include_str!("../../../examples/models/goland_wing.toml");
         let (structure, _) = shipped.split_once("\n[aerodynamics]").expect("air after the structure");
@@ -127,8 +127,8 @@ impl Goland {
         least_damped(&heave_m, INTERVAL_S, BAND_RAD_S)
     }
 
-    /// Flutter speed in m/s and frequency in rad/s: the zero of the parabola through the growth rates at three speeds,
-    /// `load_interpolation` apart as parts of the middle one.
+    /// Flutter speed in m/s and frequency in rad/s: the zero of the parabola through the growth rates at three speeds, spaced by the
+    /// fraction `spread` of the middle one.
     pub fn flutter(&self, near_m_s: f64, spread: f64) -> [f64; 2] {
         let speeds_m_s = [1.0 - spread, 1.0, 1.0 + spread].map(|factor| factor * near_m_s);
         let runs = speeds_m_s.map(|speed_m_s| self.oscillation(speed_m_s));
@@ -153,7 +153,7 @@ pub fn parabola(x: [f64; 3], y: [f64; 3], at: f64) -> f64 {
         .sum()
 }
 
-/// The file with the wing's data and the published results.
+/// The reference file with the wing's data and the published results.
 pub fn reference() -> Value {
     serde_json::from_str(include_str!("../../reference/goland.json")).expect("valid JSON")
 }
@@ -181,7 +181,7 @@ fn q20_model_has_the_data_of_the_reference() {
         (number(&section["torsional_rigidity_N_m2"]), "torsional_stiffness_N_m2"),
         (inertia_kg_m + mass_kg_m * arm_m * arm_m, "inertia_about_elastic_axis_kg_m"),
     ] {
-        // digits of the file
+        // number of digits in the file
         approx::assert_relative_eq!(ours, of(key), max_relative = 1e-7);
     }
 }

@@ -1,4 +1,4 @@
-//! Surfaces as model files state them: wings and their mirror images, edges along flared hinges.
+//! Surfaces as defined in model files: wings and their mirror images, edges along flared hinges.
 
 use crate::coupling::wings::start;
 use foldwing::config;
@@ -13,7 +13,7 @@ fn machine(text: &str) -> Machine {
     config::parse(text, "wing.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// Force and moment on the root in N and N·m of a half wing after three steps in the air, or of its mirror image on the other side.
+/// Force and moment at the root in N and N·m of a half wing after three steps with aerodynamics, or of its mirror image on the other side.
 fn half(air: &str, profile: &str, mirrored: bool) -> [f64; 6] {
     let (turn, side) = if mirrored { ("[0, 0, 180]", "-y") } else { ("[0, 0, 0]", "+y") };
     let text = format!(
@@ -28,8 +28,8 @@ fn half(air: &str, profile: &str, mirrored: bool) -> [f64; 6] {
     [force.x, force.y, force.z, moment.x, moment.y, moment.z]
 }
 
-/// U-65. A wing and its mirror image, whose leading edge lies on the side of `-y`: the same forces and moments, mirrored. Profiles
-/// with camber, moment or a polar used to be upside down on one of the two.
+/// U-65. A wing and its mirror image, whose leading edge is on the side of `-y`, have the same forces and moments, mirrored. Profiles with
+/// camber, moment or a polar used to be upside down on one of the two.
 #[test]
 fn u65_mirror_images_carry_alike() {
     let polar = "polar = [[-20.0, -1.2, 0.05, -0.02], [-4.0, 0.0, 0.01, -0.05], [10.0, 1.3, 0.02, -0.06], [20.0, 1.0, 0.2, -0.1]]";
@@ -48,13 +48,13 @@ fn u65_mirror_images_carry_alike() {
         let largest = own.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
         let error = own.iter().zip(&image).zip(signs).map(|((a, b), sign)| (a - sign * b).abs()).fold(0.0, f64::max);
         println!("U-65 {air:?} {profile:?}: lift {:.3} N, difference {:.1e}", own[2], error / largest);
-        // the implicit steps of both end at their own round-off
+        // the implicit steps of the two end with different round-off
         assert!(error < 1e-9 * largest, "{air} {profile}: {own:?} {image:?}");
     }
 }
 
-/// A wing with a tip on a hinge flared by 20 deg and held at an angle; `flare` are the lines that the surfaces add, `more` times the
-/// strips.
+/// A wing with a tip on a hinge flared by 20 deg and held at an angle; `flare` are the lines added to the surfaces, `more` is the factor on
+/// the number of strips.
 fn flared(fold_deg: f64, [inner, tip]: [&str; 2], more: usize, air: &str) -> Machine {
     let axis = [20f64.to_radians().sin(), 20f64.to_radians().cos()];
     let spar = SPAR.replace("unstrained", "equilibrium");
@@ -78,8 +78,8 @@ const ALONG_THE_HINGE: [&str; 2] = [
 ];
 const LATTICE: &str = "model = \"uvlm\"\nmirror_normal = [1, 0, 0]";
 
-/// U-64. Edges normal to the bodies separate as a flared hinge folds, and a lattice with narrower strips resolves a wider gap: the torque
-/// about the hinge does not converge. With `flare_deg` both edges are on the hinge at every angle, and it does.
+/// U-64. Edges normal to the bodies separate as a flared hinge folds, and a lattice with narrower strips resolves a wider gap: the hinge
+/// torque does not converge. With `flare_deg` both edges lie on the hinge at every angle, and the torque converges.
 #[test]
 fn u64_edges_along_a_flared_hinge_stay_together() {
     let air = flared(0.0, ALONG_THE_HINGE, 1, LATTICE).air.expect("air");
@@ -90,7 +90,7 @@ fn u64_edges_along_a_flared_hinge_stay_together() {
         for (inner_m, tip_m) in [(last.leading_m, first.leading_m), (last.trailing_m, first.trailing_m)] {
             assert!((inner_m - fold * tip_m).norm() < 1e-15, "{fold_deg} deg");
         }
-        // across the body the chord keeps its length
+        // the component of the chord across the body is unchanged
         assert!((last.leading_m.y - last.trailing_m.y - 0.08).abs() < 1e-15);
     }
     // torque about the hinge in mN m, lift in N
@@ -103,10 +103,10 @@ fn u64_edges_along_a_flared_hinge_stay_together() {
             [ALONG_THE_HINGE, ["", ""]].map(|edges| [1, 2, 4].map(|more| held(fold_deg, edges, more)));
         let change = |held: [[f64; 2]; 3], from: usize| (held[from + 1][0] - held[from][0]).abs();
         println!("U-64 fold {fold_deg}: along the hinge {along:.4?}, across the bodies {across:.4?}");
-        // first order or better
+        // converges with first order or better
         assert!(change(along, 0) > 1.5 * change(along, 1), "{fold_deg}: {along:?}");
         if fold_deg == 0.0 {
-            // one planar wing, cut in two ways; panels that lean differ by their number along the chord, four
+            // one planar wing, divided in two ways; slanted panels differ because there are only four along the chord
             assert!((along[2][1] / across[2][1] - 1.0).abs() < 5e-3, "{along:?} {across:?}");
         } else {
             assert!(change(across, 1) > 3.0 * change(along, 1), "the gap makes no difference: {across:?}");
@@ -118,7 +118,7 @@ fn u64_edges_along_a_flared_hinge_stay_together() {
     assert_eq!(along, across, "strips lie across the bodies");
 }
 
-/// Lines along the chord that would meet are refused, by the place where they do.
+/// Chordwise lines that would intersect are rejected, with the location of the intersection.
 #[test]
 fn flare_that_crosses_lines_is_refused() {
     let text = format!(

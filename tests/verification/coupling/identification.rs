@@ -1,13 +1,13 @@
-//! Growth rate and frequency of a free motion, from samples of it.
+//! Growth rate and frequency of a free motion from its samples.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Singular values of the record below this part of the largest are noise: the coupling leaves 1e-7 of the loads open.
+/// Singular values of the record below this fraction of the largest are noise: the coupling iterates the loads to 1e-7.
 const NOISE: f64 = 1e-6;
-/// Exponentials that a record is taken apart into, at most.
+/// Maximum number of exponentials in the decomposition of a record.
 const MAXIMUM_POLES: usize = 12;
 
-/// An exponential `exp(growth t) cos(frequency t + …)` of a record.
+/// A component `exp(growth t) cos(frequency t + …)` of a record.
 #[derive(Debug, Clone, Copy)]
 pub struct Oscillation {
     /// Growth rate in 1/s.
@@ -16,10 +16,9 @@ pub struct Oscillation {
     pub frequency_rad_s: f64,
 }
 
-/// The least damped oscillation between two frequencies, by the matrix pencil (Hua and Sarkar, IEEE Transactions on
-/// Acoustics, Speech and Signal Processing 38, 1990): samples that are a sum of exponentials make a Hankel matrix whose
-/// rows shifted by one sample have the exponentials' factors per sample as eigenvalues, on the space of its largest
-/// singular vectors.
+/// The least damped oscillation between two frequencies, by the matrix pencil (Hua and Sarkar, IEEE Transactions on Acoustics, Speech and
+/// Signal Processing 38, 1990): for samples that are a sum of exponentials, the shift by one row of their Hankel matrix, projected onto its
+/// dominant singular vectors, has the factors of the exponentials per sample as eigenvalues.
 pub fn least_damped(samples: &[f64], interval_s: f64, band_rad_s: [f64; 2]) -> Oscillation {
     let columns = samples.len() / 2;
     let rows = samples.len() - columns;
@@ -49,6 +48,6 @@ fn q21_matrix_pencil_recovers_known_exponentials() {
     let samples: Vec<f64> = (0..100).map(|i| record(0.1 + 4e-3 * f64::from(i))).collect();
     let found = least_damped(&samples, 4e-3, [40.0, 110.0]);
     println!("Q-21 {found:?}");
-    // what is cut off below the noise level moves the poles that are kept
+    // truncation at the noise level shifts the remaining poles
     assert!((found.growth_1_s - 0.4).abs() < 1e-3 && (found.frequency_rad_s - 69.0).abs() < 1e-3, "{found:?}");
 }

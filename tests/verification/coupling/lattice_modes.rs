@@ -1,4 +1,4 @@
-//! the modes that a lattice lists, against all eigenvalues of its whole model in discrete time.
+//! the modes listed for a lattice, against all eigenvalues of the complete discrete-time model.
 
 use crate::trees::Random;
 use crate::whole::is_whole;
@@ -10,13 +10,13 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// Value between two bounds, even on a logarithmic scale.
+/// Random value between two bounds, uniform on a logarithmic scale.
 fn between(random: &mut Random, low: f64, high: f64) -> f64 {
     (low.ln() + (high / low).ln() * 0.5 * (1.0 + random.symmetric())).exp()
 }
 
-/// A small machine with a vortex lattice: one or two bodies, swept or not, at a wall or on a roll hinge, with a tip on a hinge that may be
-/// free, with lift or without.
+/// A small machine with a vortex lattice: one or two bodies, swept or unswept, clamped at a wall or on a roll hinge, with a tip on a hinge
+/// that may be free, with or without lift.
 fn machine(seed: u64) -> String {
     let mut random = Random::new(seed);
     let coin = |random: &mut Random| random.symmetric() > 0.0;
@@ -85,7 +85,7 @@ fn machine(seed: u64) -> String {
     text
 }
 
-/// Part of states in an eigenvalue: products of left and right vectors over the sum of all.
+/// Participation of a group of states in an eigenvalue: the sum of products of left and right eigenvector entries over the sum of all.
 fn share(right: &DVector<Complex<f64>>, left: &DVector<Complex<f64>>, counts: &dyn Fn(usize) -> bool) -> f64 {
     let product = |i: usize| left[i] * right[i];
     let all: Complex<f64> = (0..right.len()).map(product).sum();
@@ -100,17 +100,18 @@ fn vector(all: &Eigen, i: usize, scale: impl Fn(usize) -> f64) -> DVector<Comple
     })
 }
 
-/// A motion of the whole model.
+/// A mode of the complete model.
 #[derive(Debug)]
 struct Oracle {
     eigenvalue_1_s: Complex<f64>,
     /// Participation of the circulations and of the nodes of the wake.
     wake: f64,
-    /// Rates that do not fit the eigenvalue, over all rates: near 1 where the motion passes so fast that steps show a slower one.
+    /// Relative mismatch between rates and eigenvalue: near 1 for motions so fast that their samples alias to a slower one.
     hidden: f64,
 }
 
-/// The matrix with rows and columns of about equal size, by powers of 2, and the scale of each unknown (Parlett and Reinsch 1969).
+/// The matrix balanced by powers of 2, so that rows and columns have about equal norms, and the scale of each unknown (Parlett and Reinsch
+/// 1969).
 fn balanced_rows(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
     let n = matrix.nrows();
     let (mut scaled, mut scale) = (matrix.clone(), DVector::from_element(n, 1.0));
@@ -133,7 +134,7 @@ fn balanced_rows(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
     (scaled, scale)
 }
 
-/// All motions of the whole model, of a pair the one with positive imaginary part, by Hessenberg form and QR.
+/// All modes of the complete model, of each complex pair the one with positive imaginary part, by Hessenberg form and QR.
 fn all_motions(space: &SampledSpace, mass: &DMatrix<f64>) -> Vec<Oracle> {
     let (matrix, scale) = balanced_rows(&space.matrices.a);
     let (right, left) = (eigen(&matrix).expect("eigenvalues"), eigen(&matrix.transpose()).expect("eigenvalues"));
@@ -157,7 +158,8 @@ fn all_motions(space: &SampledSpace, mass: &DMatrix<f64>) -> Vec<Oracle> {
     slow.map(of).collect()
 }
 
-/// The listed modes about the present state: eigenvalues of the whole model, none of the machine's that is slower missing.
+/// The modes listed at the present state, after checking that they are eigenvalues of the complete model and that no slower mode of the
+/// machine is missing.
 fn listed_beside_the_whole(plant: &mut Plant, asked: usize, what: &str) -> Vec<Complex<f64>> {
     let (modes, _) = plant.study().lattice_modes_and_rest(asked).unwrap_or_else(|error| panic!("{what}: {error}"));
     let listed: Vec<Complex<f64>> = modes.iter().map(|mode| mode.eigenvalue_1_s).collect();
@@ -166,7 +168,7 @@ fn listed_beside_the_whole(plant: &mut Plant, asked: usize, what: &str) -> Vec<C
     let mut all = all_motions(&space, &second.mass);
     all.sort_by(|a, b| a.eigenvalue_1_s.norm().total_cmp(&b.eigenvalue_1_s.norm()));
     println!("{} states, listed {listed:.4?}", space.states.len());
-    // an eigenvalue per step is accurate to round-off times its condition
+    // an eigenvalue per step is accurate to round-off times its condition number
     let close = |a: Complex<f64>, b: Complex<f64>| (a - b).norm() < 1e-6 * b.norm() + 1e-9 / space.step_s;
     for value in listed.iter().filter(|value| value.norm() > 0.0) {
         let nearest = all.iter().map(|own| (own.eigenvalue_1_s - value).norm()).fold(f64::INFINITY, f64::min);
@@ -175,8 +177,8 @@ fn listed_beside_the_whole(plant: &mut Plant, asked: usize, what: &str) -> Vec<C
     }
     let last_1_s = if listed.len() < asked { 0.95 * PI / space.step_s } else { listed[asked - 1].norm() };
     for own in all.iter().filter(|own| own.eigenvalue_1_s.norm() < last_1_s * (1.0 - 1e-6)) {
-        // far from the bound of one half, as the share here counts what the rate of the impulse remembers too
-        // motions that nothing resists are listed as zeros; the double eigenvalue of one is accurate to the root of its round-off
+        // far from the bound of one half, because the participation here also includes the memory of the impulse rate; motions without
+        // resistance are listed as zeros, and such a double eigenvalue is accurate to the square root of its round-off
         let is_free = own.eigenvalue_1_s.norm() < 1e-9f64.sqrt() / space.step_s;
         let is_motion = own.wake < 0.25 && own.hidden < 0.25 && !is_free;
         let is_listed = listed.iter().any(|value| close(own.eigenvalue_1_s, *value));
@@ -186,8 +188,8 @@ fn listed_beside_the_whole(plant: &mut Plant, asked: usize, what: &str) -> Vec<C
     listed
 }
 
-/// Every listed mode is an eigenvalue of the whole model, and none of the machine's slower ones is missing, on random small machines:
-/// free hinges, rolling wings, divergence and flutter among them. If fewer modes than requested are listed, there are no more.
+/// Every listed mode is an eigenvalue of the complete model, and none of the machine's slower modes is missing, for random small
+/// machines, including free hinges, rolling wings, divergence and flutter. If fewer modes than requested are listed, there are no more.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn q76_listed_modes_are_the_slowest_of_the_whole_model() {
@@ -198,7 +200,7 @@ fn q76_listed_modes_are_the_slowest_of_the_whole_model() {
         let parsed = config::parse(&text, "small.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
         let mut plant = Plant::new(Arc::new(parsed));
         if let Err(error) = plant.study().equilibrium(0.0, Holding::AsReleased) {
-            // beyond divergence a wing with lift has no equilibrium near by
+            // beyond divergence a lifting wing has no equilibrium nearby
             println!("{seed}: {error}");
             continue;
         }
@@ -211,9 +213,9 @@ fn q76_listed_modes_are_the_slowest_of_the_whole_model() {
     assert!(decaying > 3 && growing > 0 && few > 0, "{decaying} decay, {growing} grow; {few} have fewer");
 }
 
-/// The same on the wing in the tunnel with fewer panels: many elements, whose fast motions alias to slower ones over the whole range
-/// of the steps, and a wake whose last row amplifies a decaying motion by a factor of up to 1e20. Circles about 0 listed four of the ten
-/// slowest.
+/// As Q-76 for the wing in the tunnel with fewer panels: many elements, whose fast motions alias to slower ones over the whole
+/// sampled range, and a wake whose last row amplifies a decaying motion by a factor of up to 1e20. A search in circles about 0 listed only
+/// four of the ten slowest modes.
 #[test]
 fn q87_a_wing_of_many_elements_lists_all_its_modes() {
     let text = include_str!("../../../examples/models/folding_wing_in_tunnel.toml");
@@ -229,8 +231,8 @@ fn q87_a_wing_of_many_elements_lists_all_its_modes() {
     assert_eq!(listed.len(), 10);
 }
 
-/// A plate swept forward by 25° that diverges, or one that a weak spring and a damper hold about the way of the wind; both in a lattice
-/// that the wind passes by a panel in a step.
+/// A plate swept forward by 25° that diverges, or a plate held by a weak spring and a damper about the wind direction; both in a lattice
+/// with steps in which the wind travels one panel.
 fn plate(rolls: bool, speed_m_s: f64) -> Plant {
     let step_s = 0.1 / speed_m_s;
     let wall = match rolls {
@@ -251,7 +253,7 @@ fn plate(rolls: bool, speed_m_s: f64) -> Plant {
     Plant::new(Arc::new(config::parse(&text, "plate.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))))
 }
 
-/// Real modes and the sign of the determinant of the static stiffness.
+/// Real modes, and the sign of the determinant of the static stiffness.
 fn at_rest(plant: &mut Plant) -> (Vec<f64>, Option<bool>) {
     plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
     let (modes, sign) = plant.study().lattice_modes_and_rest(8).unwrap_or_else(|error| panic!("{error}"));
@@ -259,7 +261,7 @@ fn at_rest(plant: &mut Plant) -> (Vec<f64>, Option<bool>) {
     (real.map(|value| value.re).collect(), sign)
 }
 
-/// A plate swept forward diverges where the determinant of its static stiffness vanishes: there a real mode passes through zero.
+/// A forward-swept plate diverges where the determinant of its static stiffness vanishes: there a real mode passes through zero.
 #[test]
 fn q77_a_forward_swept_plate_diverges_where_its_stiffness_vanishes() {
     let (mut low_m_s, mut high_m_s) = (5.0, 60.0);
@@ -274,16 +276,16 @@ fn q77_a_forward_swept_plate_diverges_where_its_stiffness_vanishes() {
     };
     let [below, above] = [0.9999, 1.0001].map(|factor| slowest(factor * low_m_s));
     assert!(below < 0.0 && above > 0.0, "{below} {above}");
-    // straight between the two: over 0.2 % of the speed the curvature shifts the zero by 5e-6, over 0.02 % by a hundredth of that
+    // linear between the two: over 0.2 % of the speed the curvature shifts the zero by 5e-6, over 0.02 % by a hundredth of that
     let zero_m_s = low_m_s * (0.9999 + 0.0002 * below / (below - above));
     println!("divergence at {low_m_s} m/s, real modes {below} and {above} 1/s beside, zero at {zero_m_s} m/s");
     assert!((zero_m_s / low_m_s - 1.0).abs() < 1e-6, "{zero_m_s} {low_m_s}");
-    // no more is unstable there than this
+    // this is the only unstable mode there
     assert_eq!(at_rest(&mut plate(false, 1.001 * low_m_s)).0.iter().filter(|value| **value > 0.0).count(), 1);
 }
 
-/// In time the slowest motion is what remains: after a start with a rate the wing returns as its slowest mode, which only decays;
-/// beyond divergence it leaves as the mode that only grows.
+/// In a simulation the slowest mode remains: after a start with a rate, the wing returns in its slowest, non-oscillating mode; beyond
+/// divergence it departs in the growing, non-oscillating mode.
 #[test]
 fn q77_what_only_decays_or_grows_does_so_in_time() {
     for (rolls, speed_m_s, from_s, to_s) in [(true, 12.0, 2.0, 4.0), (false, 31.0, 0.6, 0.9)] {
@@ -296,7 +298,7 @@ fn q77_what_only_decays_or_grows_does_so_in_time() {
         let expected = expected.unwrap_or_else(|| panic!("no real mode: {real:?}"));
         let mut plant = plate(rolls, speed_m_s);
         if !rolls {
-            // a push that is so small that the motion stays linear
+            // a disturbance small enough that the motion stays linear
             plant.inputs_mut().root_mut().gravity_m_s2.z = -1e-9;
         }
         plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));

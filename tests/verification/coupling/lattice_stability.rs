@@ -1,4 +1,4 @@
-//! stability with a vortex lattice, compared with its modes: constant loads include neither flutter nor divergence.
+//! stability with a vortex lattice, compared with its modes: with the loads held constant there is neither flutter nor divergence.
 
 use crate::coupling::goland::Goland;
 use foldwing::interface::Interface;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// The lattice with a free wake.
 const FREE: &str = "model = \"uvlm\"\nmirror_normal = [1.0, 0.0, 0.0]\nfree_wake = true";
 
-/// The wing at rest, unswept with its elastic axis at a share of the chord.
+/// The unswept wing in equilibrium, with its elastic axis at a fraction of the chord.
 fn at_rest(speed_m_s: f64, elastic_axis_fraction: f64) -> Plant {
     let case = Goland { gust_m_s: 0.0, elastic_axis_fraction, pairs: 3, ..Goland::lattice(4, 6) };
     let mut plant = Plant::new(Arc::new(case.machine(speed_m_s, |structure| structure)));
@@ -17,7 +17,7 @@ fn at_rest(speed_m_s: f64, elastic_axis_fraction: f64) -> Plant {
     plant
 }
 
-/// Growing motions, by the stability of the state and by its linear model.
+/// Growing modes, by the stability analysis of the state and by its linear model.
 fn growing(plant: &mut Plant) -> Vec<Complex<f64>> {
     let stability = plant.study().stability().unwrap_or_else(|error| panic!("{error}"));
     let list: Vec<_> = stability.growing.iter().map(|growth| growth.eigenvalue_1_s).collect();
@@ -29,21 +29,22 @@ fn growing(plant: &mut Plant) -> Vec<Complex<f64>> {
     list
 }
 
-/// Below flutter nothing grows. Above it one pair does, at the growth of the mode that is found from the structure, and the
-/// structure under held loads is stable all the while.
+/// Below the flutter speed no mode grows. Above it one pair grows, at the growth rate of the mode found from the structure, while the
+/// structure under constant loads is stable throughout.
 #[test]
 fn flutter_is_an_instability_of_the_lattice_not_of_held_loads() {
     assert_eq!(growing(&mut at_rest(100.0, 0.33)), []);
     let mut plant = at_rest(220.0, 0.33);
     let found = growing(&mut plant);
     assert!(found.len() == 1 && found[0].im > 40.0 && found[0].re > 1.0, "{found:?}");
-    // a search for a stable branch cannot leave flutter: the state is the one equilibrium, and is called unstable
+    // a search for a stable branch cannot leave flutter: the state is the only equilibrium, and is reported as unstable
     let search = Search { branch: Branch::Stable, ..Search::default() };
     let rest = plant.study().rest(0.0, Holding::AsReleased, search).unwrap_or_else(|error| panic!("{error}"));
     assert!(rest.departure.is_none() && rest.stability.is_some_and(|judged| !judged.is_stable()));
 }
 
-/// Statics of a free wake do not judge stability, and name the cause; a verdict under held loads would see no flutter.
+/// The static analysis with a free wake gives no verdict on stability, and gives the reason; a verdict for constant loads would miss
+/// flutter.
 #[test]
 fn a_free_wake_is_not_judged() {
     let case = Goland { gust_m_s: 0.0, elastic_axis_fraction: 0.33, pairs: 2, air: FREE, ..Goland::lattice(2, 3) };
@@ -54,7 +55,7 @@ fn a_free_wake_is_not_judged() {
     assert!(judged.not_judged.is_some_and(|cause| cause.contains("a free wake has no steady shape")));
 }
 
-/// Far behind the centre of pressure the axis lets the wing diverge: growth without oscillation.
+/// With an elastic axis far behind the centre of pressure the wing diverges: growth without oscillation.
 #[test]
 fn divergence_is_an_instability_without_oscillation() {
     let mut plant = at_rest(350.0, 0.5);

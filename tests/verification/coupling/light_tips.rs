@@ -1,4 +1,4 @@
-//! Tips that are light against the air that they move, and the schemes that couple them; hinges that only the air holds.
+//! Tips with a mass below their added mass, and the schemes that couple them; hinges with only aerodynamic stiffness.
 
 use crate::coupling::wings::{folding_wing, start};
 use foldwing::config;
@@ -6,8 +6,8 @@ use foldwing::plant::{Holding, Plant, PlantError, Search};
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// The "baseline" wing of Bristol (F. Healy, PhD thesis, 2023, chapter 3): half span 1 m, chord 0.12 m, a free tip flared by
-/// 15 degrees whose beam weighs 0.0096 kg/m where its air weighs 0.0139. No damping to speak of.
+/// The "baseline" wing of Bristol (F. Healy, PhD thesis, 2023, chapter 3): half span 1 m, chord 0.12 m, a free tip flared by 15 degrees
+/// with a structural mass of 0.0096 kg/m and an added mass of 0.0139 kg/m. Negligible damping.
 fn baseline_wing(air: &str) -> String {
     let mut text = "name = \"Baseline\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n".to_owned();
     for (section, mass_kg_m, moments) in
@@ -74,16 +74,16 @@ fn angle_deg(plant: &mut Plant, end_s: f64, step_s: f64) -> Result<f64, PlantErr
     Ok(plant.outputs().joints()[0].angle_rad.to_degrees())
 }
 
-/// A tip lighter than its air: the iteration of air and structure ends in every step, whatever the step is. The trial
-/// marches must answer the loads smoothly: what Newton's iteration leaves, and steps that it has halved in one trial only,
-/// once moved the loads by up to 3e-3 from one trial to the next.
+/// A tip lighter than its added mass: the coupling iteration converges in every step, whatever the step. The trial integrations must
+/// depend smoothly on the loads: the residual of Newton's iteration, and steps halved in one trial only, once changed the loads by up to
+/// 3e-3 from one trial to the next.
 #[test]
 fn q40_light_tips_agree_with_their_air() {
     for (air, end_s) in [
         ("model = \"strip\"", 1.0),
         ("model = \"strip\"\nstep_s = 3e-3", 0.3),
         ("model = \"strip\"\nstep_s = 7e-4", 0.1),
-        // what Newton's iteration leaves counts by the square of the step: 1e-8 of the span were 5e-3 of the loads
+        // the residual of Newton's iteration matters relative to the square of the step: 1e-8 of the span would be 5e-3 of the loads
         ("model = \"strip\"\nstep_s = 1e-4", 0.02),
     ] {
         let mut wing = plant(&baseline_wing(air));
@@ -94,7 +94,7 @@ fn q40_light_tips_agree_with_their_air() {
     }
 }
 
-/// A diverging staggered coupling stops with an error before the wing spins: for the shipped flared tip one correction per step is
+/// A diverging staggered coupling stops with an error before the tip spins: for the shipped flared tip one correction per step is
 /// unstable.
 #[test]
 fn q41_a_staggered_coupling_that_diverges_stops_by_name() {
@@ -110,8 +110,8 @@ fn q41_a_staggered_coupling_that_diverges_stops_by_name() {
     assert!(turned.abs() < 10.0, "{turned} deg");
 }
 
-/// With fixed steps the latch time does not depend on the caller's steps: the structure's steps divide the
-/// aerodynamic one, for the trial marches and for good.
+/// With fixed steps the latch time does not depend on the communication steps: structural steps divide the aerodynamic step, in trial
+/// integrations and in the final one.
 #[test]
 fn q42_fixed_steps_in_air_do_not_depend_on_the_caller() {
     let air = "model = \"strip\"\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 0.0]\nstep_s = 1.25e-3";
@@ -133,7 +133,7 @@ fn q42_fixed_steps_in_air_do_not_depend_on_the_caller() {
     assert!(times[0] > 0.1 && times.iter().all(|time| (time - times[0]).abs() < 1e-12), "{times:?}");
 }
 
-/// The shipped flared tip without its gust, its hinge damped so that it comes to rest in a second or two.
+/// The shipped flared tip without its gust, its hinge damped so that it settles within a second or two.
 fn flared_tip() -> String {
     let text = include_str!("../../../examples/models/flared_wing_tip.toml");
     let (before, rest) = text.split_once("[gust.bump]").expect("a gust");
@@ -157,8 +157,9 @@ fn q43_hinges_that_only_the_air_restores_come_to_rest() {
     }
 }
 
-/// With the exact static tangent of structure and strips, Newton's iteration for a hinge that only the air restores is of second
-/// order: each correction is at most a tenth of the square of the one before. With a difference over 1e-3 rad as tangent it would end in first order.
+/// With the exact static tangent of structure and strips, Newton's iteration for a hinge with only aerodynamic stiffness converges
+/// quadratically: each correction is at most a tenth of the square of the previous one. With a difference over 1e-3 rad as tangent it would
+/// converge linearly at the end.
 #[test]
 fn q78_a_free_hinge_comes_to_rest_in_second_order() {
     let text = flared_tip().replace("start_angle_deg = -6.5", "start_angle_deg = 4.0");
@@ -166,7 +167,7 @@ fn q78_a_free_hinge_comes_to_rest_in_second_order() {
     let corrections_rad = rest.unwrap_or_else(|error| panic!("{error}")).corrections_rad;
     println!("Q-78 {corrections_rad:?}");
     assert!(corrections_rad.len() >= 3 && corrections_rad[0] > 0.1, "{corrections_rad:?}");
-    // the loads at rest agree to 1e-9, which leaves some 1e-9 rad
+    // the loads in equilibrium converge to 1e-9, which leaves about 1e-9 rad
     assert!(corrections_rad.windows(2).all(|pair| pair[1] < 0.1 * pair[0] * pair[0] + 2e-9), "{corrections_rad:?}");
 }
 
@@ -176,10 +177,10 @@ fn corrections_rad(text: &str) -> Vec<f64> {
     rest.unwrap_or_else(|error| panic!("{error}")).corrections_rad
 }
 
-/// Two hinges in a row, whose slopes are far from symmetric, in second order in strips; one and two hinges in a lattice, whose slopes
-/// are central differences, good to 1e-6: each correction is at most a share of the square of the one before, but for that. Two hinges
-/// ended in first order where only symmetric slopes counted as those of a place of rest, and hinges in lattices with differences to one
-/// side: 2e-4 and more of the correction before.
+/// Two hinges in a row, whose stiffness matrix is far from symmetric, converge quadratically with strips; so do one and two hinges in
+/// a lattice, whose stiffnesses are central differences, accurate to 1e-6: each correction is at most a fraction of the square of the
+/// previous one, apart from that error. Convergence used to be linear for two hinges when only symmetric stiffness was accepted for an
+/// equilibrium, and in lattices with one-sided differences: each correction was 2e-4 or more of the previous one.
 #[test]
 fn q79_hinges_in_a_row_and_in_lattices_come_to_rest_in_second_order() {
     let lattice = |text: String| text.replace("model = \"strip\"", "model = \"uvlm\"\nwake_rows = 20");
@@ -192,7 +193,7 @@ fn q79_hinges_in_a_row_and_in_lattices_come_to_rest_in_second_order() {
         let corrections_rad = corrections_rad(&text);
         println!("Q-79 {name}: {corrections_rad:?}");
         assert!(corrections_rad.len() >= 3, "{name}: {corrections_rad:?}");
-        // the loads at rest agree to 1e-9, which leaves some 1e-9 rad
+        // the loads in equilibrium converge to 1e-9, which leaves about 1e-9 rad
         let allowed = |before: f64| 2.0 * before * before + linear * before + 5e-9;
         let steps = corrections_rad.windows(2).filter(|pair| pair[0] < 0.1);
         assert!(
@@ -202,7 +203,7 @@ fn q79_hinges_in_a_row_and_in_lattices_come_to_rest_in_second_order() {
     }
 }
 
-/// The flared tip, which folds in its middle too.
+/// The flared tip with an additional fold in the middle of the wing.
 fn two_hinges() -> String {
     let text = flared_tip();
     let (joints, rest) = text.split_once("[aerodynamics]").expect("air");
@@ -214,7 +215,7 @@ fn two_hinges() -> String {
     format!("{joints}{outer}[aerodynamics]{rest}").replace("strips = 6", "strips = 3")
 }
 
-/// Q-43, two free hinges in a row: the middle of the wing folds too.
+/// Q-43, two free hinges in a row: the wing also folds in its middle.
 #[test]
 fn q43_two_hinges_that_only_the_air_restores() {
     let text = two_hinges();
@@ -229,7 +230,7 @@ fn q43_two_hinges_that_only_the_air_restores() {
     }
 }
 
-/// Q-43, a hinge along the wind with constant moment of its weight: there is no restoring moment, as the message states.
+/// Q-43, a hinge along the wind with a constant moment of its weight: there is no restoring moment, as the message states.
 #[test]
 fn q43_a_hinge_that_nothing_restores_is_told() {
     let text =

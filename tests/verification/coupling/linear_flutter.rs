@@ -1,5 +1,5 @@
-//! Q-61 to Q-65: flutter and divergence from the eigenvalues of the linear model in air, against closed forms, determinants
-//! in the frequency domain, and marching in time.
+//! Q-61 to Q-65: flutter and divergence from the eigenvalues of the linear aeroelastic model, against closed forms, determinants in the
+//! frequency domain, and simulations in time.
 
 use crate::coupling::goland::Goland;
 use crate::strips::theory::{Aerofoil, theodorsen};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// W-32: flutter of Goland's wing with the product's fit to Wagner's function, m/s and rad/s, by transfer matrices.
 const FITTED: [f64; 2] = [137.335, 69.346];
 
-/// A machine at rest in a wind.
+/// A machine in equilibrium in a wind.
 struct InWind {
     plant: Plant,
     direction: Vector3<f64>,
@@ -52,8 +52,8 @@ impl InWind {
     }
 }
 
-/// Q-61. A section on two springs that weighs what its air weighs: flutter against the determinant in the frequency domain, with
-/// the fit that the strips have, and the finer fit against Theodorsen's function itself.
+/// Q-61. A section on two springs with a mass ratio of one: flutter against the determinant in the frequency domain, with the fit used by
+/// the strips, and the finer fit against Theodorsen's function itself.
 #[test]
 fn q61_typical_section_flutters_where_theodorsen_says() {
     let (density_kg_m3, semi_chord_m) = (1.2, 1.0);
@@ -116,7 +116,7 @@ fn q61_typical_section_flutters_where_theodorsen_says() {
         // beam and sections are stiff, not rigid: (15/1e4)²
         assert!(off.iter().all(|off| off.abs() < 2e-6), "{name}: {off:?}");
     }
-    // the finer fit is within 6e-4 of Theodorsen's function: what as much in any direction does to the speed
+    // the finer fit is within 6e-4 of Theodorsen's function: effect on the speed of an error of this size in any direction
     let exact = flutter(&theodorsen);
     let shifts = [(6e-4, 0.0), (-6e-4, 0.0), (0.0, 6e-4), (0.0, -6e-4)].map(|(re, im)| {
         let shifted = flutter(&|k| theodorsen(k) + Complex::new(re, im));
@@ -128,8 +128,9 @@ fn q61_typical_section_flutters_where_theodorsen_says() {
     assert!(off.abs() < allowed, "{off} against {allowed}");
 }
 
-/// Q-90. Goland's wing beside twelve carriages on soft springs, all slower than its flutter: the growing motion is the thirteenth by
-/// frequency, and still the verdict is that of the wing alone, and a sweep of the wind names the motion that grows from 138 m/s on.
+/// Q-90. Goland's wing next to twelve carriages on soft springs, all slower than its flutter mode: the growing mode is the thirteenth by
+/// frequency; nevertheless the verdict is that of the wing alone, and a sweep of the wind speed reports the mode that grows from 138 m/s
+/// on.
 #[test]
 fn q90_a_growing_motion_above_many_slow_ones_counts() {
     let shipped = std::fs::read_to_string("examples/models/goland_wing.toml").expect("the shipped model");
@@ -170,8 +171,8 @@ fn q90_a_growing_motion_above_many_slow_ones_counts() {
     );
 }
 
-/// Q-62. Goland's wing: flutter from eigenvalues, second order in the strips, carried on against W-32's transfer matrices and
-/// against marching in time on the same mesh.
+/// Q-62. Goland's wing: flutter from eigenvalues, of second order in the strips, extrapolated, against W-32's transfer matrices and against
+/// simulations on the same mesh.
 #[test]
 fn q62_goland_flutters_where_the_continuous_wing_does() {
     let speeds: Vec<f64> = (0..=8).map(|i| 120.0 + 5.0 * f64::from(i)).collect();
@@ -185,7 +186,7 @@ fn q62_goland_flutters_where_the_continuous_wing_does() {
     let off: [f64; 2] = std::array::from_fn(|i| limit[i] / FITTED[i] - 1.0);
     println!("Q-62 8, 16, 32 strips {found:.5?} (m/s, rad/s), order {order:.2}; carried on {limit:.5?}, {off:+.7?}");
     assert!((order - 2.0).abs() < 0.2, "{order}");
-    // W-32 is given to 7e-6; the next order leaves a tenth of what carrying on changes, 1e-5
+    // W-32 is given to 7e-6; the next order leaves a tenth of the change by extrapolation, 1e-5
     assert!(off.iter().all(|off| off.abs() < 2e-5), "{off:?}");
     let fine: [f64; 2] = std::array::from_fn(|i| found[2][i] / FITTED[i] - 1.0);
     assert!(fine.iter().all(|off| off.abs() < 1e-3), "{fine:?}");
@@ -193,7 +194,7 @@ fn q62_goland_flutters_where_the_continuous_wing_does() {
     let pairs = run(16, 4);
     assert!((pairs[0] / found[1][0] - 1.0).abs() < 2e-5, "{pairs:?}");
     if is_whole() {
-        // steps of 0.075 and 0.0375 chords, carried on with their second order
+        // steps of 0.075 and 0.0375 chords, extrapolated with their second order
         let steps = [0.075, 0.0375].map(|step_chords| Goland { step_chords, ..Goland::strips() }.flutter(137.0, 0.036));
         let marched: [f64; 2] = std::array::from_fn(|i| steps[1][i] + (steps[1][i] - steps[0][i]) / 3.0);
         let off: [f64; 2] = std::array::from_fn(|i| pairs[i] / marched[i] - 1.0);
@@ -202,7 +203,7 @@ fn q62_goland_flutters_where_the_continuous_wing_does() {
     }
 }
 
-/// A plate with its elastic axis behind the quarter chord and no mass off it, swept forward by an angle in rad.
+/// A plate with its elastic axis behind the quarter chord and its centre of mass on that axis, swept forward by an angle in rad.
 fn plate(strips: usize, [bending, torsion]: [f64; 2], sweep_rad: f64) -> Machine {
     let text = format!(
         "name = \"Plate\"\n[section.plate]\nshape = \"explicit\"\naxial_stiffness_N = 1e9\n\
@@ -218,8 +219,8 @@ fn plate(strips: usize, [bending, torsion]: [f64; 2], sweep_rad: f64) -> Machine
     config::parse(&text, "plate.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Q-63. Divergence in closed form: of a straight plate that twists, `q e c a₀ L²/GJ = (π/2)²`, and of a plate swept forward by
-/// 30° that only bends, `q cos²Λ tan Λ c a₀ L³/EI = 6.32970` (the first root of `2 e^{x/2} cos(√3 x/2) + e^{−x} = 0`, cubed).
+/// Q-63. Divergence in closed form: for a straight plate that only twists, `q e c a₀ L²/GJ = (π/2)²`, and for a plate swept forward by 30°
+/// that only bends, `q cos²Λ tan Λ c a₀ L³/EI = 6.32970` (the first root of `2 e^{x/2} cos(√3 x/2) + e^{−x} = 0`, cubed).
 #[test]
 fn q63_divergence_in_closed_form() {
     let slope = std::f64::consts::TAU;
@@ -253,12 +254,12 @@ fn q63_divergence_in_closed_form() {
             "Q-63 {name}: 16, 32 strips {found:.5?} m/s, carried on {limit:.5} m/s, exact {exact:.5} m/s: {:+.1e}",
             limit / exact - 1.0
         );
-        // what twists or bends but should not is 1e4 times as stiff
+        // the twist or bending to be excluded is 1e4 times as stiff
         assert!((limit / exact - 1.0).abs() < 2e-4, "{name}: {limit} against {exact}");
     }
 }
 
-/// Goland's wing with a hinge along the chord at three quarters of the span, whose closed latch has a stiffness in N·m/rad.
+/// Goland's wing with a hinge along the chord at three quarters of the span, and a closed latch with a stiffness in N·m/rad.
 fn hinged_tip(latch_n_m_rad: f64) -> Machine {
     let shipped = include_str!("../../../examples/models/goland_wing.toml");
     let (section, _) = shipped.split_once("[body.wing]").expect("a body");
@@ -274,8 +275,8 @@ fn hinged_tip(latch_n_m_rad: f64) -> Machine {
     config::parse(&text, "hinged.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// Q-64. Flutter of Goland's wing with a hinged tip over the stiffness of its latch: with a stiff one it is Goland's wing on the
-/// same strips, with a soft one the tip follows the air; the map is continuous.
+/// Q-64. Flutter of Goland's wing with a hinged tip as a function of the latch stiffness: with a stiff latch it is Goland's wing on the
+/// same strips, with a soft latch the tip follows the flow; the curve is continuous.
 #[test]
 fn q64_hinged_tip_over_latch_stiffness() {
     let speeds: Vec<f64> = (0..=14).map(|i| 60.0 + 15.0 * f64::from(i)).collect();
@@ -287,13 +288,13 @@ fn q64_hinged_tip_over_latch_stiffness() {
         .collect();
     for (stiffness, found) in &map {
         println!("Q-64 latch {stiffness:.0e} N m/rad: flutter {found:.4?} (m/s, rad/s)");
-        // the lag bending, at 487 rad/s, has no damping that round-off could not turn
+        // lag bending, at 487 rad/s, has so little damping that round-off may change its sign
         assert!(found.is_none_or(|found| found[1] < 200.0), "{found:?}");
     }
     let whole = Goland { gust_m_s: 0.0, ..Goland::strips() }.machine(130.0, |structure| structure);
     let whole = InWind::new(whole).flutter(&speeds, 5).expect("flutter");
     let (Some(soft), Some(stiff)) = (map[0].1, map[map.len() - 1].1) else { panic!("{map:?}") };
-    // the latch is 1e10/1e6 as stiff as the wing over a metre
+    // the latch is 1e10/1e6 times as stiff as one metre of the wing
     assert!(
         (stiff[0] / whole[0] - 1.0).abs() < 1e-4 && (stiff[1] / whole[1] - 1.0).abs() < 1e-4,
         "{stiff:?} {whole:?}"

@@ -1,4 +1,4 @@
-//! the linear model of a machine with a lattice, in discrete time, against small motions of the nonlinear one in time.
+//! the discrete-time linear model of a machine with a lattice, against small motions of the nonlinear machine in time.
 
 use crate::coupling::goland::{Goland, LATTICE_WITH_SUCTION};
 use crate::whole::is_whole;
@@ -8,13 +8,13 @@ use foldwing::plant::{Holding, InputSlope, Inputs, Outputs, Plant, SampledSpace}
 use nalgebra::{DVector, Vector3};
 use std::sync::Arc;
 
-/// Aerodynamic steps of the inputs' bump and of the record. The wind makes one panel in a step.
+/// Aerodynamic steps of the input pulse and of the record. The wind travels one panel per step.
 const BUMP: u32 = 24;
 const END: u32 = 40;
 const STEP_S: f64 = 2.5e-3;
 const SPEED_M_S: f64 = 20.0;
 
-/// Which input has the bump.
+/// Input that has the pulse.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Bump {
     Gust,
@@ -23,7 +23,7 @@ enum Bump {
 }
 
 impl Bump {
-    /// Size, small against wind and chord: in m/s and rad.
+    /// Amplitude, small compared with wind and chord: in m/s and rad.
     fn size(self) -> f64 {
         match self {
             Self::Gust | Self::Wind => 0.2,
@@ -59,7 +59,7 @@ struct Wing {
 /// reaches the foremost line of the lattice at time 0.
 fn machine(wing: Wing, gust_m_s: f64) -> Machine {
     let Wing { fold_deg, incidence_deg, suction, strips } = wing;
-    // the edges of a coarse tip's strips are those of its aileron too
+    // the edges of a coarse tip's strips coincide with those of its aileron
     let aileron_m = if strips[1] < 8 { [0.1, 0.3] } else { [0.05, 0.35] };
     let text = include_str!("../../../examples/aileron/folding_aileron.toml");
     let way_m = SPEED_M_S * STEP_S;
@@ -92,7 +92,7 @@ fn machine(wing: Wing, gust_m_s: f64) -> Machine {
     config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// Height of the tip, bending strain, hinge moment.
+/// Height of the tip, bending strain and hinge moment.
 fn read(outputs: &Outputs) -> DVector<f64> {
     DVector::from_vec(vec![outputs.tips()[0].position_m.z, outputs.gauges()[0], outputs.flaps()[0].hinge_moment_n_m])
 }
@@ -100,13 +100,13 @@ fn read(outputs: &Outputs) -> DVector<f64> {
 fn started(machine: Machine) -> Plant {
     let mut plant = Plant::new(Arc::new(machine));
     plant.parameters_mut().solver_mut().tolerance = 1e-9;
-    // the first answers to a jump contain frequencies that steps of the air's length do not follow
+    // the first response to a jump contains frequencies that steps of the aerodynamic length do not resolve
     plant.parameters_mut().solver_mut().max_step_s = STEP_S / 8.0;
     plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
     plant
 }
 
-/// Outputs at the ends of the steps.
+/// Outputs of the simulated machine at the ends of the steps.
 fn marched(wing: Wing, kind: Bump, size: f64) -> Vec<DVector<f64>> {
     let gust_m_s = if kind == Bump::Gust { size } else { 0.0 };
     let mut plant = started(machine(wing, gust_m_s));
@@ -121,7 +121,7 @@ fn marched(wing: Wing, kind: Bump, size: f64) -> Vec<DVector<f64>> {
         .collect()
 }
 
-/// The same of the linear model.
+/// Outputs of the linear model at the ends of the steps.
 fn linear(model: &SampledSpace, size: f64) -> Vec<DVector<f64>> {
     let m = &model.matrices;
     let mut x = DVector::zeros(m.a.nrows());
@@ -144,13 +144,13 @@ fn model(wing: Wing, kind: Bump) -> SampledSpace {
     plant.study().lattice_space(&[input], &read).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The part of a marched answer that is odd in the input, over the input: what is even in it is no part of a linear model.
+/// The part of a simulated response that is odd in the input, divided by the input: the even part is nonlinear.
 fn odd(wing: Wing, kind: Bump, size: f64) -> Vec<DVector<f64>> {
     let [above, below] = [size, -size].map(|size| marched(wing, kind, size));
     above.iter().zip(&below).map(|(above, below)| (above - below) / (2.0 * size)).collect()
 }
 
-/// Largest difference of each output over its largest value.
+/// Largest difference of each output relative to its largest value.
 fn off(expected: &[DVector<f64>], found: &[DVector<f64>]) -> [f64; 3] {
     std::array::from_fn(|output| {
         let size = expected.iter().map(|y| y[output].abs()).fold(0.0, f64::max);
@@ -159,8 +159,8 @@ fn off(expected: &[DVector<f64>], found: &[DVector<f64>]) -> [f64; 3] {
     })
 }
 
-/// Folded by 60° with suction and deployed without: tip, root strain and hinge moment after a travelling gust and after the
-/// aileron. The wake is longer than the record: in time its last ring grows, in the linear model it always reaches far.
+/// Folded by 60° with leading-edge suction and deployed without: tip, root strain and hinge moment after a travelling gust and after
+/// an aileron deflection. The wake is longer than the record: in time its last ring grows, in the linear model it always extends far.
 #[test]
 fn q71_small_inputs_move_the_linear_lattice_as_the_machine() {
     for (fold_deg, suction) in [(60.0, true), (0.0, false)] {
@@ -171,18 +171,18 @@ fn q71_small_inputs_move_the_linear_lattice_as_the_machine() {
             let wing = Wing { fold_deg, incidence_deg: 0.0, suction, strips: [6, 8] };
             let found = off(&linear(&model(wing, kind), 1.0), &odd(wing, kind, kind.size()));
             println!("Q-71 {wing:?}, {kind:?}: off {:.2e} {:.2e} {:.2e}", found[0], found[1], found[2]);
-            // hinge moments contain second differences of the structure's motion, and so more of the error of its steps
+            // hinge moments contain second differences of the structural motion, and so more of its time discretisation error
             let allowed = [1e-4, 1e-4, 5e-4];
             assert!(found.iter().zip(allowed).all(|(off, allowed)| *off < allowed), "{wing:?} {kind:?}: {found:?}");
         }
     }
 }
 
-/// Q-71 with lift, at 6° and whole also at 2° of incidence: folded by 60° and deployed, on a coarse mesh, after a gust, an upward wind and
-/// the aileron; short: folded after a gust and the aileron, deployed in an upward wind. Halving the input removes its third power. Without
-/// the displacements of the wake's nodes the same model misses the folded wing by a hundred times the tolerance: so the lift matters, and
-/// the comparison shows it. With a start whose wake begins at the trailing edge, a steady flow different from that of the steps, the folded
-/// tip was off by 3e-4 at 6°.
+/// Q-71 with lift, at 6° and in full studies also at 2° of incidence: folded by 60° and deployed, on a coarse mesh, after a gust, an upward
+/// wind and an aileron deflection; short studies: folded after a gust and the aileron, deployed in an upward wind. Halving the input
+/// removes its third-order term. Without the displacements of the wake's nodes the same model is off by a hundred times the tolerance for
+/// the folded wing: so lift matters, and the comparison detects it. With a start whose wake begins at the trailing edge, a steady flow
+/// different from that of the steps, the folded tip was off by 3e-4 at 6°.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine() {
@@ -205,8 +205,8 @@ fn q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine() {
                     "Q-71 {wing:?}, {kind:?}: off {:.2e} {:.2e} {:.2e}, without the nodes {:.2e} {:.2e} {:.2e}",
                     found[0], found[1], found[2], frozen[0], frozen[1], frozen[2]
                 );
-                // strains and hinge moments have the error of the structure's steps: with steps of a 32nd and tolerances of 1e-12 the
-                // latter are off by 4e-4
+                // strains and hinge moments have the discretisation error of the structure: with steps of a 32nd and tolerances of 1e-12
+                // the latter are off by 4e-4
                 let tip = 4e-5;
                 let allowed = [tip, 1.5e-4, 2e-3];
                 assert!(found.iter().zip(allowed).all(|(off, allowed)| *off < allowed), "{wing:?} {kind:?}: {found:?}");
@@ -216,7 +216,7 @@ fn q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine() {
     }
 }
 
-/// Growth rate in 1/s and frequency in rad/s of the mode that flutters, by the linear lattice: the least damped one near it.
+/// Growth rate in 1/s and frequency in rad/s of the flutter mode with the linear lattice: the least damped mode in its range.
 fn eigenvalue(goland: &Goland, speed_m_s: f64) -> [f64; 2] {
     let machine = Goland { gust_m_s: 0.0, ..*goland }.machine(speed_m_s, |structure| structure);
     let mut plant = Plant::new(Arc::new(machine));
@@ -227,13 +227,13 @@ fn eigenvalue(goland: &Goland, speed_m_s: f64) -> [f64; 2] {
     [found.re, found.im]
 }
 
-/// Flutter speed in m/s and frequency in rad/s between two speeds, by false position and halving.
+/// Flutter speed in m/s and frequency in rad/s between two speeds, by false position and bisection.
 fn flutter(goland: &Goland, mut low_m_s: f64, mut high_m_s: f64) -> [f64; 2] {
     let (mut low, mut high) = (eigenvalue(goland, low_m_s), eigenvalue(goland, high_m_s));
     assert!(low[0] < 0.0 && high[0] > 0.0, "no flutter between {low_m_s} and {high_m_s} m/s: {low:?} {high:?}");
     while high_m_s - low_m_s > 1e-4 * low_m_s {
         let share = (low[0] / (low[0] - high[0])).clamp(0.02, 0.98);
-        // a little beyond the secant's zero, so that both ends close in
+        // a little beyond the secant's zero, so that both ends converge
         let side = if share < 0.5 { 1.02 } else { 0.98 };
         let middle_m_s = low_m_s + (high_m_s - low_m_s) * (share * side).clamp(0.01, 0.99);
         let middle = eigenvalue(goland, middle_m_s);
@@ -242,8 +242,8 @@ fn flutter(goland: &Goland, mut low_m_s: f64, mut high_m_s: f64) -> [f64; 2] {
     [low_m_s, low[1]]
 }
 
-/// Goland's wing: flutter by the linear lattice compared with simulation of the same lattice, with refined meshes, and with the 166
-/// m/s of the literature. Short: the coarsest mesh.
+/// Goland's wing: flutter with the linear lattice, compared with simulations of the same lattice, with refined meshes, and with the
+/// 166 m/s of the literature. Short studies: only the coarsest mesh.
 #[test]
 fn q72_goland_flutters_in_the_linear_lattice_where_it_does_in_time() {
     let coarse = Goland::lattice(2, 4);

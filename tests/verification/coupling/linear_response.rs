@@ -1,5 +1,5 @@
-//! answers of the linear model in air to a gust, to wind and to a force against those of the nonlinear machine in time, for small
-//! inputs, deployed and folded.
+//! responses of the linear aeroelastic model to a gust, to wind and to a force, against those of the nonlinear machine in time, for
+//! small inputs, deployed and folded.
 
 use crate::whole::is_whole;
 use foldwing::config;
@@ -9,13 +9,13 @@ use foldwing::plant::Plant;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-/// Length of the inputs' bump and end of the record in s.
+/// Duration of the input pulse, and end of the record, in s.
 const BUMP_S: f64 = 0.06;
 const END_S: f64 = 0.12;
 /// Steps of the record in s.
 const SAMPLE_S: f64 = 1e-3;
 
-/// Which input has the bump.
+/// Input that has the pulse.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Bump {
     Gust,
@@ -24,7 +24,7 @@ enum Bump {
 }
 
 impl Bump {
-    /// Size: small against a wind of 20 m/s, and against the wing's weight of 0.4 N.
+    /// Amplitude: small compared with a wind of 20 m/s, and with the wing's weight of 0.4 N.
     fn size(self) -> f64 {
         if self == Self::Force { 1e-4 } else { 1e-3 }
     }
@@ -43,8 +43,8 @@ fn bump(time_s: f64) -> f64 {
     if time_s < BUMP_S { 0.5 * (1.0 - (std::f64::consts::TAU * time_s / BUMP_S).cos()) } else { 0.0 }
 }
 
-/// The shipped folding wing in a wind that makes it carry weight; `step_s` of the air. The gust travels so fast that it is
-/// everywhere at once.
+/// The shipped folding wing in a wind that loads it; `step_s` is the aerodynamic step. The gust travels so fast that it reaches the whole
+/// wing at once.
 fn machine(angle_deg: f64, held: bool, step_s: f64, gust_m_s: f64) -> Machine {
     let text = include_str!("../../../examples/models/folding_wing.toml");
     let text: String = text
@@ -68,7 +68,7 @@ fn machine(angle_deg: f64, held: bool, step_s: f64, gust_m_s: f64) -> Machine {
     config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// Position of the tip and bending strain over time, less those at the start.
+/// Position of the tip and bending strain over time, minus their values at the start, from a simulation.
 fn marched(angle_deg: f64, held: bool, step_s: f64, kind: Bump, size: f64) -> Vec<[f64; 2]> {
     let gust = if kind == Bump::Gust { size } else { 0.0 };
     let mut plant = Plant::new(Arc::new(machine(angle_deg, held, step_s, gust)));
@@ -105,7 +105,7 @@ fn marched(angle_deg: f64, held: bool, step_s: f64, kind: Bump, size: f64) -> Ve
         .collect()
 }
 
-/// The same of the linear model, by the trapezoidal rule in steps of 1/40 of the samples.
+/// The same quantities from the linear model, by the trapezoidal rule in steps of 1/40 of the samples.
 fn linear(model: &LinearModel, size: f64) -> Vec<[f64; 2]> {
     let m = &model.matrices;
     let (n, parts) = (m.a.nrows(), 40);
@@ -115,7 +115,7 @@ fn linear(model: &LinearModel, size: f64) -> Vec<[f64; 2]> {
     let back = &one + &m.a * (0.5 * step_s);
     let mut x = DVector::zeros(n);
     let samples = (END_S / SAMPLE_S).round() as u32;
-    // as the plant has it: straight lines between the samples, but for the gust, which it knows as a function
+    // inputs as in the plant: linear between the samples, except for the gust, which is a given function
     let input = |i: u32, part: u32| {
         let at = (f64::from(i) + f64::from(part) / f64::from(parts)) * SAMPLE_S;
         if model.inputs[0].name == "gust.z" {
@@ -139,9 +139,8 @@ fn linear(model: &LinearModel, size: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Held at 60° and free behind a closed latch at 0°: tip and root strain, largest difference over the largest value.
-/// The marching is carried on to steps of no length by its second order. Short: the gust on the held tip, the wind behind the
-/// latch.
+/// Held at 60° and free behind a closed latch at 0°: largest difference of tip and root strain relative to the largest value. The
+/// simulation is extrapolated to zero step by its second order. Short studies: the gust with the tip held, the wind with the latch.
 #[test]
 fn q66_small_inputs_move_the_linear_model_as_the_machine() {
     for (angle_deg, held) in [(60.0, true), (0.0, false)] {

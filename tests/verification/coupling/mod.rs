@@ -1,4 +1,4 @@
-//! Air and structure together: machines from model texts, marched through the plant.
+//! Aeroelastic coupling: machines from model texts, simulated by the plant.
 //!
 //! Cases are numbered Q-xx.
 

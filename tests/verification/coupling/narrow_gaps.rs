@@ -1,11 +1,10 @@
-//! Sheets that the wind draws together over a narrow gap.
+//! Sheets drawn together over a narrow gap by the wind.
 
 use crate::coupling::wings::{folding_wing, start};
 use foldwing::config;
 use foldwing::plant::{Plant, PlantError};
 
-/// The shipped wing in the tunnel at 20 m/s, folded to 179°: a gap of 0.2 panels at its widest place with four panels along
-/// the chord.
+/// The shipped wing in the tunnel at 20 m/s, folded to 179°: a gap of 0.2 panels at its widest with four panels along the chord.
 fn nearly_closed(chord_panels: usize) -> Plant {
     let text = include_str!("../../../examples/models/folding_wing_in_tunnel.toml")
         .replace("start_angle_deg = 170.0", "start_angle_deg = 179.0")
@@ -14,8 +13,8 @@ fn nearly_closed(chord_panels: usize) -> Plant {
     start(config::parse(&text, "tunnel.toml").unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// Wind from the trailing edge is beyond the range of a lattice with a wake: if the coupling does not converge in it, the error
-/// states this, and names the body. In wind from ahead it does not.
+/// Wind from the trailing edge is beyond the range of a lattice with a wake: if the coupling does not converge in such a wind, the
+/// error states this and names the body. In wind from ahead it does not.
 #[test]
 fn q59_wind_from_behind_is_named_where_nothing_agrees() {
     let stopped = |wind_m_s: f64| {
@@ -31,9 +30,9 @@ fn q59_wind_from_behind_is_named_where_nothing_agrees() {
     assert!(ahead.contains("after 2 iterations") && !ahead.contains("trailing edge"), "{ahead}");
 }
 
-/// The wind twists the halves towards each other over a gap of a degree. Four panels along the chord do not resolve the pressure in
-/// it and the outer body passes through the inner one; the only sign was a coupling that stagnated 24 ms later. Now this is an error with
-/// the names and the remedy: eight panels keep the gap open, and the wing latches.
+/// The wind twists the halves towards each other over a gap of one degree. Four panels along the chord do not resolve the pressure in
+/// it, and the outer body passes through the inner one; the only sign used to be a coupling that stagnated 24 ms later. Now this is an
+/// error with the bodies' names and the remedy: eight panels keep the gap open, and the wing latches.
 #[test]
 fn q58_sheets_that_pass_through_each_other_are_refused() {
     let mut coarse = nearly_closed(4);

@@ -1,14 +1,14 @@
-//! Real-time mode in air: bounded work in every step, and the motion of the iterated coupling.
+//! Real-time mode with aerodynamics: bounded work in every step, and the motion of the iterated coupling.
 
 use crate::counting_allocator::allocations;
 use foldwing::plant::Plant;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Step of a hardware-in-the-loop rig and of the air in s.
+/// Communication step of a hardware-in-the-loop rig and aerodynamic step, in s.
 const STEP_S: f64 = 1e-3;
 
-/// The shipped wing in the tunnel at twice the wind, with the lattice or strips, with aerodynamic steps of 1 ms.
+/// The shipped wing in the tunnel at twice the wind speed, with the lattice or strips, with aerodynamic steps of 1 ms.
 fn tunnel(strips: bool, real_time: bool) -> Plant {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/folding_wing_in_tunnel.toml");
     let mut text = std::fs::read_to_string(&path).expect("the shipped model");
@@ -29,16 +29,16 @@ fn tunnel(strips: bool, real_time: bool) -> Plant {
     plant
 }
 
-/// Results of a run: fold angle and root strain over time, latch time, and the maximum number of iterations of one step.
+/// Results of a run: fold angle and root strain over time, latch time, and the maximum number of iterations in one step.
 struct Course {
     rows: Vec<[f64; 2]>,
     latch_s: f64,
     most_iterations: u64,
 }
 
-/// Marches for 0.4 s in steps of 1 ms. In real time the air is solved in every step once, and once more for each event; the
-/// structure takes two marches of two stages of at most four iterations, and five more marches for an event (two to locate it, the
-/// rest of the step on trial and for good, and its first trial); nothing is repeated or allocated.
+/// Simulates 0.4 s in steps of 1 ms. In real-time mode the aerodynamics are solved once per step, and once more for each event; the
+/// structure takes two integrations of two stages with at most four iterations each, and five more integrations for an event (two to locate
+/// it, the rest of the step on trial and for good, and its first trial); nothing is repeated or allocated.
 fn run(strips: bool, real_time: bool) -> Course {
     let mut plant = tunnel(strips, real_time);
     let (mut rows, mut most_iterations) = (Vec::new(), 0);
@@ -62,10 +62,10 @@ fn run(strips: bool, real_time: bool) -> Course {
     Course { rows, latch_s: plant.outputs().latches()[0].time_s, most_iterations }
 }
 
-/// The wing unfolds and latches at 20 m/s in real time at 1 ms. Latch time, fold angle and root strain are those of the iterated
-/// coupling with error control on the same steps of the air: the time within 0.1 % and the angle within 1 % of its range, as without
-/// air (P-111); the strain within 10 % of its peak, because steps of 1 ms damp the modes above some 200 Hz that release and latch excite,
-/// and which the other run follows.
+/// The wing unfolds and latches at 20 m/s in real time at 1 ms. Latch time, fold angle and root strain agree with the iterated
+/// coupling with error control on the same aerodynamic steps: the time within 0.1 % and the angle within 1 % of its range, as without
+/// aerodynamics (P-111); the strain within 10 % of its peak, because steps of 1 ms damp the modes above some 200 Hz that release and latch
+/// excite, and which the other run resolves.
 #[test]
 fn q74_real_time_in_air() {
     let off = |strips: bool| {

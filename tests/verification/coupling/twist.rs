@@ -1,4 +1,4 @@
-//! the wing in steady air, and its divergence.
+//! the wing in steady flow, and its divergence.
 //!
 //! Strip theory on a uniform straight wing, clamped at the root, with its aerodynamic centre `e` ahead of the elastic
 //! axis and incidence `α₀`: `θ(x) = α₀ (tan λL sin λx + cos λx − 1)` with `λ² = 2π q c e/GJ`; the wing diverges where
@@ -12,8 +12,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 const LENGTH_M: f64 = 6.096;
 const RIGIDITY_N_M2: f64 = 0.987e6;
 
-/// Goland's wing with the mass on the elastic axis, so that it does not flutter, and heavy damping, at an incidence so
-/// small that its cube is lost even where the wing is about to diverge.
+/// Goland's wing with the mass on the elastic axis, so that it does not flutter, and heavy damping, at an incidence so small that its cube
+/// is negligible even close to divergence.
 fn case(strips: usize) -> Goland {
     Goland { strips, step_chords: 0.5, incidence_deg: 1e-5, gust_m_s: 0.0, ..Goland::strips() }
 }
@@ -28,14 +28,14 @@ fn machine(strips: usize, speed_m_s: f64) -> Machine {
     machine
 }
 
-/// `λL` of strip theory at a speed.
+/// `λL` of strip theory as a function of the speed.
 fn slenderness(speed_m_s: f64) -> f64 {
     let pressure_pa = 0.5 * 1.225 * speed_m_s * speed_m_s;
     let arm_m = (0.33 - 0.25) * Goland::CHORD_M;
     LENGTH_M * (TAU * pressure_pa * Goland::CHORD_M * arm_m / RIGIDITY_N_M2).sqrt()
 }
 
-/// Twist of the wing at rest in wind of 0.4 to 0.8 of the divergence speed, at its stations and its tip.
+/// Static twist of the wing, at its stations and its tip, in wind of 0.4 to 0.8 of the divergence speed.
 #[test]
 fn q30_wing_twists_by_the_closed_form() {
     let diverges_m_s = FRAC_PI_2 / slenderness(1.0);
@@ -62,14 +62,14 @@ fn q30_wing_twists_by_the_closed_form() {
             let order = (pair[0] / pair[1]).log2();
             assert!((order - 2.0).abs() < 0.3, "order {order}");
         }
-        // carried on to strips of no width: what is left is the error of the order
+        // extrapolated to zero strip width: what is left is the error of the order
         let limit = (4.0 * errors[2] - errors[1]) / 3.0;
         assert!(errors[2] < 2e-3 && limit.abs() < 2e-4, "{limit}");
     }
 }
 
-/// Divergence: the twist settles below the speed of the closed form and runs away above it; its rate, taken from
-/// three late times and interpolated between 2 % below and 2 % above, vanishes at that speed.
+/// Divergence: the twist settles below the speed of the closed form and grows without bound above it; its rate, taken from three late
+/// times and interpolated between 2 % below and 2 % above, vanishes at that speed.
 #[test]
 fn q31_wing_diverges_at_the_closed_form_speed() {
     let diverges_m_s = FRAC_PI_2 / slenderness(1.0);

@@ -1,4 +1,4 @@
-//! Wings in air, as model texts: the shipped folding wing with surfaces on both bodies.
+//! Wings with aerodynamics, as model texts: the shipped folding wing with surfaces on both bodies.
 
 use foldwing::config;
 use foldwing::machine::Machine;
@@ -6,13 +6,13 @@ use foldwing::plant::Plant;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// The shipped folding wing in air: `air` are the lines of `[aerodynamics]`, `strips` those of each body; strips have no
+/// The shipped folding wing with aerodynamics: `air` are the lines of `[aerodynamics]`, `strips` the number per body; strip theory has no
 /// panels along the chord.
 pub fn folding_wing(air: &str, strips: usize, chord_panels: usize) -> Machine {
     with(include_str!("../../../examples/models/folding_wing.toml"), air, strips, chord_panels)
 }
 
-/// The same with everything that is not air divided by a number: masses, stiffnesses, torques. In vacuum it moves alike.
+/// The folding wing with all structural quantities divided by a number: masses, stiffnesses, torques. In vacuum its motion is unchanged.
 pub fn light_wing(divisor: f64, air: &str, strips: usize) -> Machine {
     let mut text = include_str!("../../../examples/models/folding_wing.toml").replace("elements = 4", "elements = 1");
     for (key, value) in [
@@ -50,7 +50,7 @@ pub fn start(machine: Machine) -> Plant {
     plant
 }
 
-/// Marches to `end_s` in communication steps and returns the plant.
+/// Simulates to `end_s` in communication steps and returns the plant.
 pub fn march(mut plant: Plant, end_s: f64, steps: u32) -> Plant {
     let from_s = plant.time_s();
     for i in 1..=steps {

@@ -6,10 +6,10 @@ use foldwing::plant::{Holding, Plant};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 use std::sync::Arc;
 
-/// Time in s over which the released aircraft is watched.
+/// Duration in s of the run after the release.
 const WATCHED_S: f64 = 0.6;
 
-/// The aircraft in a lattice with a wake of so many rows and settings of the air, with air and structure in close agreement.
+/// The aircraft in a lattice with a number of wake rows and aerodynamic settings, and a tight coupling tolerance.
 fn in_lattice(fold_deg: f64, rows: usize, settings: &str, replaced: &[(&str, &str)]) -> Machine {
     let air = format!("model = \"uvlm\"\nwake_rows = {rows}\ncoupling_tolerance = 1e-10\n{settings}");
     let lattice = [
@@ -43,9 +43,9 @@ fn drift(plant: &mut Plant) -> [f64; 2] {
     largest
 }
 
-/// FD-07. Released from its trim in a lattice, the aircraft stays where it is to 1e-6 m and 1e-6 rad: trim and run have the same steady
-/// flow, with short wakes and long ones, with and without suction, with the tips in line and folded. With the last corners of the
-/// start at the trailing edge, where those of a step are not, it turned by 5.6e-4 rad.
+/// FD-07. Released from its trim in a lattice, the aircraft stays in place to 1e-6 m and 1e-6 rad: trim and run have the same steady flow,
+/// with short and long wakes, with and without suction, with the tips in line and folded. It used to rotate by 5.6e-4 rad, because the last
+/// corners of the wake were at the trailing edge at the start but not in a step.
 #[test]
 fn fd07_it_flies_on_in_a_lattice_when_it_is_released() {
     for (fold_deg, rows, settings) in
@@ -54,7 +54,7 @@ fn fd07_it_flies_on_in_a_lattice_when_it_is_released() {
         let (mut plant, _) = trimmed(in_lattice(fold_deg, rows, settings, &[]), Nose::Elevators);
         let [way_m, turned_rad] = drift(&mut plant);
         println!("FD-07 {fold_deg} deg, {rows} rows, {settings:?}: {way_m:.1e} m, {turned_rad:.1e} rad");
-        // the balance is kept to 1e-9 of the weight, which moves the aircraft by some 1e-9 m, and the motion of its tolerance is 1e-8
+        // the trim has a residual of 1e-9 of the weight, which moves the aircraft by about 1e-9 m; the tolerance of the motion is 1e-8
         assert!(way_m < 1e-6 && turned_rad < 1e-6, "{fold_deg} deg, {rows} rows: {way_m:e} m, {turned_rad:e} rad");
     }
 }
@@ -64,7 +64,7 @@ type Controls = DVector<f64>;
 
 /// Sets a steady turn to the right at a rate in rad/s.
 fn set_turn(plant: &mut Plant, rate_rad_s: f64, controls: &Controls) {
-    // axes ahead, right and down of a machine whose x points ahead and whose z points up
+    // axes ahead, right and down for a machine whose x points ahead and whose z points up
     let axes = Matrix3::new(1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0);
     let turn = axes * Rotation3::from_euler_angles(controls[0], controls[1], 0.0).into_inner() * axes.transpose();
     let machine = plant.machine();
@@ -84,7 +84,7 @@ fn set_turn(plant: &mut Plant, rate_rad_s: f64, controls: &Controls) {
 /// The aircraft in a steady turn, and its controls, by Newton's iteration.
 fn turning(machine: Machine, rate_rad_s: f64) -> (Plant, Controls) {
     let mut plant = Plant::new(Arc::new(machine));
-    // coordinated in the mean
+    // bank angle of a coordinated turn as first guess
     let bank_rad = (rate_rad_s * 18.0 / 9.81f64).atan();
     let mut controls = DVector::from_vec(vec![bank_rad, 0.05, 4.0, 0.05, 0.0, 0.0]);
     let mut left = |controls: &Controls| {
@@ -110,8 +110,8 @@ fn turning(machine: Machine, rate_rad_s: f64) -> (Plant, Controls) {
     (plant, controls)
 }
 
-/// FD-07 in steady turns, to either side, with short and long wakes: the wake is curved as the aircraft has left it, and its far end
-/// turns with the aircraft. A turn to the left is that to the right in a mirror, and a slow one is level flight.
+/// FD-07 in steady turns, to either side, with short and long wakes: the wake follows the curved flight path, and its far end turns with
+/// the aircraft. A turn to the left is the mirror image of one to the right, and a slow turn approaches level flight.
 #[test]
 fn fd07_it_turns_on_in_a_lattice_when_it_is_released() {
     let mut found = Vec::new();
@@ -129,7 +129,7 @@ fn fd07_it_turns_on_in_a_lattice_when_it_is_released() {
     assert!(off < 1e-8, "{off:e}");
     let (_, level) = trimmed(in_lattice(0.0, 60, "", &[]), Nose::Elevators);
     let slow = &found[3];
-    // of first order in the rate
+    // difference from level flight, of first order in the rate
     let off = (slow.fixed_rows::<3>(1) - level).amax().max(slow[4].abs()).max(slow[5].abs());
     assert!(off < 1e-6, "{off:e}");
 }

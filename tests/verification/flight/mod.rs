@@ -10,11 +10,11 @@ use nalgebra::{Complex, DMatrix, DVector, Matrix3, Rotation3, Vector3};
 use rigid::{Flight, Rigid};
 use std::sync::Arc;
 
-/// Weight of the aircraft in N, to which forces compare, and its length in m.
+/// Weight of the aircraft in N, to scale forces, and its length in m.
 const WEIGHT_N: f64 = 4.652 * 9.81;
 const LENGTH_M: f64 = 1.0;
 
-/// The shipped aircraft with lines of its file replaced; tips at an angle in degrees.
+/// The shipped aircraft with lines of its file replaced and tips at an angle in degrees.
 fn machine(fold_deg: f64, replaced: &[(&str, &str)]) -> Machine {
     let mut text = include_str!("../../../examples/flight/folding_aircraft.toml").to_owned();
     let angle = format!("start_angle_deg = {fold_deg:?}");
@@ -34,7 +34,7 @@ enum Nose {
     Moment,
 }
 
-/// Sets pitch in rad, thrust in N and what turns the nose.
+/// Sets pitch in rad, thrust in N and the control of the pitching moment.
 fn set(plant: &mut Plant, nose: Nose, values: &Vector3<f64>) {
     let machine = plant.machine();
     let (gravity_m_s2, wind_m_s) = (machine.gravity_m_s2, machine.air.as_ref().expect("air").wind_m_s);
@@ -80,8 +80,8 @@ fn trimmed(machine: Machine, nose: Nose) -> (Plant, Vector3<f64>) {
     (plant, values)
 }
 
-/// FD-01: six balances vanish to 1e-9 of the weight, in strips and in a lattice, with the tips in line and folded; the folded aircraft
-/// flies nose up, as its tips carry less.
+/// FD-01: the residuals of the six equations of balance vanish to 1e-9 of the weight, with strips and with a lattice, with the tips in line
+/// and folded; the folded aircraft flies more nose-up, because its tips carry less lift.
 #[test]
 fn the_aircraft_is_trimmed_deployed_and_folded() {
     let lattice = [("model = \"strip\"", "model = \"uvlm\""), ("drag_coefficient = 0.01\n", "chord_panels = 2\n")];
@@ -99,7 +99,7 @@ fn the_aircraft_is_trimmed_deployed_and_folded() {
             let left = [force_n.norm() / WEIGHT_N, moment_n_m.norm() / (WEIGHT_N * LENGTH_M)];
             println!("{air}, {fold_deg} deg: {values:?}, left {left:?}");
             assert!(left[0] < 1e-9 && left[1] < 1e-9, "{air}, {fold_deg} deg: {left:?}");
-            // the whole study accepts this state as one of rest
+            // the analysis accepts this state as an equilibrium
             plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
             pitches.push(values[0]);
         }
@@ -108,7 +108,7 @@ fn the_aircraft_is_trimmed_deployed_and_folded() {
 }
 
 /// FD-02: released from its trim, the aircraft stays in place to 1e-6 m over 5 s. Its only growing mode, the spiral with the tips in line,
-/// amplifies what remains of the balance by less than a tenth in that time.
+/// amplifies the residual of the trim by less than a tenth in that time.
 #[test]
 fn it_flies_on_when_it_is_released() {
     for fold_deg in [0.0, 60.0] {
@@ -131,8 +131,8 @@ fn named(modes: &[ModeShape]) -> Vec<(FlightMode, Complex<f64>)> {
     modes.iter().filter_map(|mode| Some((mode.flight?, mode.eigenvalue_1_s))).collect()
 }
 
-/// FD-03: stiff and in quasi-steady strips, the aircraft has the five modes of a rigid one: each eigenvalue is within 1e-4 of one of an
-/// independent rigid body in the same strips, the five names are found, and the trims agree.
+/// FD-03: with stiff beams and quasi-steady strips, the aircraft has the five modes of a rigid one: each eigenvalue is within 1e-4 of that
+/// of an independent rigid-body model with the same strips, the five modes are identified, and the trims agree.
 #[test]
 fn a_stiff_aircraft_has_the_modes_of_a_rigid_one() {
     let stiff = [
@@ -152,7 +152,7 @@ fn a_stiff_aircraft_has_the_modes_of_a_rigid_one() {
         };
         let left = rigid.left(&flight).norm() / WEIGHT_N;
         println!("{fold_deg} deg: {values:?}; the rigid aircraft leaves {left:.1e} of the weight");
-        // the wings still bend by some 1e-6 of their length
+        // the wings still bend by about 1e-6 of their length
         assert!(left < 2e-6, "{fold_deg} deg: {left:.1e}");
         let expected = rigid.eigenvalues_1_s(&flight);
         let modes = plant.study().modes(9).unwrap_or_else(|error| panic!("{error}"));
@@ -175,9 +175,9 @@ fn a_stiff_aircraft_has_the_modes_of_a_rigid_one() {
     }
 }
 
-/// Names of the rigid aircraft's eigenvalues, without their shapes: of the pairs the slowest is the phugoid, the most damped the short
-/// period, the other the dutch roll; of the real ones, but for the zeros of place and heading, the slowest is the spiral, the fastest
-/// the roll subsidence.
+/// Names of the rigid aircraft's eigenvalues, assigned without mode shapes: of the complex pairs, the slowest is the phugoid, the most
+/// damped the short period, the third the dutch roll; of the real ones, apart from the zeros of position and heading, the slowest is the
+/// spiral, the fastest the roll subsidence.
 fn rigid_names(eigenvalues_1_s: &[Complex<f64>]) -> [(FlightMode, Complex<f64>); 5] {
     let moving = eigenvalues_1_s.iter().copied().filter(|value| value.norm() > 1e-4);
     let (mut pairs, mut real): (Vec<_>, Vec<_>) =
@@ -195,7 +195,7 @@ fn rigid_names(eigenvalues_1_s: &[Complex<f64>]) -> [(FlightMode, Complex<f64>);
     ]
 }
 
-/// The textbook's approximations of the modes, each good to what it leaves out.
+/// Textbook approximations of the modes; the tolerance of each covers the terms it neglects.
 fn closed_forms(rigid: &Rigid, flight: &Flight, found: &[(FlightMode, Complex<f64>)]) {
     let value = |name: FlightMode| found.iter().find(|(own, _)| *own == name).expect("a mode").1;
     let speed = flight.wind_m_s.norm();
@@ -205,18 +205,18 @@ fn closed_forms(rigid: &Rigid, flight: &Flight, found: &[(FlightMode, Complex<f6
     let centre_m = Vector3::new(rigid.mass[(1, 5)], 0.0, rigid.mass[(0, 4)]) / mass_kg;
     let pitching = rigid.mass[(4, 4)] - mass_kg * centre_m.norm_squared();
     let about_centre = |column: nalgebra::Vector6<f64>| column[4] + centre_m.x * column[2] - centre_m.z * column[0];
-    // by the angle of attack: sinking by V alpha
+    // with respect to the angle of attack: a sink rate of V alpha
     let attack = velocity.column(2).into_owned() * -speed;
     let pitch_rate = -(spin.column(1).into_owned() + velocity.column(2) * centre_m.x - velocity.column(0) * centre_m.z);
     let (lift, stiffness, damping) =
         (attack[2] / (mass_kg * speed), -about_centre(attack) / pitching, -about_centre(pitch_rate) / pitching);
-    // short period: w² = Z_alpha M_q − M_alpha (1 + Z_q), 2 ζ w = −(Z_alpha + M_q), with Z over m V and M over I; speed is left out
+    // short period: w² = Z_alpha M_q − M_alpha (1 + Z_q), 2 ζ w = −(Z_alpha + M_q), with Z divided by m V and M by I; speed is constant
     let short = value(FlightMode::ShortPeriod);
     let square = -stiffness * (1.0 - pitch_rate[2] / (mass_kg * speed)) - lift * damping;
     println!("short period: {short}, closed form |.|² {square:.4}, sum {:.4}", lift - damping);
     assert!((short.norm_sqr() / square - 1.0).abs() < 0.02, "{short} {square}");
     assert!((-2.0 * short.re / (lift - damping) - 1.0).abs() < 0.02, "{short}");
-    // phugoid: speed and path in turn, the moments in balance
+    // phugoid: exchange of speed and height, with the moments in balance
     let phugoid = value(FlightMode::Phugoid);
     let ahead = velocity.column(0).into_owned();
     let (lift_by_speed, moment_by_speed) = (ahead[2] / mass_kg, -about_centre(ahead) / pitching);
@@ -291,7 +291,7 @@ fn elastic_modes_have_no_names_of_flight() {
     }
 }
 
-/// Held loads of a lattice give no mode of flight a name.
+/// With the lattice loads held constant, no mode is named as a flight mode.
 #[test]
 fn modes_under_held_loads_have_no_names_of_flight() {
     let lattice = [
@@ -306,7 +306,8 @@ fn modes_under_held_loads_have_no_names_of_flight() {
     assert_eq!(named(&modes), []);
 }
 
-/// FD-05: an aircraft out of trim is refused by the name of its joint, with the remaining load.
+/// Each name is given to one mode at most, and elastic modes have none, however many modes are requested. With the tips folded by 60°, the
+/// slow, non-oscillating lateral mode is the spiral, whether found alone or with the roll subsidence.
 #[test]
 fn an_unbalanced_flight_is_refused() {
     let mut plant = Plant::new(Arc::new(machine(0.0, &[])));

@@ -1,5 +1,5 @@
-//! The shipped aircraft as one rigid body in quasi-steady strips, written down from eqs. (W1) to (W7) and from the rods and masses
-//! that it consists of: nothing of the engine is in it.
+//! The shipped aircraft as one rigid body with quasi-steady strips, written from eqs. (W1) to (W7) and from its rods and masses, without
+//! any code of the engine.
 
 use nalgebra::{Complex, DMatrix, Matrix3, Matrix6, Rotation3, SMatrix, Vector3, Vector6};
 
@@ -8,7 +8,7 @@ const LIFT_SLOPE_1_RAD: f64 = std::f64::consts::TAU;
 const DRAG_COEFFICIENT: f64 = 0.01;
 const AXIS_FRACTION: f64 = 0.35;
 
-/// A strip: place of its axis, its directions towards the trailing edge and up, chord and width.
+/// A strip: position of its axis, its directions towards the trailing edge and up, chord and width.
 struct Strip {
     axis_m: Vector3<f64>,
     aft: Vector3<f64>,
@@ -17,17 +17,17 @@ struct Strip {
     width_m: f64,
 }
 
-/// The aircraft.
+/// FD-05: an aircraft out of trim is rejected with the name of its joint and the remaining load.
 pub struct Rigid {
     strips: Vec<Strip>,
-    /// About the origin: forces and moments by accelerations and angular accelerations.
+    /// Mass matrix about the origin: forces and moments per acceleration and angular acceleration.
     pub mass: Matrix6<f64>,
     mass_kg: f64,
-    /// Mass times the place of its centre.
+    /// Mass times the position of the centre of mass.
     first_moment_kg_m: Vector3<f64>,
 }
 
-/// A beam of the aircraft: inner end, direction, length, section's width along `width_axis` and height, density.
+/// A beam of the aircraft: inner end, direction, length, width of the section along `width_axis` and its height, density.
 struct Rod {
     inner_m: Vector3<f64>,
     along: Vector3<f64>,
@@ -39,7 +39,7 @@ struct Rod {
 }
 
 impl Rigid {
-    /// With both tips at a fold angle, up positive.
+    /// The aircraft with both tips at a fold angle, positive upward.
     pub fn new(fold_rad: f64) -> Self {
         let (ahead, left, up) = (Vector3::x(), Vector3::y(), Vector3::z());
         let mut rods = Vec::new();
@@ -71,7 +71,7 @@ impl Rigid {
             wing(side * 0.6, side * cos + up * sin, up * cos - side * sin, 0.4, [0.25, 2.0], 4, true);
             wing(-ahead + up * 0.05, side, up, 0.3, [0.15, 0.0], 3, false);
         }
-        // the fin's section has its z aft of none: its normal is to the left
+        // the z axis of the fin's section is its normal, which points to the left
         wing(-ahead + up * 0.05, up, left, 0.3, [0.15, 0.0], 3, false);
         let mut rigid = Self { strips, mass: Matrix6::zeros(), mass_kg: 0.0, first_moment_kg_m: Vector3::zeros() };
         rigid.add(3.5, Vector3::new(-0.05, 0.0, -0.02), Matrix3::from_diagonal(&Vector3::new(0.02, 0.25, 0.25)));
@@ -102,7 +102,8 @@ impl Rigid {
         self.first_moment_kg_m += centre_m * mass_kg;
     }
 
-    /// Force in N and moment about the origin in N·m of air, gravity and a thrust and a moment that turn with the aircraft.
+    /// Aerodynamic force, weight, thrust and a control moment, the latter two fixed to the aircraft: force in N and moment about the origin
+    /// in N·m.
     fn loads(
         &self,
         flight: &Flight,
@@ -141,12 +142,12 @@ impl Rigid {
         loads
     }
 
-    /// Residual of the balance.
+    /// Residual of the equations of balance.
     pub fn left(&self, flight: &Flight) -> Vector6<f64> {
         self.loads(flight, Vector3::zeros(), Vector3::zeros(), Vector3::zeros())
     }
 
-    /// Derivatives of the loads by the turn, the velocity and the angular velocity, by fourth-order differences.
+    /// Derivatives of the loads with respect to rotation, velocity and angular velocity, by fourth-order differences.
     pub fn slopes(&self, flight: &Flight) -> [SMatrix<f64, 6, 3>; 3] {
         let slope = |part: usize, axis: usize, step: f64| {
             let at = |steps: f64| {
@@ -162,11 +163,11 @@ impl Rigid {
         })
     }
 
-    /// Eigenvalues in 1/s of the motions about a steady flight, without those of places; one of each pair.
+    /// Eigenvalues in 1/s of the motions about a steady flight, without those of the position; one of each complex pair.
     pub fn eigenvalues_1_s(&self, flight: &Flight) -> Vec<Complex<f64>> {
         let [turn, velocity, spin] = self.slopes(flight);
         let inverse = self.mass.try_inverse().expect("a mass matrix");
-        // states: turn, velocity, angular velocity
+        // states: rotation, velocity, angular velocity
         let mut a = DMatrix::zeros(9, 9);
         a.view_mut((0, 6), (3, 3)).fill_with_identity();
         for (first, slopes) in [(0, turn), (3, velocity), (6, spin)] {

@@ -1,11 +1,11 @@
-//! U-28: nothing allocates between the start and the end of a run.
+//! U-28: no memory is allocated between the start and the end of a run.
 
 use foldwing::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
 
 use crate::counting_allocator::allocations;
 use crate::lattice::wing::{Wing, inset, options};
 
-/// U-28. `start`, `convect`, `solve` and `copy_from` allocate nothing on one thread, with a full wake or not.
+/// U-28. `start`, `convect`, `solve` and `copy_from` allocate no memory on one thread, with a full or a growing wake.
 #[test]
 fn u28_steps_do_not_allocate() {
     let rule = LatticeOptions { wake: WakeModel::Free, load_rule: LoadRule::KuttaJoukowski, wake_rows: 4, ..options() };

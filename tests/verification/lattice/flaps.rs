@@ -1,4 +1,4 @@
-//! Flaps in the lattice: against an independent lattice, the theory of thin aerofoils, and itself.
+//! Control surfaces in the lattice: against an independent lattice, thin-aerofoil theory, and other cases of the lattice itself.
 
 use crate::lattice::wing::{DENSITY_KG_M3, SPEED_M_S, Wing, options};
 use foldwing::aero::flap::{Deflection, Flap};
@@ -6,7 +6,7 @@ use foldwing::aero::lattice::LoadRule;
 use nalgebra::Vector3;
 use serde_json::Value;
 
-/// Places of sections for parts `[end, count]` one after the other, tips inset by a quarter of a strip.
+/// Spanwise positions of sections for consecutive parts `[end, count]`, tips inset by a quarter of a strip.
 fn places(parts: &[(f64, usize)]) -> Vec<f64> {
     let (mut places, mut begin) = (Vec::new(), 0.0);
     for (index, &(end, count)) in parts.iter().enumerate() {
@@ -32,7 +32,7 @@ fn flap(strips: std::ops::Range<usize>, hinge_fraction: f64) -> Flap {
     }
 }
 
-/// Lift, rolling moment about the middle and hinge moment per angle, over density and the square of the speed.
+/// Lift, rolling moment about the middle and hinge moment per angle, divided by density and the square of the speed.
 fn steady(wing: &mut Wing, span_m: f64, angle_rad: f64) -> [f64; 3] {
     wing.lattice.deflect(&[Deflection { angle_rad, rate_rad_s: 0.0 }]);
     wing.start(true);
@@ -49,7 +49,8 @@ fn steady(wing: &mut Wing, span_m: f64, angle_rad: f64) -> [f64; 3] {
 }
 
 /// U-42. Lift, rolling moment and hinge moment of control surfaces over the whole span and of an outer aileron on a tapered wing compared
-/// with a lattice of horseshoes in numpy: `tests/reference/flaps/vortex_lattice.py`. Both by pressures and by suction; the tolerance is 0.1 %.
+/// with a lattice of horseshoes in numpy: `tests/reference/flaps/vortex_lattice.py`. Both load formulas (pressure and suction); the
+/// tolerance is 0.1 %.
 #[test]
 fn u42_flaps_agree_with_an_independent_lattice() {
     let reference: Value =
@@ -69,8 +70,8 @@ fn u42_flaps_agree_with_an_independent_lattice() {
                     "U-42 {} {load_rule:?} {angle_deg} deg, {} turned: {found:.6?} off {off:.6?}, hinge {relative:.1e}",
                     case["name"], row["turned"]
                 );
-                // small angles: nothing is left out. At 10° both turn normals alone, or the reference turns its vortices too:
-                // then the difference is what U20 leaves out
+                // small angles: no terms neglected. At 10° either both rotate only the normals, or the reference also rotates its vortices:
+                // then the difference is the term neglected by U20
                 if angle_deg < 1.0 {
                     assert!(off.iter().all(|off| *off < 1e-3) && relative < 1e-3, "{found:?} against {expected:?}");
                 }
@@ -79,9 +80,8 @@ fn u42_flaps_agree_with_an_independent_lattice() {
     }
 }
 
-/// U-46. With 20 panels along the chord lift, rolling moment and hinge moment are those that plain lattices of the other program,
-/// whose panels in front of the hinge do not turn, have in the limit of ever more panels: they reach it with the first order, this
-/// one with the second.
+/// U-46. With 20 panels along the chord, lift, rolling moment and hinge moment equal the limit, for ever more panels, of plain lattices of
+/// the other program, whose panels in front of the hinge do not rotate: these converge to it with first order, this one with second.
 #[test]
 fn u46_flaps_reach_the_limit_of_plain_lattices() {
     let reference: Value =
@@ -123,14 +123,14 @@ fn wing_of(case: &Value, load_rule: LoadRule, chord_panels: usize) -> (Wing, f64
     (wing, span_m)
 }
 
-/// U-43. A long wing's middle strips approach thin-aerofoil theory as panels along the chord become more: lift within 1 %
-/// from four panels on and with the second order, the hinge moment of a quarter flap within 1 % with 32, 1.6 % with four.
+/// U-43. The middle strips of a long wing approach thin-aerofoil theory as the number of chordwise panels increases: lift within 1 % from
+/// four panels on, with second order; the hinge moment of a quarter-chord flap within 1 % with 32 and 1.6 % with four.
 #[test]
 fn u43_flaps_converge_to_thin_aerofoil_theory() {
     let hinge: f64 = 0.75;
     let (c, theta) = (2.0 * hinge - 1.0, (2.0 * hinge - 1.0).acos());
     let sine = theta.sin();
-    // Theodorsen's T12, T10, T5, T4 (NACA Report 496): steady hinge moment −(T12 T10 + T5 − T4 T10)/π over ρV²b²
+    // Theodorsen's T12, T10, T5, T4 (NACA Report 496): steady hinge moment −(T12 T10 + T5 − T4 T10)/π divided by ρV²b²
     let (t12, t10) = (sine * (2.0 + c) - theta * (2.0 * c + 1.0), sine + theta);
     let (t5, t4) = (-sine * sine - theta * theta + 2.0 * c * sine * theta, -theta + c * sine);
     let expected = [t10, -(t12 * t10 + t5 - t4 * t10) / (4.0 * std::f64::consts::PI)];
@@ -154,9 +154,9 @@ fn u43_flaps_converge_to_thin_aerofoil_theory() {
     assert!(off(1, 0) < 0.02 && off(1, 3) < 0.01, "{found:?} against {expected:?}");
 }
 
-/// U-72. The hinge moment of flaps of half and a quarter of the chord in plane flow, over ever more panels: from eight panels on it
-/// goes to that of thin aerofoils with the first order or a higher one, for the pressure is singular at the hinge as at the leading edge;
-/// the vortex core, a thousandth of the narrowest panel, has no share in it.
+/// U-72. Hinge moment of flaps of half and a quarter of the chord in plane flow, for increasing numbers of panels: from eight panels on it
+/// converges to thin-aerofoil theory with first order or higher, because the pressure is singular at the hinge as at the leading edge; the
+/// vortex core, a thousandth of the narrowest panel, has no effect.
 #[test]
 fn u72_hinge_moments_converge_over_panels() {
     for hinge in [0.5_f64, 0.75] {
@@ -180,15 +180,15 @@ fn u72_hinge_moments_converge_over_panels() {
         });
         let orders: Vec<f64> = off.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();
         println!("U-72 hinge at {hinge}: off {off:.5?}, orders {orders:.2?}");
-        // the first doubling is not yet in the asymptotic range: one panel on the quarter flap does not resolve the pressure
+        // the first doubling is not yet in the asymptotic range: one panel on the quarter-chord flap does not resolve the pressure
         assert!(orders[1..].iter().all(|order| *order > 0.7), "{hinge}: {off:?}, orders {orders:?}");
         assert!(off[0] < 0.03 && off[4] < 0.003, "{hinge}: {off:?}");
     }
 }
 
-/// U-44. A flap that turns about its hinge at a constant rate from angle 0: the air through its panels is that of a plate whose rear
-/// part moves. A flap over the whole chord, hinged at the leading edge, is the wing itself in pitch; the hinge lies on the first line
-/// between panels in a lattice so fine that what lies in front of it is a two-hundredth.
+/// U-44. A flap that rotates about its hinge at a constant rate from angle 0: the normal velocity at its panels is that of a plate whose
+/// rear part moves. A flap of the whole chord, hinged at the leading edge, is the wing itself in pitch; the hinge is on the first line
+/// between panels, in a lattice so fine that the part in front of it is a two-hundredth of the chord.
 #[test]
 fn u44_a_flap_of_all_panels_is_the_wing_in_pitch() {
     let panels = 40;
@@ -202,7 +202,7 @@ fn u44_a_flap_of_all_panels_is_the_wing_in_pitch() {
         if by_flap {
             wing.lattice.deflect(&[Deflection { angle_rad: 0.0, rate_rad_s }]);
         } else {
-            // about the hinge, which lies in front of the sections on the quarter chord
+            // about the hinge, which is ahead of the sections on the quarter chord
             for motion in &mut wing.motions {
                 motion.spin_rad_s = Vector3::x() * rate_rad_s;
                 motion.velocity_m_s = Vector3::z() * (rate_rad_s * -(0.25 - hinge));
@@ -216,13 +216,13 @@ fn u44_a_flap_of_all_panels_is_the_wing_in_pitch() {
     let (flapped, pitched) = (circulation(true), circulation(false));
     println!("U-44: {flapped:?} against {pitched:?}");
     for (flapped, pitched) in flapped.into_iter().zip(pitched) {
-        // the panel in front of the hinge rests in one case and turns by a fortieth of the chord in the other
+        // the panel in front of the hinge is fixed in one case and rotates in the other, with a width of a fortieth of the chord
         approx::assert_relative_eq!(flapped, pitched, max_relative = 0.01);
     }
 }
 
-/// U-45. Steps with a flap that moves neither allocate nor depend on what was solved before: the same state and angle give the same
-/// bits, and flaps at rest give those of a wing without.
+/// U-45. Steps with a moving flap neither allocate nor depend on earlier solutions: the same state and angle give bit-identical results,
+/// and flaps at zero give those of a wing without flaps.
 #[test]
 fn u45_flaps_are_arguments_of_a_step() {
     let places_m = places(&[(1.0, 3), (2.0, 3)]);
@@ -256,8 +256,8 @@ fn u45_flaps_are_arguments_of_a_step() {
     assert_eq!(first, again);
 }
 
-/// U-75. Hinge moments of a flap over the span, over one end and in the middle of a wing in a sideslip of 30°, where lines along the chord
-/// carry forces: the same by both load rules, up to what falls with the square of the incidence.
+/// U-75. Hinge moments of a flap over the span, over one end and in the middle of a wing in a sideslip of 30°, where chordwise vortex lines
+/// carry forces: equal by both load formulas, up to terms of second order in the incidence.
 #[test]
 fn u75_hinge_moments_in_sideslip_are_the_same_by_both_rules() {
     let hinge_n_m = |strips: std::ops::Range<usize>, load_rule: LoadRule, incidence_rad: f64| {
@@ -277,7 +277,8 @@ fn u75_hinge_moments_in_sideslip_are_the_same_by_both_rules() {
             (segments / pressure - 1.0).abs()
         });
         println!("U-75 flap {strips:?}: off {off:?}");
-        // found is that it falls with the square: the velocities that the vortices induce along a flat wing are odd across it
+        // the difference is found to be quadratic: the velocities that the vortices induce along a flat wing have opposite signs on its two
+        // sides
         assert!(off[0] < 1e-5 && off[1] < 0.3 * off[0], "{strips:?}: {off:?}");
     }
 }

@@ -11,11 +11,11 @@ use foldwing::aero::surface::{ChordLine, Profile, Surface};
 use foldwing::load::SectionMotion;
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-/// Circulations at the trailing edge in m²/s, inner strips then outer ones, and the lift in N, of two bodies of 3 m with
-/// chord 1 m at an angle of attack of 0.1 rad, the outer one folded.
+/// Circulations at the trailing edge in m²/s, inner strips first, and the lift in N, of two bodies of 3 m with chord 1 m at an angle of
+/// attack of 0.1 rad, the outer one folded.
 fn folded(angle_rad: f64, strips: usize, chord_panels: usize, core_radius_m: f64, split: bool) -> (Vec<f64>, f64) {
     let chord = ChordLine { leading_m: Vector3::y() * 0.25, trailing_m: Vector3::y() * -0.75 };
-    // the outer tip is inset by a quarter panel
+    // the outer tip is inset by a quarter of a panel
     let panel_m = 3.0 / strips as f64;
     let outer_panel_m = 3.0 / (strips as f64 + 0.25);
     let fold = Rotation3::from_axis_angle(&Vector3::y_axis(), angle_rad).into_inner();
@@ -60,8 +60,8 @@ fn folded(angle_rad: f64, strips: usize, chord_panels: usize, core_radius_m: f64
     ((0..2 * strips).map(circulation).collect(), lift_n)
 }
 
-/// U-30. Two bodies that share an edge are one wing: their rings' segments on the edge cancel. The loads of the
-/// chordwise segments there differ by the two sides' velocities, nothing else.
+/// U-30. Two bodies that share an edge are one wing: the segments of their rings on the edge cancel. Only the loads of the chordwise
+/// segments there differ, because of the different velocities on the two sides.
 #[test]
 fn u30_a_hinge_does_not_disturb() {
     let (one, one_n) = folded(0.3, 8, 4, 1e-3, false);
@@ -72,8 +72,8 @@ fn u30_a_hinge_does_not_disturb() {
     assert!((one_n / two_n - 1.0).abs() < 0.01, "{one_n} {two_n}");
 }
 
-/// U-31. Folded by 170° the tips' panels are a sixth of their span apart: circulation and lift stay finite, do not
-/// depend on a small core, and converge with the panels.
+/// U-31. Folded by 170°, the panels at the tips are a sixth of their span apart: circulation and lift stay finite, do not depend on a small
+/// core, and converge with the panels.
 #[test]
 fn u31_folded_by_170_degrees() {
     let angle_rad = 170f64.to_radians();
@@ -81,7 +81,7 @@ fn u31_folded_by_170_degrees() {
         let (circulation, lift_n) = folded(angle_rad, strips, 4, 1e-3, true);
         let largest = circulation.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         println!("U-31 {strips} strips: lift {lift_n:.4} N, circulation up to {largest:.4} m2/s");
-        // plane flow without the other body would have πcVα
+        // in plane flow without the other body it would be πcVα
         assert!(largest < std::f64::consts::PI * SPEED_M_S * 0.1, "{largest}");
         lift_n
     });
@@ -98,7 +98,7 @@ fn flared(angle_rad: f64, load_rule: LoadRule, join: bool) -> Result<(f64, f64),
     hinged(20f64.to_radians(), angle_rad, load_rule, join)
 }
 
-/// The same with any flare.
+/// The same two bodies with any flare.
 fn hinged(flare: f64, angle_rad: f64, load_rule: LoadRule, join: bool) -> Result<(f64, f64), NoCirculation> {
     const HINGE_M: f64 = 0.36;
     let chord = ChordLine { leading_m: Vector3::y() * 0.02, trailing_m: Vector3::y() * -0.06 };
@@ -143,21 +143,21 @@ fn hinged(flare: f64, angle_rad: f64, load_rule: LoadRule, join: bool) -> Result
     Ok((lift_n, moment.sum()))
 }
 
-/// U-32. Folded so far that the panels lie closer than their lines: the lift converges with the panels. It used to be
-/// anything: −2 to +3 of what it is, from one mesh to the next.
+/// U-32. Folded so far that the sheets are closer than their panel lines are apart: the lift converges with the panels. It used to be
+/// arbitrary: −2 to +3 times the converged value, from one mesh to the next.
 #[test]
 fn u32_close_sheets_are_resolved() {
     for fold_deg in [175.0_f64, 178.0, 179.0] {
         let lifts_n = [6, 12, 24].map(|strips| folded(fold_deg.to_radians(), strips, 4, 1e-3, true).1);
         println!("U-32 {fold_deg} deg: lift {lifts_n:.4?} N");
-        // six strips are within 1.1, 2.5 and 3.4 % of 24, for a gap of 0.09 panels at the widest place in the last case
+        // six strips are within 1.1, 2.5 and 3.4 % of 24, for a gap of 0.09 panels at its widest in the last case
         for lift_n in lifts_n {
             assert!((lift_n / lifts_n[2] - 1.0).abs() < 0.05, "{fold_deg} deg: {lifts_n:?} N");
         }
     }
 }
 
-/// U-33. Sheets on each other have no gap for the lattice to resolve: refused by name, exactly closed or nearly.
+/// U-33. Coincident sheets leave no gap for the lattice to resolve: rejected with their names, whether exactly or nearly closed.
 #[test]
 fn u33_closed_sheets_are_refused() {
     for fold_deg in [180.0_f64, 179.9] {
@@ -169,8 +169,9 @@ fn u33_closed_sheets_are_refused() {
     assert!(hinged(0.0, 178f64.to_radians(), LoadRule::Bernoulli, true).is_ok());
 }
 
-/// U-34. Kutta–Joukowski at a common edge: two joined bodies carry what one carries, and a hinge near 0 has the slope that
-/// Bernoulli's loads have. The lines on the edge used to attract each other: a hundred times the slope.
+/// U-34. Kutta–Joukowski at a common edge: two joined bodies have the loads of a single one, and near 0 the torque of the hinge has the
+/// same derivative as with the loads by Bernoulli's equation. The lines on the edge used to attract each other: a hundred times that
+/// derivative.
 #[test]
 fn u34_joined_edges_do_not_attract() {
     let slope = |rule, join| {
@@ -180,10 +181,10 @@ fn u34_joined_edges_do_not_attract() {
     let pressure = slope(LoadRule::Bernoulli, true);
     let [apart, joined] = [false, true].map(|join| slope(LoadRule::KuttaJoukowski, join));
     println!("U-34 slope in mN.m/deg: Bernoulli {pressure:.3}, Kutta-Joukowski {joined:.3}, edges apart {apart:.1}");
-    // suction in the plane of the wing changes the slope by a few percent
+    // in-plane suction changes the derivative by a few per cent
     assert!((joined / pressure - 1.0).abs() < 0.05, "{joined} against {pressure}");
     assert!(apart.abs() > 10.0 * pressure.abs(), "the case shows nothing: {apart}");
-    // steady on both sides of what counts as one place: half a strip and a whole one apart
+    // continuous across the distance at which edges count as coincident: half a strip and a whole strip apart
     let torques: Vec<f64> = (0..=60)
         .map(|deg| flared(f64::from(deg).to_radians(), LoadRule::KuttaJoukowski, true).expect("regular").1)
         .collect();

@@ -1,4 +1,4 @@
-//! Roots that turn against wings that do, and edges that move at different speeds.
+//! Rotating roots against rotating wings, and edges that move at different speeds.
 
 use crate::lattice::wing::{DENSITY_KG_M3, inset, options};
 use foldwing::aero::established::Established;
@@ -11,7 +11,7 @@ use foldwing::aero::{AirLoads, AirModel, AirOptions, AirState};
 use foldwing::load::SectionMotion;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// A wing of 3 m that turns about an axis through the origin, with some incidence and at some distance from it.
+/// A wing of 3 m that rotates about an axis through the origin, at some incidence and distance from it.
 fn turning(
     options: &AirOptions,
     spin_rad_s: Vector3<f64>,
@@ -64,8 +64,8 @@ fn turning(
     (all, from)
 }
 
-/// U-40. A wing at rest in a root that turns through the air, and one that turns while the root rests: the same loads on
-/// the sections, in their frames, to round-off, and the same wake. It was turned with the wrong sign unnoticed.
+/// U-40. A fixed wing on a root that rotates through the air, and a rotating wing on a fixed root: the same loads on the sections, in their
+/// frames, to round-off, and the same wake. The wake used to be rotated with the wrong sign, unnoticed.
 #[test]
 fn u40_a_root_that_turns_is_a_wing_that_turns() {
     let spin_rad_s = Vector3::new(0.4, -0.3, 4.0);
@@ -79,14 +79,14 @@ fn u40_a_root_that_turns_is_a_wing_that_turns() {
         for (step, (one, two)) in root.iter().zip(&wing).enumerate() {
             let both = one.circulatory.iter().chain(&one.impulsive).zip(two.circulatory.iter().chain(&two.impulsive));
             let off = both.map(|(one, two)| (one.force_n - two.force_n).norm()).fold(0.0, f64::max) / largest_n;
-            // eight digits are left on the line of a segment, as in U-20
+            // close to the line of a segment only eight digits are left, as in U-20
             assert!(off < 1e-8, "{options:?}, established {established}, step {step}: {off:e}");
         }
     }
 }
 
-/// U-41. Edges that move at different speeds: the wake of a wing that turns about its inner end is a fan whose rows grow
-/// with the distance from the axis, from the start on; at the axis they have no length and induce nothing.
+/// U-41. Edges that move at different speeds: the wake of a wing that rotates about its inner end is a fan whose rows widen with the
+/// distance from the axis, from the start on; at the axis their length is zero and they induce nothing.
 #[test]
 fn u41_wake_of_edges_at_different_speeds_is_a_fan() {
     let lattice = AirOptions::Lattice(LatticeOptions { wake_rows: 8, ..options() });
@@ -94,7 +94,7 @@ fn u41_wake_of_edges_at_different_speeds_is_a_fan() {
     let AirState::Lattice(state) = state else { panic!("a lattice") };
     assert_eq!(state.wake_rows, 6);
     for (column, edge_m) in state.edge_m.iter().enumerate() {
-        // nodes that were shed lie on a circle about the axis just behind the edge, a step apart
+        // shed nodes lie on a circle about the axis just behind the edge, one step apart
         let row_m = |row: usize| state.wake_node_m[row * state.edge_m.len() + column];
         let radius_m = row_m(1).xy().norm();
         assert!((row_m(2).xy().norm() - radius_m).abs() < 1e-12 && (edge_m.xy().norm() - radius_m).abs() < 0.4);
@@ -104,9 +104,9 @@ fn u41_wake_of_edges_at_different_speeds_is_a_fan() {
     }
 }
 
-/// U-66. The wake of a steady turn is what a wing leaves behind that turns from the start on: after 200 steps through 1.5 rad its
-/// circulations are those of the established flow, but for what the vortex of the start and the far end still do; with a straight wake
-/// the outer and the inner half differ. The established flow itself stays as it is.
+/// U-66. The wake of a steady turn is that of a wing turning from the start on: after 200 steps through 1.5 rad its circulations are those
+/// of the steady flow, except for the effects of the starting vortex and of the far end; with a straight wake the outer and the inner half
+/// would differ. The steady flow itself does not change.
 #[test]
 fn u66_the_wake_of_a_steady_turn_is_what_a_turning_wing_leaves() {
     let (spin_rad_s, step_s) = (Vector3::new(0.0, 0.02, 0.3), 0.025);
@@ -156,7 +156,7 @@ fn u66_the_wake_of_a_steady_turn_is_what_a_turning_wing_leaves() {
     let (curved_off, straight_off) = (off(&begin, &left), off(&straight, &left));
     let steady = off(&begin, &march(turning, 30));
     println!("U-66 off by {curved_off:.1e}, with a straight wake {straight_off:.1e}; after 30 steps {steady:.1e}");
-    // the vortex of the start is 50 m behind a span of 6 m: 6²/(2π 50²) of the wing's own induced velocity
+    // the starting vortex is 50 m behind a span of 6 m: 6²/(2π 50²) of the wing's own induced velocity
     assert!(curved_off < 2e-3 && straight_off > 4.0 * curved_off, "{curved_off:e} {straight_off:e}");
     assert!(steady < 1e-12, "{steady:e}");
     assert_eq!(begin.wake_rows, 208 + 1, "a quarter turn");

@@ -9,7 +9,7 @@ use foldwing::aero::lattice_linear::{LatticeSlopes, NoLinearLattice, SECTION_PAR
 use nalgebra::{Complex, DMatrix, DVector, Vector3};
 use std::f64::consts::TAU;
 
-/// Aspect ratio of the wing, its strips, and the section in the middle that carries the width of one strip: as in [`super::unsteady`].
+/// Aspect ratio of the wing, its strips, and the section in the middle that carries the load of one strip width: as in [`super::unsteady`].
 const PLANE: f64 = 1e4;
 const PLANE_STRIPS: usize = 5;
 const MIDDLE: usize = 2;
@@ -42,8 +42,8 @@ impl Plane {
         Self { slopes, width_m: places_m[1] - places_m[0], step_s }
     }
 
-    /// Lift over its steady plane value for an upwash of a hundredth of the wind, from answers without the wake's part at the ends of
-    /// steps; the impulsive part, a mean over the step, is taken to its end by the mean with the next step.
+    /// Lift divided by its steady plane value for an upwash of a hundredth of the wind; circulatory loads at the ends of steps; the
+    /// impulsive part is a mean over a step, and is averaged with that of the next step to give the value at its end.
     fn history(&self, steps: usize, given: impl Fn(usize) -> DVector<f64>) -> Vec<f64> {
         let slopes = &self.slopes;
         let strips = slopes.trailing.len();
@@ -68,8 +68,8 @@ impl Plane {
         parts.windows(2).map(|pair| pair[0][0] + 0.5 * (pair[0][1] + pair[1][1])).collect()
     }
 
-    /// Lift and moment of the middle strip per span in harmonic motion of all sections, by the amplitudes of heave (m, down) and
-    /// pitch (rad, nose up) about the quarter chord.
+    /// Lift and moment per span of the middle strip in harmonic motion of all sections, for the amplitudes of heave (m, down) and pitch
+    /// (rad, nose-up) about the quarter chord.
     fn harmonic(&self, k: f64, heave_m: f64, pitch_rad: f64) -> [Complex<f64>; 2] {
         let slopes = &self.slopes;
         let omega = Complex::new(0.0, k * SPEED_M_S / 0.5);
@@ -102,8 +102,8 @@ impl Plane {
     }
 }
 
-/// U-54. A step of the upwash, as of a sudden start, against Wagner from half a chord to 5 chords of way: first order in panels; the limits are
-/// those of U-10.
+/// U-54. A step of the upwash, as in a sudden start, against Wagner from half a chord to 5 chords of travel: first order in panels; the
+/// limits are those of U-10.
 #[test]
 fn u54_linear_lattice_follows_wagner() {
     for way_panels in [1.0, 0.25] {
@@ -123,8 +123,9 @@ fn u54_linear_lattice_follows_wagner() {
     }
 }
 
-/// U-55. Harmonic heave and pitch against Theodorsen, without marching: error of the lift as a vector over the theory's, of the moment
-/// over lift times semi-chord; over panels, with a wake of 40 chords, and over the length of the wake. Limits of U-12.
+/// U-55. Harmonic heave and pitch against Theodorsen, without simulation in time: complex error of the lift relative to the theoretical
+/// lift, and of the moment relative to lift times semi-chord; as functions of the number of panels, with a wake of 40 chords, and of the
+/// wake length. Limits of U-12.
 #[test]
 fn u55_linear_lattice_follows_theodorsen() {
     let aerofoil = Aerofoil { density_kg_m3: DENSITY_KG_M3, speed_m_s: SPEED_M_S, semi_chord_m: 0.5, axis: -0.5 };
@@ -150,7 +151,8 @@ fn u55_linear_lattice_follows_theodorsen() {
     assert!(errors[4] < errors[0], "{errors:?}");
 }
 
-/// U-56. A sharp edge that the wind carries against Küssner: what the gust's input makes of it rises over the way of one step. Its middle counts.
+/// U-56. A sharp-edged gust carried by the wind, against Küssner: as an input sampled per step, the gust rises over the distance travelled
+/// in one step. The middle of this rise counts as the edge.
 #[test]
 fn u56_linear_lattice_follows_kuessner() {
     let errors = [4, 8, 16].map(|panels| {
@@ -162,7 +164,7 @@ fn u56_linear_lattice_follows_kuessner() {
             let entered = (0..places.min(step)).map(|place| plane.slopes.gust.column(3 * place + 2).into_owned());
             entered.fold(DVector::zeros(plane.slopes.rows()), |sum, column| sum + column)
         });
-        // the middle of the rise meets the foremost line half a step after the start, the leading edge a quarter of a panel before
+        // the middle of the rise reaches the foremost line half a step after the start, and the leading edge a quarter of a panel before
         let behind = |i: usize| 2.0 * (SPEED_M_S * step_s * (i as f64 + 0.5) + 0.25 / panels as f64);
         [0.0, 3.0].map(|from| {
             let off = lift.iter().enumerate().filter(|(i, _)| behind(*i) >= from);
@@ -177,7 +179,7 @@ fn u56_linear_lattice_follows_kuessner() {
     }
 }
 
-/// A lattice without a steady straight wake is refused: free wake, turning root, air that does not carry the wake away.
+/// A lattice without a steady straight wake is rejected: free wake, rotating root, wind that does not carry the wake away.
 #[test]
 fn flows_without_straight_wake_are_refused() {
     use foldwing::aero::lattice::WakeModel;

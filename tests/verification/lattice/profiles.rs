@@ -13,7 +13,7 @@ fn suction() -> LatticeOptions {
     LatticeOptions { load_rule: LoadRule::KuttaJoukowski, ..options() }
 }
 
-/// A profile with camber that stalls gently at 12°, in rows of a degree.
+/// A cambered profile that stalls gently at 12°, tabulated every degree.
 fn stalling() -> Polar {
     let row = |degrees: i32| {
         let angle_rad = f64::from(degrees).to_radians();
@@ -41,9 +41,9 @@ fn coefficients(profile: Profile, places_m: &[f64], chord_panels: usize, angle_r
     [-force_n.dot(&across), force_n.dot(&along), moment_n_m].map(|value| value / area_pa)
 }
 
-/// U-57. A wing of aspect ratio 20 000 has the coefficients of its polar at every angle, before and beyond stall, and of a profile
-/// with lift slope, camber, drag and moment. What the span takes away is of the order of 2 over the aspect ratio, 1e-4; the rest is the
-/// straight lines of the polar, up to 2.4e-4.
+/// U-57. A wing of aspect ratio 20 000 has the coefficients of its polar at every angle, before and beyond stall, and those of a profile
+/// with lift slope, camber, drag and moment. The effect of the finite span is of the order of 2 divided by the aspect ratio, 1e-4; the
+/// remaining difference is due to the linear interpolation of the polar, up to 2.4e-4.
 #[test]
 fn u57_an_endless_wing_has_its_polar() {
     let places_m = inset(2e4, 8);
@@ -72,13 +72,13 @@ fn u57_an_endless_wing_has_its_polar() {
     }
 }
 
-/// Wind of an angle of attack.
+/// Wind at an angle of attack.
 fn wind_at(angle_rad: f64) -> Vector3<f64> {
     Vector3::new(0.0, -angle_rad.cos(), angle_rad.sin()) * SPEED_M_S
 }
 
-/// Velocity across the plane of a straight wing of chord 1 m at three quarters of the chord in the middle of its strips, by unit circulations
-/// of these: horseshoes with legs along the chord to the trailing edge and along the wind from there on.
+/// Normal velocity at three quarters of the chord in the middle of the strips of a straight wing of chord 1 m, per unit circulation of each
+/// strip: horseshoes with legs along the chord to the trailing edge and along the wind from there on.
 fn horseshoes(places_m: &[f64], wind_m_s: Vector3<f64>) -> Vec<Vec<f64>> {
     let far_m = |point_m: &Vector3<f64>| point_m + wind_m_s * 1e6;
     let segment = |at: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>| {
@@ -98,7 +98,7 @@ fn horseshoes(places_m: &[f64], wind_m_s: Vector3<f64>) -> Vec<Vec<f64>> {
     points.map(|at| places_m.windows(2).map(|ends| horseshoe(&at, ends).z).collect()).collect()
 }
 
-/// Circulations in m²/s that a polar gives strips at what they meet beside their own plane vortices (Weissinger).
+/// Circulations in m²/s that a polar gives for strips at their effective incidence, which excludes their own plane vortices (Weissinger).
 fn of_what_they_meet(
     polar: &Polar,
     wind_m_s: Vector3<f64>,
@@ -115,7 +115,7 @@ fn of_what_they_meet(
     wanted.collect()
 }
 
-/// Circulations in m²/s of a lifting line with a polar over a straight wing of chord 1 m, found by going a part of the way again and again.
+/// Circulations in m²/s of a lifting line with a polar for a straight wing of chord 1 m, by under-relaxed iteration.
 fn lifting_line(polar: &Polar, places_m: &[f64], angle_rad: f64) -> Vec<f64> {
     let wind_m_s = wind_at(angle_rad);
     let influence = horseshoes(places_m, wind_m_s);
@@ -127,10 +127,10 @@ fn lifting_line(polar: &Polar, places_m: &[f64], angle_rad: f64) -> Vec<f64> {
     circulation
 }
 
-/// U-58. Wings of aspect ratios 4 and 16 with one panel along the chord against an independent lifting line with the same polar,
-/// attached, at the beginning of stall and beyond: every strip to 1e-6, which the core of the
-/// vortices and the length of the straight wake leave. With four and eight panels along
-/// the chord the lift differs by what one panel leaves out of the surface, below 2 % and 0.5 % between each other.
+/// U-58. Wings of aspect ratios 4 and 16 with one panel along the chord against an independent lifting line with the same polar, attached,
+/// at the onset of stall and beyond: every strip agrees to 1e-6, the effect of the vortex core and the length of the straight wake. With
+/// four and eight panels along the chord the lift differs from one panel's by less than 2 %, the lifting-surface effect, and from each
+/// other by less than 0.5 %.
 #[test]
 fn u58_polar_against_a_lifting_line() {
     let polar = stalling();
@@ -153,9 +153,9 @@ fn u58_polar_against_a_lifting_line() {
     }
 }
 
-/// U-59. Identities: a polar of the plate's own line leaves the plate as it is to the error of straight lines between its rows, 1e-5;
-/// profile drag alone changes no circulation; a wing with its line of zero lift turned by 3° has the lift of the plate turned by
-/// as much, to what the different place of its vortices makes.
+/// U-59. Identities: a polar equal to the lift line of the plate changes nothing beyond the interpolation error between its rows, 1e-5;
+/// profile drag alone changes no circulation; a wing with its zero-lift line rotated by 3° has the lift of a plate rotated by 3°, apart
+/// from the effect of the different position of its vortices.
 #[test]
 fn u59_profiles_that_are_plates() {
     let places_m = inset(6.0, 12);
@@ -171,14 +171,14 @@ fn u59_profiles_that_are_plates() {
         (found(Profile::THIN, 3.0), found(Profile { zero_lift_angle_rad: -3f64.to_radians(), ..Profile::THIN }, 0.0));
     println!("U-59 plate {plate:?}, polar {own:?}, with drag {dragging:?}, turned {turned:?}, cambered {cambered:?}");
     assert!(plate.iter().zip(&own).all(|(plate, own)| (plate - own).abs() < 1e-5));
-    // drag acts along the flow as the lattice bends it, a small angle off the wind
+    // drag acts along the local flow deflected by the lattice, a small angle from the wind
     let induced_rad = 2.0 * plate[0] / (PI * 6.0);
     assert!((dragging[1] - plate[1] - 0.02).abs() < 1e-4 && (dragging[0] - plate[0]).abs() < 0.02 * induced_rad);
     assert!((cambered[0] / turned[0] - 1.0).abs() < 5e-3);
 }
 
-/// U-60. Wings that enter stall and leave it, with taper and a fold: every step finds its circulation, allocates nothing, and from a
-/// kept state finds the same bits again.
+/// U-60. Wings that enter and leave stall, with taper and a fold: every step finds its circulation, allocates nothing, and repeated from a
+/// saved state gives bit-identical results.
 #[test]
 fn u60_steps_through_stall_repeat_and_do_not_allocate() {
     let places_m = inset(8.0, 12);
@@ -221,9 +221,9 @@ fn u60_steps_through_stall_repeat_and_do_not_allocate() {
     assert!((0.9..1.3).contains(&(largest / (pressure_pa() * 6.6))));
 }
 
-/// U-61. Polars whose lift drops by up to four fifths within two degrees: neighbouring strips can sit on either side of the drop, and
-/// the equations can have many solutions. At every angle of a sweep the lattice finds one whose strips carry the lift of the polar
-/// at their angle (so much that the lift of the wing lies between the extremes of the polar), or refuses by name.
+/// U-61. Polars whose lift drops by up to four fifths within two degrees: neighbouring strips can be on either side of the drop, and the
+/// equations can have many solutions. At every angle of a sweep the lattice finds a solution whose strips have the lift of the polar at
+/// their angle (so that the lift of the wing lies between the extremes of the polar), or reports an error that names the cause.
 #[test]
 fn u61_sharp_stall_is_solved_or_refused() {
     let places_m = inset(8.0, 24);
@@ -254,11 +254,11 @@ fn u61_sharp_stall_is_solved_or_refused() {
         }
         println!("U-61 drop {drop}: {solved} solved, {refused} refused so far");
     }
-    // nine were refused before relaxation, decisions 0044 and 0051
+    // nine were rejected before relaxation, decisions 0044 and 0051
     assert!(solved == 123 && refused == 0, "{solved} {refused}");
 }
 
-/// A polar whose lift breaks down by a third within three degrees, as that of a thin profile at a low Reynolds number.
+/// A polar whose lift drops by a third within three degrees, like that of a thin profile at a low Reynolds number.
 fn breaking_down() -> Polar {
     let row =
         |degrees: f64, lift: f64, drag: f64| PolarRow { angle_rad: degrees.to_radians(), lift, drag, moment: 0.0 };
@@ -268,9 +268,9 @@ fn breaking_down() -> Polar {
     Polar { rows: down.chain(up).collect() }
 }
 
-/// U-76. A wing whose polar breaks down, one panel along the chord, at 8 to 30°: the steady flow is found at all of them, and every strip
-/// has the lift of its polar at what it meets from an independent row of horseshoes (1e-6 as in U-58). A run from rest goes on past stall,
-/// with a lag at some of the angles; attached it has none.
+/// U-76. A wing whose polar has an abrupt stall, with one panel along the chord, at 8 to 30°: the steady flow is found at all angles, and
+/// every strip has the lift of its polar at the effective incidence computed from an independent row of horseshoes (1e-6 as in U-58). A run
+/// from rest continues past stall, with a lag at some of the angles; in attached flow there is no lag.
 #[test]
 fn u76_polars_that_break_down() {
     let polar = breaking_down();
@@ -305,7 +305,8 @@ fn u76_polars_that_break_down() {
     assert!(lagged > 0, "no case beyond what Newton's iteration finds");
 }
 
-/// Circulations of the strips of a run less those that a polar gives them at what independent horseshoes induce: the largest, over the wind.
+/// Largest difference between the circulations of a run and those that a polar gives with the velocities induced by independent horseshoes,
+/// divided by the wind speed.
 fn off_polar(wing: &Wing, polar: &Polar, influence: &[Vec<f64>]) -> f64 {
     let strips = 0..influence.len();
     let found: Vec<f64> = strips.map(|strip| wing.lattice.strip_circulation(&wing.from, 0, strip)).collect();
@@ -313,11 +314,11 @@ fn off_polar(wing: &Wing, polar: &Polar, influence: &[Vec<f64>]) -> f64 {
     found.iter().zip(&wanted).map(|(found, wanted)| (found - wanted).abs()).fold(0.0, f64::max) / SPEED_M_S
 }
 
-/// U-77. The end of a run is steady flow with the polar, whatever its step: a wing of aspect ratio 8 with a polar that breaks down, started
-/// from rest at pitches from -20 to 20 degrees, after 60 chords in steps of a chord and of half a chord. What is left is its starting vortex, which
-/// at 60 chords induces (4/60)^2/2 of the downwash, 2e-4 of circulations up to 0.55 of wind and chord; a thousandth of the lift is 4e-4 of
-/// them. It ended 3e-3 to 2e-2 off: the speed along the chord had in it what the wake induces, as far as the step did not count it as bound, and
-/// without a lag strips on the falling part of the polar do not come to rest.
+/// U-77. A run ends in the steady flow with the polar, whatever its step: a wing of aspect ratio 8 with an abruptly stalling polar, started
+/// from rest at pitches from -20 to 20 degrees, after 60 chords in steps of one chord and of half a chord. The remaining effect of the
+/// starting vortex, which at 60 chords induces (4/60)^2/2 of the downwash, is 2e-4 for circulations up to 0.55 times wind and chord; a
+/// thousandth of the lift is 4e-4 of them. The end used to be 3e-3 to 2e-2 off: the chordwise speed included the velocity induced by the
+/// part of the wake that the step did not count as bound, and without a lag, strips on the falling part of the polar do not settle.
 #[test]
 fn u77_a_run_ends_on_the_polar() {
     let polar = breaking_down();
@@ -338,16 +339,16 @@ fn u77_a_run_ends_on_the_polar() {
                 wing.from.lags
             );
             assert!(off < 4e-4, "{degrees} deg, steps of {chords}: {off:e}");
-            // stalled strips keep their lag, attached ones never have it
+            // stalled strips keep their lag, attached strips never have one
             assert_eq!(wing.from.lags, wing.lattice.surfaces_beyond_stall(&wing.from).count() > 0, "{degrees} deg");
         }
     }
 }
 
 /// U-78. In the limit of high aspect ratio the lift is that of a polar with abrupt stall at every pitch of a sweep from -20 to 20 degrees:
-/// the effect of the span is of the order of 2 over the aspect ratio, 1e-4 at 20 000. Steady flow continued from that of a degree less is
-/// the same: strips as wide as these have a unique circulation. Neighbours as narrow as a chord do not: there each has the lift of its
-/// polar, up and down.
+/// the effect of the span is of the order of 2 divided by the aspect ratio, 1e-4 at 20 000. The steady flow continued from that of the
+/// previous degree is the same: strips as wide as these have a unique circulation. Strips as narrow as a chord do not: there each strip has
+/// the lift of its polar in upward and downward sweeps.
 #[test]
 fn u78_pitch_sweeps_with_a_polar_that_breaks_down() {
     let polar = breaking_down();

@@ -1,4 +1,4 @@
-//! Exact properties: power, frames, scales, mirror, repetition.
+//! Exact properties: power balance, invariance to frames, scaling, mirror symmetry, repeatability.
 
 use crate::lattice::wing::{DENSITY_KG_M3, SPEED_M_S, Wing, inset, options};
 use foldwing::aero::AirLoads;
@@ -8,7 +8,7 @@ use foldwing::aero::lattice_state::LatticeState;
 use foldwing::load::{SectionMotion, Wrench};
 use nalgebra::{Rotation3, Vector3};
 
-/// A bent, twisted, moving wing in a turning frame.
+/// A bent, twisted, moving wing in a rotating frame.
 fn waving(time_s: f64) -> Vec<SectionMotion> {
     let section = |x: f64| {
         let phase = 3.0 * time_s + x;
@@ -22,7 +22,7 @@ fn waving(time_s: f64) -> Vec<SectionMotion> {
     inset(4.0, 9).into_iter().map(|x| section(x + 2.0)).collect()
 }
 
-/// The waving wing in a frame that is turned and drifts.
+/// The waving wing in a frame that is rotated and drifts.
 struct Case {
     options: LatticeOptions,
     density_kg_m3: f64,
@@ -39,7 +39,7 @@ impl Case {
         self.run_steps(4)
     }
 
-    /// With as many instants, the start included.
+    /// Runs a number of instants, the start included.
     fn run_steps(&self, instants: i32) -> (AirLoads, LatticeState, VortexLattice) {
         let wing = Wing::new(&inset(4.0, 9), |x| 1.0 + 0.1 * x, 3, self.options.clone());
         let mut lattice = wing.lattice;
@@ -99,8 +99,8 @@ fn u20_loads_do_not_depend_on_the_frame() {
         for (plain_load, load) in all(&plain).zip(all(&turned)) {
             let error_n = (turn * plain_load.force_n - load.force_n).norm();
             let error_n_m = (turn * plain_load.moment_n_m - load.moment_n_m).norm();
-            // on the line of a segment, only the square of the core (1e-8 m²) keeps the denominator from zero: eight
-            // digits of sixteen are left there
+            // on the line of a segment, only the square of the core (1e-8 m²) keeps the denominator from zero: eight of sixteen digits
+            // remain there
             assert!(error_n.max(error_n_m) < 1e-8 * largest(&plain), "{error_n:e} {error_n_m:e}");
         }
     }
@@ -114,7 +114,7 @@ fn u21_loads_scale_with_density() {
     assert!(all(&plain).zip(all(&dense)).all(|(one, two)| 2.0 * one.force_n == two.force_n));
 }
 
-/// U-22. Twice the speed with half the step: four times the loads. Powers of two: to the bit.
+/// U-22. Twice the speed with half the step gives four times the loads; these are powers of two, so the results agree to the last bit.
 #[test]
 fn u22_loads_scale_with_the_square_of_speed() {
     let force_n = |factor: f64| {
@@ -127,8 +127,8 @@ fn u22_loads_scale_with_the_square_of_speed() {
     assert_eq!(4.0 * force_n(1.0), force_n(2.0));
 }
 
-/// U-23. Power of the impulsive loads on the sections against that of the rings' forces at the points on which they act,
-/// rebuilt from the states: equal to round-off.
+/// U-23. The power of the impulsive loads on the sections equals that of the rings' forces at their points of action, computed from the
+/// states, to round-off.
 #[test]
 fn u23_power_on_the_lattice_is_power_on_the_sections() {
     let (loads, state, lattice) = Case::new(options()).run();
@@ -167,12 +167,12 @@ fn u24_mirror_plane_replaces_the_other_half() {
     };
     let (half, full) = (run(&places, Some(Vector3::x())), run(&whole, None));
     for (one, two) in half.circulatory.iter().zip(&full.circulatory[4..]).skip(1) {
-        // sums run in another order
+        // the order of summation differs
         assert!((one.force_n - two.force_n).norm() < 1e-10 * largest(&full), "{one:?} {two:?}");
     }
 }
 
-/// U-25. A repeated solution, other motions in between, and any number of threads give the same bits.
+/// U-25. Results are bit-identical after repetition, with other motions solved in between, and for any number of threads.
 #[test]
 fn u25_repetition_gives_the_same_bits() {
     let (first, state, _) = Case::new(free()).run();
@@ -203,8 +203,8 @@ fn u25_repetition_gives_the_same_bits() {
     assert_eq!(copy, wing.to);
 }
 
-/// U-38. The factors of a step's first motion find the circulation of the others as their own do, to round-off; what was
-/// solved before a step does not change a bit of it.
+/// U-38. The factors of a step's first motion give the circulation for other motions as their own factors do, to round-off; earlier
+/// solutions do not change a bit of a step.
 #[test]
 fn u38_factors_of_the_first_motion_serve_the_step() {
     let mut wing = Wing::new(&inset(4.0, 9), |x| 1.0 + 0.1 * x, 3, free()).with_incidence(0.1);
@@ -227,27 +227,28 @@ fn u38_factors_of_the_first_motion_serve_the_step() {
     let circulations = own.0.circulation_m2_s.iter().zip(&others.0.circulation_m2_s);
     let off = circulations.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     println!("U-38: {off:.1e} of {largest:.3} m2/s");
-    // 1e-14 is where the improvement stops; the condition of the lattice is some tens
+    // iterative refinement stops at 1e-14; the condition number of the lattice is a few tens
     assert!(off > 0.0 && off < 1e-12 * largest, "{off:e} of {largest}");
     assert_eq!(solve(&mut used, &[0.0401]), own);
 }
 
-/// U-26. Established flow is steady: the loads stay as they are while the straight wake moves on, in steps as long as those that it is for.
+/// U-26. Steady flow remains steady: the loads do not change while the straight wake moves on, in steps of the length for which that flow
+/// was computed.
 #[test]
 fn u26_established_flow_is_steady() {
     let mut wing = Wing::new(&inset(6.0, 8), |_| 1.0, 4, LatticeOptions { wake_rows: 30, ..options() });
     wing = wing.with_incidence(0.05);
     wing.start(true);
     let begin_n = wing.circulatory_n();
-    // that of the start: the last corners lie where they did
+    // the load at the start: the last corners of the wake are at the same distance
     (0..10).for_each(|_| wing.step(0.25 / SPEED_M_S));
     let change_n = (wing.circulatory_n() - begin_n).norm() + wing.impulsive_n().norm();
-    // the wake is cut 200 diameters behind: 1e-6 of the load
+    // the wake ends 200 diameters behind: 1e-6 of the load
     assert!(change_n < 1e-6 * begin_n.norm(), "{change_n:e} N of {} N", begin_n.norm());
 }
 
-/// U-27. What rests in the air has no wake, and what trembles in it by less than a twentieth of a panel sheds none; an edge
-/// that goes on does, in air at rest as in wind.
+/// U-27. A wing at rest relative to the air has no wake, and one that vibrates by less than a twentieth of a panel sheds none; an edge that
+/// continues to move does, in still air as in wind.
 #[test]
 fn u27_an_edge_sheds_what_it_leaves_behind() {
     let mut wing = Wing::new(&inset(4.0, 9), |_| 1.0, 3, options());
@@ -262,13 +263,13 @@ fn u27_an_edge_sheds_what_it_leaves_behind() {
         wing.step(0.02);
         wing.from.wake_rows
     };
-    // a panel is 1/3 m: a row is worth 16.7 mm
+    // a panel is 1/3 m long, so a row is shed after 16.7 mm
     for step in 0..20 {
         let (way_m, velocity_m_s) = if step % 2 == 0 { (7e-3, 0.35) } else { (0.0, -0.35) };
         assert_eq!(move_to(&mut wing, way_m, velocity_m_s), 0);
     }
     assert!(wing.impulsive_n().norm() > 0.1);
-    // 10 mm a step: every second one leaves a row, the last one where the edge was a step ago
+    // 10 mm per step: every second step sheds a row, the last one at the position of the edge one step earlier
     let rows: Vec<usize> = (1..=6).map(|step| move_to(&mut wing, 0.01 * f64::from(step), 0.5)).collect();
     assert_eq!(rows, [0, 1, 1, 2, 2, 3]);
     let (edge_m, row_m) = (wing.from.edge_m[0], wing.lattice.wake_node_m(&wing.from, 0, 1, 0));

@@ -1,4 +1,4 @@
-//! Steady wings: lift slope, tips, elliptic wing, both rules for loads.
+//! Steady wings: lift slope, tips, elliptic wing, both load formulas.
 
 use crate::lattice::wing::{SPEED_M_S, Wing, inset, options, pressure_pa};
 use crate::reference::{case, numbers};
@@ -18,7 +18,7 @@ fn slope(places_m: &[f64], aspect: f64, chord_panels: usize) -> f64 {
     wing.circulatory_n().z / (pressure_pa() * aspect * angle_rad)
 }
 
-/// U-01. Lift slope of rectangular wings against an independent lattice on the same panels, which states 1e-3.
+/// U-01. Lift slope of rectangular wings against an independent lattice on the same panels, which has a stated accuracy of 1e-3.
 #[test]
 fn u01_lift_slope_of_rectangular_wings() {
     let expected = &case("aero.rect_wing_CLalpha")["expected"];
@@ -33,8 +33,8 @@ fn u01_lift_slope_of_rectangular_wings() {
     }
 }
 
-/// U-02. A lattice that reaches the tip converges with the first order in span only; with the tips inset by a quarter
-/// panel the error is an order smaller. Both tend to the same wing.
+/// U-02. A lattice that extends to the tip converges only with first order in the span; with the tips inset by a quarter of a panel the
+/// error is ten times smaller. Both converge to the same wing.
 #[test]
 fn u02_inset_tips_converge_faster() {
     let strips = [12, 24, 48];
@@ -52,9 +52,9 @@ fn u02_inset_tips_converge_faster() {
     }
 }
 
-/// U-03. Elliptic planform of aspect ratio 10, straight quarter-chord line: the induced drag of Kutta–Joukowski is
-/// `CL²/(πAR)` (Prandtl). The planform of straight pieces and the curved edges of a lifting surface leave about 1 %,
-/// which falls with the strips.
+/// U-03. Elliptic planform of aspect ratio 10, straight quarter-chord line: the induced drag of Kutta–Joukowski is `CL²/(πAR)` (Prandtl).
+/// The piecewise linear planform and the curved edges of a lifting surface cause a difference of about 1 %, which falls with the number of
+/// strips.
 #[test]
 fn u03_elliptic_wing() {
     let (span_m, root_m) = (10.0, 4.0 / PI);
@@ -73,7 +73,7 @@ fn u03_elliptic_wing() {
         let (lift, drag) = (lift_n / (pressure_pa() * area_m2), drag_n / (pressure_pa() * area_m2));
         let efficiency = lift * lift / (PI * (span_m * span_m / area_m2) * drag);
         let circulation = |strip: usize| wing.lattice.strip_circulation(&wing.from, 0, strip);
-        // form of the loading: circulation over the local half-chord function, against its mean over the inner 80 %
+        // shape of the loading: circulation divided by the elliptic chord, relative to its mean over the inner 80 %
         let inner: Vec<f64> = (0..strips)
             .filter(|s| (0.5 * (places_m[*s] + places_m[s + 1])).abs() < 0.4 * span_m)
             .map(|s| circulation(s) / chord_m(0.5 * (places_m[s] + places_m[s + 1])))
@@ -89,7 +89,7 @@ fn u03_elliptic_wing() {
     assert!(errors[1] < 0.02, "induced drag off by {}", errors[1]);
 }
 
-/// U-04. Both rules give the same normal force; the suction turns it to nearly normal to the flow.
+/// U-04. Both load formulas give the same normal force; the suction rotates the resultant to nearly normal to the flow.
 #[test]
 fn u04_both_rules_agree_on_the_normal_force() {
     let force_n = |load_rule| {
@@ -117,9 +117,10 @@ fn wrench(wing: &Wing) -> [f64; 6] {
     [force_n.x, force_n.y, force_n.z, moment_n_m.x, moment_n_m.y, moment_n_m.z]
 }
 
-/// U-73. Steady loads in sideslip, by both rules, of steps from a quarter of a panel to two, at the start and after some steps, against an
-/// independent lattice of horseshoes on the same mesh: `tests/reference/sideslip/vortex_lattice.py`. Asked for is that the step changes
-/// nothing by 1e-3; the wake that ends 200 diameters behind, where that of the horseshoes goes on, and the core of 1e-4 m leave 2e-5.
+/// U-73. Steady loads in sideslip, by both load formulas, for steps from a quarter of a panel to two panels, at the start and after some
+/// steps, against an independent lattice of horseshoes on the same mesh: `tests/reference/sideslip/vortex_lattice.py`. The step may change
+/// the loads by at most 1e-3; the wake, which ends 200 diameters behind while the horseshoes extend to infinity, and the core of 1e-4 m
+/// cause a difference of 2e-5.
 #[test]
 fn u73_steady_loads_in_sideslip_do_not_depend_on_the_step() {
     let reference: serde_json::Value =

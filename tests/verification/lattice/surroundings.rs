@@ -1,4 +1,4 @@
-//! Compressible air and the ground around the lattice, against closed forms and against wings that need neither.
+//! Compressibility and the ground in the lattice, against closed forms and against equivalent wings without either.
 
 use crate::lattice::wing::{SPEED_M_S, Wing, inset, options};
 use foldwing::aero::established::Established;
@@ -10,12 +10,12 @@ use foldwing::aero::{AirLoads, flow::Flow};
 use foldwing::load::SectionMotion;
 use nalgebra::{Matrix3, Vector3};
 
-/// Incidence in rad: what is left out grows with its square.
+/// Incidence in rad: the neglected terms grow with its square.
 const INCIDENCE_RAD: f64 = 1e-4;
 
-/// U-47. Prandtl and Glauert: a wing of span `b` at Mach `M` has the lift of one of span `βb` in incompressible air over `β²`
-/// (Göthert's rule), and wide strips that of plane flow over `β`. With pressures and with suction; the straight wakes end
-/// elsewhere, which leaves 1e-5.
+/// U-47. Prandtl and Glauert: a wing of span `b` at Mach `M` has the lift of one of span `βb` in incompressible flow divided by `β²`
+/// (Göthert's rule), and a very wide wing that of plane flow divided by `β`. With pressure and with suction loads; the straight wakes end
+/// at different positions, an effect of 1e-5.
 #[test]
 fn u47_compressible_wings_are_longer_ones() {
     let lift_n = |span_m: f64, mach: f64, load_rule: LoadRule| {
@@ -36,14 +36,14 @@ fn u47_compressible_wings_are_longer_ones() {
                     "U-47 {load_rule:?} Mach {mach} span {span_m}: {found} against {exact}, off {:.1e}",
                     found / exact - 1.0
                 );
-                // the wide wing's ends are finite: their loss, 1e-4 of a chord over the span, is another one
+                // the wide wing has finite ends: their effect, 1e-4 of a chord relative to the span, differs
                 approx::assert_relative_eq!(found, exact, max_relative = 3e-5);
             }
         }
     }
 }
 
-/// U-48. From Mach 1 on the lattice refuses; a surface that reaches below the ground is refused too.
+/// U-48. The lattice rejects Mach numbers of 1 and more, and a surface that extends below the ground.
 #[test]
 fn u48_mach_one_and_the_underground_are_refused() {
     let start = |rule: LatticeOptions| {
@@ -65,8 +65,8 @@ fn u48_mach_one_and_the_underground_are_refused() {
     }
 }
 
-/// U-49. Ground in closed form: a plate with one panel along its chord `c` at the height `h`, in plane flow, has
-/// `Γ/Γ∞ = 1 + (c/4h)²`: its image, `2h` below its quarter chord, induces `−Γ (c/2)/(2π ((c/2)² + 4h²))` at three quarters.
+/// U-49. Ground effect in closed form: a plate with one panel along its chord `c` at the height `h`, in plane flow, has `Γ/Γ∞ = 1 +
+/// (c/4h)²`: its image, `2h` below its quarter chord, induces `−Γ (c/2)/(2π ((c/2)² + 4h²))` at three quarters of the chord.
 #[test]
 fn u49_a_plate_above_the_ground_has_its_closed_form() {
     let circulation = |height_m: Option<f64>| {
@@ -82,13 +82,13 @@ fn u49_a_plate_above_the_ground_has_its_closed_form() {
         let ratio = circulation(Some(height_m)) / free;
         let exact = 1.0 + (0.25_f64 / height_m).powi(2);
         println!("U-49 height {height_m}: {ratio} against {exact}");
-        // the ends of the wing and of its straight wake, which rises by the incidence, leave 3e-6
+        // the effect of the ends of the wing and of its straight wake, which rises by the incidence, is 3e-6
         approx::assert_relative_eq!(ratio, exact, max_relative = 1e-5);
     }
 }
 
-/// U-50. Ground, and ground across a mirror: the same as the wing with its images as wings of their own, to round-off; in steps
-/// with a wake that is shed too.
+/// U-50. A ground plane, and a ground with a mirror plane, give the same results as the wing with explicit image wings, to round-off; also
+/// in steps that shed a wake.
 #[test]
 fn u50_ground_is_a_second_wing() {
     let (height_m, chord_panels) = (0.4, 3);

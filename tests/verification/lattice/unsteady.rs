@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Aspect ratio of the wings that represent plane flow. Their middle is 5000 chords from the tips.
 const PLANE: f64 = 1e4;
-/// Strips of such a wing; the third section lies in the middle region and carries one strip's width.
+/// Strips of such a wing; the third section lies in the middle region and carries the load of one strip width.
 const PLANE_STRIPS: usize = 5;
 const MIDDLE: usize = 2;
 
@@ -21,8 +21,8 @@ fn plane_wing(chord_panels: usize, wake_rows: usize) -> (Wing, f64) {
     (Wing::new(&places_m, |_| 1.0, chord_panels, LatticeOptions { wake_rows, ..options() }), width_m)
 }
 
-/// Lift over its steady plane value after a sudden start or the entry into a gust, at the ends of steps; the impulsive
-/// part, a mean over the step, is taken to its end by the mean with the next step.
+/// Lift divided by its steady plane value after a sudden start or the entry into a gust, at the ends of steps; the impulsive part is a mean
+/// over a step, and is averaged with that of the next step to give the value at its end.
 fn history(chord_panels: usize, way_panels: f64, semi_chords: f64, gust: Option<Gust>) -> Vec<(f64, f64)> {
     const ANGLE_RAD: f64 = 0.01;
     let step_s = way_panels / chord_panels as f64 / SPEED_M_S;
@@ -43,13 +43,13 @@ fn history(chord_panels: usize, way_panels: f64, semi_chords: f64, gust: Option<
     parts.windows(2).map(|pair| (pair[0].0, pair[0].1 + 0.5 * (pair[0].2 + pair[1].2))).collect()
 }
 
-/// Largest difference from a function between two places.
+/// Largest difference from a function between two positions.
 fn worst(history: &[(f64, f64)], from: f64, theory: impl Fn(f64) -> f64) -> f64 {
     history.iter().filter(|(s, _)| *s >= from).map(|(s, lift)| (lift - theory(*s)).abs()).fold(0.0, f64::max)
 }
 
-/// U-10. Sudden start against Wagner from half a chord to 5 chords of way: first order in panels, at every ratio of step
-/// to panel. The limit is that of a first-order method with 16 panels: half a panel of way moves the lift by 0.01.
+/// U-10. Sudden start against Wagner from half a chord to 5 chords of travel: first order in panels, at every ratio of step to panel. The
+/// limit is that of a first-order method with 16 panels: half a panel of travel changes the lift by 0.01.
 #[test]
 fn u10_sudden_start_follows_wagner() {
     for way_panels in [1.0, 0.25] {
@@ -60,8 +60,8 @@ fn u10_sudden_start_follows_wagner() {
     }
 }
 
-/// U-11. Sharp-edged gust that rests in the air against Küssner. While it enters, the lift starts with a root of the way
-/// and panels feel the gust one after the other: the error is a root of the panel size; after it has left
+/// U-11. Sharp-edged gust, stationary in the air, against Küssner. While it passes the chord, the lift grows with the square root of the
+/// distance and the gust reaches one panel after the other: the error varies with the square root of the panel size; after it has passed
 /// the trailing edge the error falls faster.
 #[test]
 fn u11_sharp_gust_follows_kuessner() {
@@ -83,12 +83,12 @@ fn u11_sharp_gust_follows_kuessner() {
     }
 }
 
-/// Amplitudes of lift and moment (nose up, quarter chord) per span in harmonic heave (m, down) or pitch (rad, nose up).
+/// Amplitudes of lift and moment (nose-up, quarter chord) per span in harmonic heave (m, down) or pitch (rad, nose-up).
 fn harmonic(k: f64, heave_m: f64, pitch_rad: f64, chord_panels: usize, way_panels: f64) -> [Complex<f64>; 2] {
     let omega = k * SPEED_M_S / 0.5;
     let step_s = way_panels / chord_panels as f64 / SPEED_M_S;
     let period = (TAU / omega / step_s).ceil() as usize;
-    // whole steps in a period, so that the Fourier sums are exact
+    // a whole number of steps per period, so that the Fourier sums are exact
     let step_s = TAU / omega / period as f64;
     let periods = if k < 0.1 { 2 } else { 4 };
     let (mut wing, width_m) = plane_wing(chord_panels, periods * period);
@@ -109,7 +109,7 @@ fn harmonic(k: f64, heave_m: f64, pitch_rad: f64, chord_panels: usize, way_panel
         pose(&mut wing.motions, time_s);
         wing.step(step_s);
         if step > (periods - 1) * period {
-            // `sin ωt` stands for the real part of `−i e^(iωt)`; the impulsive loads belong to the middle of the step
+            // `sin ωt` is the real part of `−i e^(iωt)`; the impulsive loads belong to the middle of the step
             let weight =
                 |time_s: f64| Complex::from_polar(2.0 / period as f64, -omega * time_s) * Complex::i() / width_m;
             let (now, middle) = (weight(time_s), weight(time_s - 0.5 * step_s));
@@ -121,14 +121,14 @@ fn harmonic(k: f64, heave_m: f64, pitch_rad: f64, chord_panels: usize, way_panel
     sums
 }
 
-/// U-12. Harmonic heave and pitch against Theodorsen: amplitude and phase of the lift, and the moment about the quarter
-/// chord as a vector over the theory's lift times the semi-chord. Steps of half a panel; the errors fall with the
-/// panels; at `k = 1` a period has 50 steps with 8 panels. Short: `k` of 0.5 and 1.
+/// U-12. Harmonic heave and pitch against Theodorsen: amplitude and phase of the lift, and the complex error of the moment about the
+/// quarter chord relative to the theoretical lift times the semi-chord. Steps of half a panel; the errors fall with the number of panels;
+/// at `k = 1` a period has 50 steps with 8 panels. Short studies: `k` of 0.5 and 1.
 #[test]
 fn u12_harmonic_motion_follows_theodorsen() {
     let aerofoil = Aerofoil { density_kg_m3: DENSITY_KG_M3, speed_m_s: SPEED_M_S, semi_chord_m: 0.5, axis: -0.5 };
     for (name, heave_m, pitch_rad) in [("heave", 0.01, 0.0), ("pitch", 0.0, 0.01)] {
-        // slow motions take long for the wake to settle
+        // the wake of slow motions takes long to settle
         for k in [1.0, 0.5, 0.2, 0.05].into_iter().take(if is_whole() { 4 } else { 2 }) {
             let (heave, pitch) = (Complex::new(heave_m, 0.0), Complex::new(pitch_rad, 0.0));
             let theory = aerofoil.response(theodorsen(k), k, heave, pitch);
@@ -146,7 +146,7 @@ fn u12_harmonic_motion_follows_theodorsen() {
             });
             assert!(errors[0][0] > 1.4 * errors[1][0], "{name} {k}: the lift does not converge: {errors:?}");
             assert!(errors[1][0] < 0.03, "{name} {k}: lift {errors:?}");
-            // first order in panels from 0.07 with four at the highest frequencies
+            // first order in panels, from an error of 0.07 with four panels at the highest frequencies
             assert!(errors[0][1] > 1.4 * errors[1][1], "{name} {k}: the moment does not converge: {errors:?}");
             assert!(errors[1][1] < 0.06, "{name} {k}: moment {errors:?}");
         }
@@ -164,8 +164,8 @@ fn apparent_mass_kg(places_m: &[f64], chord_panels: usize, section: Option<usize
     section.map_or_else(|| wing.loads.impulsive.iter().map(force_n).sum(), |at| force_n(&wing.loads.impulsive[at]))
 }
 
-/// U-13. A plate in plane flow has the apparent mass `πρb²` with any number of panels: with the last vortex on the edge
-/// the sums are exact. Tolerance: the span is finite, and segments 2000 chords long lose six digits.
+/// U-13. A plate in plane flow has the apparent mass `πρb²` with any number of panels: with the last vortex on the edge the sums are exact.
+/// The tolerance allows for the finite span, and for segments 2000 chords long, which lose six digits.
 #[test]
 fn u13_apparent_mass_in_plane_flow() {
     let places_m = inset(PLANE, PLANE_STRIPS);
@@ -177,8 +177,7 @@ fn u13_apparent_mass_in_plane_flow() {
     }
 }
 
-/// U-14. Rectangular plates broadside: coefficients of `π/4 ρ a² b` from DNV-RP-H103 (2011), table A-2, given with three
-/// digits.
+/// U-14. Rectangular plates broadside: coefficients of `π/4 ρ a² b` from DNV-RP-H103 (2011), table A-2, given to three digits.
 #[test]
 fn u14_apparent_mass_of_rectangles() {
     for (ratio, expected) in [(2.0, 0.757), (4.0, 0.872), (10.0, 0.947)] {
@@ -191,7 +190,7 @@ fn u14_apparent_mass_of_rectangles() {
     }
 }
 
-/// Lift of a wing of aspect ratio 6 after a sudden start, in N, after 4 chords and at the end.
+/// Lift in N of a wing of aspect ratio 6 after a sudden start, after 4 chords and at the end.
 fn started(angle_rad: f64, wake: WakeModel, wake_rows: usize, steps: usize) -> f64 {
     let rule = LatticeOptions { wake, wake_rows, ..options() };
     let mut wing = Wing::new(&inset(6.0, 12), |_| 1.0, 4, rule).with_incidence(angle_rad);
@@ -200,7 +199,7 @@ fn started(angle_rad: f64, wake: WakeModel, wake_rows: usize, steps: usize) -> f
     wing.circulatory_n().z + wing.impulsive_n().z
 }
 
-/// U-15. A free wake changes the lift over the angle with the second power of the angle: it vanishes for small loads.
+/// U-15. The effect of a free wake on lift divided by angle is of second order in the angle: it vanishes for small loads.
 #[test]
 fn u15_free_wake_tends_to_the_prescribed_one() {
     let change = |angle_rad| {
@@ -214,7 +213,7 @@ fn u15_free_wake_tends_to_the_prescribed_one() {
     assert!((3.0..5.0).contains(&(changes[1] / changes[0])), "not the second power: {changes:?}");
 }
 
-/// Lift in N over the last of three periods of heave with `k = 0.2` of a wing of aspect ratio 6, wake of some chords.
+/// Lift in N during the last of three periods of heave with `k = 0.2`, for a wing of aspect ratio 6 with a wake of a number of chords.
 fn heaving(wake_chords: usize) -> Vec<f64> {
     const PERIOD: usize = 64;
     let rule = LatticeOptions { wake_rows: 4 * wake_chords, ..options() };
@@ -232,8 +231,8 @@ fn heaving(wake_chords: usize) -> Vec<f64> {
     (1..=3 * PERIOD).map(lift_n).skip(2 * PERIOD).collect()
 }
 
-/// U-16. Error of a short wake, whose last ring takes in what is older: largest difference in the lift of a heaving wing
-/// over its amplitude, with 1, 2, 5, 10 and 20 chords kept against all 47, and of the steady lift after a sudden start.
+/// U-16. Error of a short wake, whose last ring represents all older rows: largest difference in the lift of a heaving wing relative to its
+/// amplitude, with 1, 2, 5, 10 and 20 chords of wake against all 47, and of the steady lift after a sudden start.
 #[test]
 fn u16_short_wake() {
     let all_n = heaving(50);

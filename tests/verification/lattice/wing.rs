@@ -1,4 +1,4 @@
-//! Flat wings for the cases: sections along `x`, leading edge towards `+y`, flow along `−y`.
+//! Flat wings for these cases: sections along `x`, leading edge towards `+y`, flow along `−y`.
 
 use foldwing::aero::AirLoads;
 use foldwing::aero::established::Established;
@@ -26,13 +26,13 @@ pub fn options() -> LatticeOptions {
     }
 }
 
-/// Spanwise places of `strips + 1` sections over a whole span, the tips inset by a quarter of a panel.
+/// Spanwise positions of `strips + 1` sections over a whole span, the tips inset by a quarter of a panel.
 pub fn inset(span_m: f64, strips: usize) -> Vec<f64> {
     let panel_m = span_m / (strips as f64 + 0.5);
     (0..=strips).map(|i| -0.5 * span_m + panel_m * (0.25 + i as f64)).collect()
 }
 
-/// A wing at rest or in motion, its lattice, states and loads.
+/// A fixed or moving wing with its lattice, states and loads.
 pub struct Wing {
     pub lattice: VortexLattice,
     pub motions: Vec<SectionMotion>,
@@ -45,12 +45,12 @@ pub struct Wing {
 }
 
 impl Wing {
-    /// With the chord given at every section, quarter chord on the axis.
+    /// A wing whose chord is given at every section, with the quarter chord on the axis.
     pub fn new(places_m: &[f64], chord_m: impl Fn(f64) -> f64, chord_panels: usize, options: LatticeOptions) -> Self {
         Self::with_profile(Profile::THIN, places_m, chord_m, chord_panels, options)
     }
 
-    /// The same with a profile.
+    /// A wing with a profile.
     pub fn with_profile(
         profile: Profile,
         places_m: &[f64],
@@ -82,7 +82,7 @@ impl Wing {
         }
     }
 
-    /// Turns the wind by an angle of attack in rad.
+    /// Rotates the wind by an angle of attack in rad.
     pub fn with_incidence(mut self, angle_rad: f64) -> Self {
         self.wind_m_s = Rotation3::from_axis_angle(&Vector3::x_axis(), -angle_rad) * self.wind_m_s;
         self
@@ -92,13 +92,13 @@ impl Wing {
         self.try_start(established).expect("regular");
     }
 
-    /// The same where it may be refused.
+    /// Starts the flow, which may fail.
     pub fn try_start(&mut self, established: bool) -> Result<(), NoCirculation> {
         let established = established.then_some(Established::straight(self.panel_step_s()));
         self.start_as(established)
     }
 
-    /// The flow that has been there for long, for steps of this length.
+    /// The steady flow, for steps of this length.
     pub fn start_for_steps(&mut self, step_s: f64) {
         self.start_as(Some(Established::straight(step_s))).expect("regular");
     }
@@ -108,7 +108,7 @@ impl Wing {
         self.go_on_as(established)
     }
 
-    /// The flow that has been there for long, next to the one in `from` where there are several.
+    /// The steady flow; if there are several solutions, the one next to the state in `from`.
     pub fn go_on(&mut self) -> Result<(), NoCirculation> {
         self.go_on_as(Some(Established::straight(self.panel_step_s())))
     }
@@ -118,7 +118,7 @@ impl Wing {
         self.lattice.start(&self.motions, &flow, established, &mut self.from, &mut self.loads)
     }
 
-    /// Step in s in which the air makes the way of a panel: the default.
+    /// Step in s in which the wind travels the length of one panel: the default.
     pub fn panel_step_s(&self) -> f64 {
         let chord = &self.lattice.surfaces()[0];
         chord.chords[0].length_m() / (chord.chord_panels as f64 * SPEED_M_S)

@@ -1,8 +1,8 @@
 //! Every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine.
 //!
-//! The machine is that of [`Hybrid`]: derivatives of states and outputs at any state, found by the mass matrix. Machines that no
-//! integrator from outside may have are those of [`Study::rates_beside`](foldwing::plant::Study::rates_beside): rotors with the loads
-//! of the instant, lattices with loads that are held, as in the linear model in continuous time.
+//! The reference uses the equations of [`Hybrid`]: derivatives of states and outputs at any state, solved with the mass matrix. Machines
+//! that cannot be integrated from outside use [`Study::rates_beside`](foldwing::plant::Study::rates_beside): rotors with instantaneous
+//! loads, lattices with constant loads, as in the linear model in continuous time.
 
 use foldwing::interface::{Interface, LinearModel, Value, Variable};
 use foldwing::machine::Machine;
@@ -10,48 +10,50 @@ use foldwing::plant::{Beside, Holding, Hybrid, InstantRates, NotHybrid, Outputs,
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
-/// Maximum error of a row over its scale: the requirement.
+/// Maximum error of a row relative to its scale: the requirement.
 const TOLERANCE: f64 = 1e-6;
-/// First steps of the differences, from wide to close: a limit or a row of a table may lie near.
+/// First steps of the differences, from wide to close, because a limit or a table row may be near.
 const STEPS: [f64; 2] = [1e-2, 1e-4];
-/// The same of inputs: most loads and commands act linearly, where wider steps lose less to round-off.
+/// First steps for inputs: most loads and commands act linearly, so wider steps lose less to round-off.
 const INPUT_STEPS: [f64; 3] = [1.0, 1e-2, 1e-4];
-/// The same of rotors: a section may lie 1e-7 rad from a corner of its polar, where wider differences take the mean of both sides.
+/// First steps for rotors: a section may be 1e-7 rad from a corner of its polar, where wider differences average both sides.
 const ROTOR_STEPS: [f64; 3] = [1e-2, 1e-4, 1e-6];
-/// Degree of attachment below which its square root in (B14), whose slope is infinite at 0, counts as 0 in linear models and in states
-/// next to the present one, NOTATION (B27).
+/// Degree of attachment below which linear models and states next to the present one take as 0 its square root in (B14), whose derivative
+/// is infinite at 0, NOTATION (B27).
 const SEPARATED: f64 = 1e-6;
-/// Degree at which differences by such a degree are taken: below 0, where the loads are smooth without the square root. Steps from 0 on
-/// would stay below 1e-6 and lose six digits.
+/// Degree of attachment at which differences with respect to it are taken: below 0, where the loads are smooth because the square root is
+/// absent. Steps from 0 on would have to stay below 1e-6 and lose six digits.
 const BELOW_SEPARATED: f64 = -2e-2;
-/// Derivative in SI units that is negligible for machines of this size: gravity's are 10, masses' 1.
+/// Derivative in SI units that is negligible for machines of this size: those with respect to gravity are about 10, to masses about 1.
 const NOTHING: f64 = 1e-3;
-/// Error of a reference in SI units below which it counts as known, however small the row.
+/// Error of a reference in SI units below which it counts as accurate, however small the row.
 const UNKNOWN: f64 = 1e-5 * NOTHING;
-/// Factor from one step of a table to the next, and the number of them.
+/// Ratio of successive steps of a table, and their number.
 const SHRINK: f64 = 0.5;
 const TABLE: usize = 6;
 
-/// Round-off of derivatives of loads, over the largest derivative of a load by the same quantity: reactions and internal loads are sums
-/// along the tree of masses times accelerations, and those are solutions by a mass matrix whose condition is 1e4 or more.
+/// Round-off of derivatives of loads, relative to the largest derivative of a load with respect to the same quantity: reactions and
+/// internal loads are sums along the tree of masses times accelerations, and the latter are solved with a mass matrix whose condition
+/// number is 1e4 or more.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Steps by which the round-off of a function is measured over the first step of the closest differences, at most so many, and the number of
-/// their multiples. Over short ones roots that are iterated to 1e-14 may not change; beyond a tenth of the differences functions bend.
+/// Steps for measuring the round-off of a function, relative to the first step of the closest differences: smallest and largest. With
+/// shorter steps, iterated roots (1e-14) may not change; beyond a tenth of the differences, functions are no longer cubic.
 const GRAIN_STEPS: [f64; 2] = [1e-4, 0.0125];
 const GRAIN_WIDEST: f64 = 1e-6;
 const GRAIN_PAIRS: u32 = 8;
 
-/// Estimates of the error of a derivative from close steps by which it may be off: extrapolation amplifies round-off.
+/// Factor on the estimated error of a derivative from close steps within which other estimates must agree: extrapolation amplifies
+/// round-off.
 const DOUBT: f64 = 4.0;
 
-/// Round-offs of a value by which a difference of two may be off.
+/// Error of a difference of two values, in multiples of their round-off.
 const ROUND_OFFS: f64 = 8.0;
 
-/// The same of loads, in which the accelerations are linear without limits: the round-off of heavy machines is far above a newton.
+/// First steps for loads, in which the accelerations are linear without limits: the round-off of heavy machines is far above a newton.
 const LOAD_STEPS: [f64; 2] = [1e4, 1.0];
 
-/// First steps of an input: flaps have ends, and the wind moves sections of rotors over corners of polars.
+/// First steps for an input: control surfaces have limits, and the wind moves rotor sections across corners of polars.
 fn steps_of(input: &str, is_rotor: bool) -> &'static [f64] {
     if input.starts_with("aero.control_surface.") {
         &STEPS
@@ -64,24 +66,24 @@ fn steps_of(input: &str, is_rotor: bool) -> &'static [f64] {
     }
 }
 
-/// Checks the rows of a machine's linear model.
+/// Result of the check of the rows of a machine's linear model.
 #[derive(Debug, PartialEq)]
 pub enum Rows {
-    /// The largest error over the scale of a row.
+    /// The largest error relative to the scale of its row.
     Agree(f64),
-    /// The machine has no linear model there, for a reason.
+    /// The machine has no linear model in this state; contains the reason.
     Refused(String),
-    /// Entries that are off, by name.
+    /// Entries beyond the tolerance, by name.
     Miss(String),
 }
 
-/// Derivative of a function at 0 with an estimate of its error, entry by entry, from [`STEPS`]. `grain` is the round-off of the entries
-/// that does not show in their values: a deflection of 1 µm is a difference of positions of metres.
+/// Derivative of a function at 0 with an estimate of its error, entry by entry, from [`STEPS`]. `grain` is round-off of the entries that is
+/// not visible in their values: a deflection of 1 µm is a difference of positions of metres.
 fn derivative(grain: &DVector<f64>, at: impl FnMut(f64) -> DVector<f64>) -> (DVector<f64>, DVector<f64>) {
     derivative_from(&STEPS, grain, at)
 }
 
-/// The same from given first steps, from wide to close: the surest estimate.
+/// The derivative from given first steps, from wide to close: the estimate with the smallest error.
 fn derivative_from(
     steps: &[f64],
     grain: &DVector<f64>,
@@ -90,9 +92,9 @@ fn derivative_from(
     surest(steps, grain, at, |_, _, _| true)
 }
 
-/// The same of loads of rotors, whose polars have corners. Wide steps lose less to round-off, but corners between them may bend a table to a
-/// value that looks sure: an estimate from wide steps counts if it agrees with that from closer ones within their errors, and the range of the
-/// close differences where it is wider than that of the wide ones, which shows round-off.
+/// The derivative of loads of rotors, whose polars have corners. Wide steps lose less to round-off, but corners between them may bend a
+/// table to a value with a small estimated error: an estimate from wide steps counts only if it agrees with that from closer steps within
+/// their errors, and the spread of the close differences is used if it is wider than that of the wide ones, which indicates round-off.
 fn derivative_off_corners(
     steps: &[f64],
     grain: &DVector<f64>,
@@ -104,7 +106,7 @@ fn derivative_off_corners(
     })
 }
 
-/// The surest of the estimates from close to wide that count beside those from closer steps, entry by entry.
+/// Of the estimates from close to wide that agree with those from closer steps, the one with the smallest error, entry by entry.
 fn surest(
     steps: &[f64],
     grain: &DVector<f64>,
@@ -126,9 +128,9 @@ fn surest(
     (value, error)
 }
 
-/// Round-off of the entries of a function: the largest distance of differences over multiples of [`GRAIN_STEPS`], within which all else is a
-/// cubic, from the odd cubic through them; a corner at the instant has none. Terms that cancel have more round-off than the value shows, and
-/// two differences that are equal by chance look sure.
+/// Round-off of the entries of a function: the largest deviation of differences over multiples of [`GRAIN_STEPS`], where the function is a
+/// cubic up to round-off, from the odd cubic fitted to them; zero if there is a corner at the instant. Cancelling terms have more round-off
+/// than the value suggests, and two differences that are equal by chance seem exact.
 fn scatter(closest: f64, at: &mut impl FnMut(f64) -> DVector<f64>) -> DVector<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let line: Vec<f64> = (1..=GRAIN_PAIRS).map(f64::from).collect();
@@ -145,28 +147,28 @@ fn scatter(closest: f64, at: &mut impl FnMut(f64) -> DVector<f64>) -> DVector<f6
         }
         found.into_iter().map(|found| found.abs())
     });
-    // of few samples
+    // safety factor for few samples
     2.0 * off.reduce(|a, b| a.zip_map(&b, f64::max)).expect("differences")
 }
 
-/// A derivative by central differences extrapolated to steps of no length after Ridders, entry by entry.
+/// A derivative by central differences extrapolated to zero step by Ridders' method, entry by entry.
 struct Estimate {
     value: DVector<f64>,
     /// Estimate of the error, round-off of the last digit included.
     error: DVector<f64>,
-    /// Range of the differences that are extrapolated.
+    /// Spread of the differences that are extrapolated.
     spread: DVector<f64>,
 }
 
 impl Estimate {
-    /// The surest of a table that begins with a step.
+    /// The estimate with the smallest error from a table that begins with a step.
     fn of(first: f64, grain: &DVector<f64>, at: &mut impl FnMut(f64) -> DVector<f64>) -> Self {
         let mut best: Option<Self> = None;
         let mut table: Vec<Vec<DVector<f64>>> = Vec::new();
         let mut step = first;
         for row in 0..TABLE {
             let (above, below) = (at(step), at(-step));
-            // what the difference loses to round-off: two values that are equal may differ in digits that they do not have
+            // loss of the difference to round-off: two equal values may differ beyond their last digit
             let lost = above.zip_map(&below, |a, b| 4.0 * f64::EPSILON * a.abs().max(b.abs()) / step) + grain / step;
             let mut line = vec![(above - below) / (2.0 * step)];
             let mut factor = 1.0;
@@ -204,12 +206,12 @@ fn is_load(unit: &str) -> bool {
     matches!(unit, "N" | "N.m")
 }
 
-/// Length in m of all bodies in a row, at least that of a rigid body's arms.
+/// Total length in m of all bodies in a row, at least that of a rigid body's arms.
 fn length_m(machine: &Machine) -> f64 {
     machine.bodies.iter().map(|body| body.length_m).sum::<f64>().max(1.0)
 }
 
-/// A block of a linear model beside its reference, column by column.
+/// A block of a linear model and its reference, column by column.
 struct Block {
     what: &'static str,
     rows: Vec<(String, String)>,
@@ -219,17 +221,17 @@ struct Block {
     error: DMatrix<f64>,
     /// Values of the rows.
     values: DVector<f64>,
-    /// [`length_m`]: forces have moments of that size.
+    /// [`length_m`]: scale between forces and moments.
     length_m: f64,
-    /// First step of the differences, column by column, where they have to be short; infinite otherwise.
+    /// First step of the differences for each column in which it must be short; infinite otherwise.
     short: Vec<f64>,
 }
 
 impl Block {
-    /// Rows that are off, and the largest share of a scale. Each row is compared with columns of one unit at a time, so that a
-    /// stiff column does not hide a soft one; its scale is at least a small part of the whole row's, of the rows of its unit, of moments
-    /// for forces and of forces for moments, and of its value: what those lose to round-off. Of a machine in a plane a component of the
-    /// root's moment is what is left of forces in that plane.
+    /// Rows beyond the tolerance, and the largest relative error. Each row is compared with columns of one unit at a time, so that a stiff
+    /// column does not hide a soft one; its scale is at least a small fraction of the whole row, of the rows of its unit, of moments for
+    /// forces and of forces for moments, and of its value: these lose as much to round-off. For a planar machine, out-of-plane components
+    /// of the root moment are residues of in-plane forces.
     fn misses(&self) -> (f64, Vec<String>) {
         let (mut worst, mut list) = (0.0f64, Vec::new());
         let in_unit_of = |unit: &str, other: &str| match (unit, other) {
@@ -265,11 +267,11 @@ impl Block {
                     .max(1e-2 * alike.fold(0.0, f64::max))
                     .max(1e-2 * self.reference.row(i).amax())
                     .max(NOTHING * self.values[i].abs())
-                    // of a machine that is all but at rest kinetic energies of 1e-20 J have derivatives of that size
+                    // for a machine almost at rest, kinetic energies of 1e-20 J have derivatives of that size
                     .max(TOLERANCE * NOTHING);
                 for &j in &columns {
                     let error = self.error[(i, j)];
-                    // where the reference does not know a row that matters, nothing has been checked
+                    // if the reference is too inaccurate for a row that matters, nothing has been checked
                     let lost = lost(j, unit).max(of_short_steps(i, j));
                     let sure = error <= (TOLERANCE * scale).max(UNKNOWN) + lost;
                     let left = ((self.linear[(i, j)] - self.reference[(i, j)]).abs() - error - lost).max(0.0);
@@ -292,7 +294,8 @@ impl Block {
     }
 }
 
-/// Inputs of a linear model: all real ones but commands behind a rate limit, which the model has follow at once and the machine does not.
+/// Inputs of a linear model: all real ones except commands behind a rate limit, which take effect at once in the model but not in the
+/// machine.
 fn inputs<'a>(interface: &'a Interface, plant: &Plant) -> Vec<&'a Variable> {
     let limited: Vec<String> = plant
         .machine()
@@ -343,13 +346,13 @@ pub fn linear_rows_agree_at(plant: &mut Plant) -> Rows {
     }
 }
 
-/// Checks all rows of the linear models of a machine: about its start, moving, and about its equilibrium, where there are such.
+/// Checks all rows of the linear models of a machine: about its start, moving, and about its equilibrium, if available.
 pub fn linear_rows_agree(machine: &Machine) -> Rows {
     let machine = Arc::new(machine.clone());
     let start_s = machine.experiment.start_time_s;
     let mut plant = Plant::new(machine.clone());
     if machine.spatials().count() > 0 {
-        // linear models about rest only
+        // linear models only about an equilibrium
         if let Err(error) = plant.study().equilibrium(start_s, Holding::AsReleased) {
             return Rows::Refused(error.to_string());
         }
@@ -367,7 +370,7 @@ pub fn linear_rows_agree(machine: &Machine) -> Rows {
     linear_rows_agree_at(&mut plant)
 }
 
-/// Place of an input in the flat vector of inputs, found on a plant that does nothing else.
+/// Index of an input in the flat vector of inputs, determined with a separate plant.
 fn place_of(interface: &Interface, idle: &mut Plant, row: &Variable) -> usize {
     let before = idle.inputs().clone();
     let value = real(interface, idle, idle.outputs(), row);
@@ -379,17 +382,17 @@ fn place_of(interface: &Interface, idle: &mut Plant, row: &Variable) -> usize {
     place.unwrap_or_else(|| panic!("{}: no input", row.name))
 }
 
-/// Derivatives of the rates of the states and of the outputs with states and inputs.
+/// Derivatives of the rates of the states and of the outputs with respect to states and inputs.
 struct Differences {
     /// The rates and outputs themselves.
     present: DVector<f64>,
     /// Derivatives with their errors, column by column.
     columns: Vec<(DVector<f64>, DVector<f64>)>,
-    /// First steps of the columns that have to have short ones; infinite of the others.
+    /// First steps of the columns that need short ones; infinite for the others.
     short: Vec<f64>,
 }
 
-/// A linear model with the rows of the table that it is of.
+/// A linear model and its variables in the table.
 struct Compared<'a> {
     interface: &'a Interface,
     model: &'a LinearModel,
@@ -398,18 +401,18 @@ struct Compared<'a> {
 }
 
 impl Compared<'_> {
-    /// Places of the inputs in the flat vector of inputs.
+    /// Indices of the inputs in the flat vector of inputs.
     fn places(&self, idle: &mut Plant) -> Vec<usize> {
         self.given.iter().map(|row| place_of(self.interface, idle, row)).collect()
     }
 
-    /// Rates of freedoms, their rates and the lags, then the outputs.
+    /// Rates of the degrees of freedom, of their rates and of the lags, then the outputs.
     fn stacked(&self, idle: &Plant, parts: [&[f64]; 3], found: &Outputs) -> DVector<f64> {
         let values = self.outputs.iter().map(|row| real(self.interface, idle, found, row));
         DVector::from_vec(parts.into_iter().flatten().copied().chain(values).collect())
     }
 
-    /// Round-off of the rows that does not show in their values: lengths are differences of positions.
+    /// Round-off of the rows that is not visible in their values: lengths are differences of positions.
     fn grain(&self, present: &DVector<f64>, machine: &Machine) -> DVector<f64> {
         let mut grain = DVector::zeros(present.len());
         let first = present.len() - self.outputs.len();
@@ -419,7 +422,7 @@ impl Compared<'_> {
         grain
     }
 
-    /// Through [`Hybrid`].
+    /// Differences by [`Hybrid`].
     fn by_hybrid(&self, plant: &mut Plant) -> Differences {
         let model = self.model;
         let snapshot = plant.snapshot();
@@ -484,7 +487,7 @@ impl Compared<'_> {
         for (j, &place) in given.iter().enumerate() {
             let kept = hybrid.system_mut().inputs().clone();
             columns.push(derivative_from(steps_of(&model.inputs[j].name, false), &grain, |amount| {
-                // a step of the wind makes the rates jump, by what B has in the rows of the coordinates
+                // a step of the wind makes the rates jump, by the entries of B in the rows of the coordinates
                 let jump = &directions * model.matrices.b.view((0, j), (n, 1)) * amount;
                 let mut there = base.clone();
                 (0..m).for_each(|i| there[m + i] += jump[i]);
@@ -501,7 +504,7 @@ impl Compared<'_> {
         Differences { present, columns, short }
     }
 
-    /// Through the equations at an instant.
+    /// Differences by the equations at an instant.
     fn by_instants(&self, plant: &mut Plant) -> Differences {
         let freedoms = plant.freedoms();
         let lags = self.model.states.len() - 2 * freedoms.len();
@@ -519,7 +522,7 @@ impl Compared<'_> {
         };
         let present = at(plant, Beside::Nothing);
         let grain = self.grain(&present, plant.machine());
-        // lattices, whose loads are held, have no lags; blades without corners bear the closer steps
+        // lattices have constant loads and no lags; blades without corners permit the closer steps
         let is_rotor = plant.machine().air.as_ref().is_some_and(|air| air.options.is_rotor());
         let steps: &[f64] = if is_rotor { &ROTOR_STEPS } else { &STEPS };
         let difference = |steps: &[f64], at: &mut dyn FnMut(f64) -> DVector<f64>| match is_rotor {
@@ -537,7 +540,7 @@ impl Compared<'_> {
             let state = &self.model.states[2 * freedoms.len() + lag];
             let is_attachment = state.name.ends_with(".attachment");
             let from = if is_attachment && state.value < SEPARATED { BELOW_SEPARATED } else { 0.0 };
-            // steps beyond 0 leave the square root
+            // steps beyond 0 leave the range of the square root
             let root = if is_attachment && from == 0.0 { 0.25 * state.value } else { f64::INFINITY };
             let steps: Vec<f64> = steps.iter().map(|step| step.min(root)).collect();
             // the last differences of a table have 2^-5 of the first step
@@ -557,7 +560,7 @@ impl Compared<'_> {
         Differences { present, columns, short }
     }
 
-    /// The four matrices beside their references.
+    /// The four matrices and their references.
     fn blocks(&self, differences: Differences, machine: &Machine) -> [Block; 4] {
         let length_m = length_m(machine);
         let Differences { present, columns, short } = differences;

@@ -21,7 +21,7 @@ fn shipped(path: &str) -> Machine {
     config::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).0
 }
 
-/// Shipped models that LR-01 cannot compare or that miss it, with a part of the message. The aircraft need a trimmed state.
+/// Shipped models that LR-01 cannot compare or that exceed its tolerance, with a part of the message. The aircraft need a trimmed state.
 const LEFT_OUT: &[(&str, &str)] = &[
     ("flight/folding_aircraft.toml", "no steady flight"),
     ("flying_aircraft.toml", "no steady flight"),
@@ -48,8 +48,8 @@ fn examples() -> Vec<String> {
     found
 }
 
-/// LR-01. Shipped models about their start, or about their equilibrium where a joint has several freedoms. Short: one of each kind of
-/// air and joint.
+/// LR-01. Shipped models about their start, or about their equilibrium if a joint has several degrees of freedom. Short studies: one of
+/// each kind of aerodynamics and joint.
 #[test]
 fn lr01_rows_of_shipped_models() {
     const SHORT: [&str; 6] = [
@@ -77,7 +77,7 @@ fn lr01_rows_of_shipped_models() {
     assert!(missed.is_empty(), "{}", missed.join("\n"));
 }
 
-/// Numbers between 0 and 1, the same each time.
+/// Pseudo-random numbers between 0 and 1, the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -98,7 +98,7 @@ impl Random {
 }
 
 /// A chain of one to four beams and rigid bodies on revolute joints: motors within and beyond their limits, springs, dampers, loaded end
-/// stops, generators over a table, slipping brakes, closed elastic latches; loads, gauges, internal loads, and for some strip theory.
+/// stops, generators with a table, slipping brakes, closed elastic latches; loads, gauges, internal loads, and strip theory for some.
 fn random_machine(random: &mut Random) -> String {
     let mut text = String::from(
         "name = 'random'\ngravity_m_s2 = [0.5, -0.3, -9.0]\n[section.s]\nshape = 'explicit'\naxial_stiffness_N = 4e4\n\
@@ -218,7 +218,7 @@ fn random_machine(random: &mut Random) -> String {
     text + "[solver]\ntolerance = 1e-10\n[simulation]\nstop_time_s = 1.0\nstep_s = 1e-3\n"
 }
 
-/// LR-02. Random machines about a state of motion. Short: eight of the hundred.
+/// LR-02. Random machines about a moving state. Short studies: eight of the hundred.
 #[test]
 fn lr02_rows_of_random_machines() {
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
@@ -229,7 +229,7 @@ fn lr02_rows_of_random_machines() {
         let mut plant = Plant::new(Arc::new(machine));
         plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}\n{text}"));
         if let Err(error) = plant.step(0.005) {
-            // in air a whole aerodynamic step is marched with the shortest step that it needs somewhere, at this tolerance 4e-8 s
+            // with aerodynamics, a whole aerodynamic step is integrated with the shortest step that it needs, 4e-8 s at this tolerance
             println!("LR-02 machine {number}: {error}");
             unreached += 1;
             continue;
@@ -248,7 +248,8 @@ fn lr02_rows_of_random_machines() {
 }
 
 /// LR-03. At a kink the four matrices take the same side: a motor exactly at its limit is not limited, a generator at a row of its table
-/// continues towards higher speeds, a joint at rest exactly at its end stop is not in contact. Next to the kink each takes its own side.
+/// continues towards higher speeds, a motionless joint exactly at its end stop is not in contact. On either side of the kink, the matrices
+/// are those of that side.
 #[test]
 fn lr03_one_side_of_a_kink() {
     let model = |wanted: f64, rpm: f64, at_m: f64| {
@@ -287,7 +288,7 @@ fn lr03_one_side_of_a_kink() {
     };
     let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
     let beyond = 1e-9;
-    // slope of the motor, of the generator over its speed in N.m.s/rad, of the stop
+    // derivatives: of the motor, of the generator with respect to its speed in N.m.s/rad, of the stop
     let per_rpm = 30.0 / std::f64::consts::PI;
     for (wanted, rpm, at_m, motor, generator, stop) in [
         (0.5, 30.0, 0.25, 4.0, 0.1 * per_rpm, [0.0, 0.0]),
@@ -306,8 +307,8 @@ fn lr03_one_side_of_a_kink() {
     }
 }
 
-/// LR-04. In compressible air the loads grow with the Mach number: the static gain of the linear lattice by the speed of the wind is the
-/// derivative of the loads of established flows, which at Mach 0.5 grow by a sixth more than with the square of the speed.
+/// LR-04. In compressible flow the loads grow with the Mach number: the static gain of the linear lattice for the wind speed is the
+/// derivative of the steady loads, which at Mach 0.5 grow by a sixth more than with the square of the speed.
 #[test]
 fn lr04_lattice_in_compressible_air() {
     let machine = |speed_m_s: f64| {
@@ -340,19 +341,19 @@ fn lr04_lattice_in_compressible_air() {
     let n = m.a.nrows();
     let at_rest = (DMatrix::identity(n, n) - &m.a).lu().solve(&m.b).expect("decays");
     let gain = &m.c * at_rest + &m.d;
-    // along the wind: both components grow with the speed
+    // along the wind: both components of the wind grow with the speed
     let found = -gain[(0, 0)] + 0.05 * gain[(0, 1)];
     let lift_n = |speed_m_s: f64| started(speed_m_s).outputs().air_total().force_n.z;
     let slope = |step: f64| (lift_n(150.0 + step) - lift_n(150.0 - step)) / (2.0 * step);
     let expected = (4.0 * slope(1.0) - slope(2.0)) / 3.0;
     let power = expected * 150.0 / lift_n(150.0);
     println!("LR-04: {found} N.s/m for {expected}, the load grows with the power {power} of the speed");
-    // without Mach's number the power would be 2
+    // without compressibility the exponent would be 2
     assert!(power > 2.1, "{power}");
     assert!((found / expected - 1.0).abs() < 2e-3, "{found} for {expected}");
 }
 
-/// LR-05. Commands do not move a joint whose drive runs away, jams or has died: rows before and after the failure.
+/// LR-05. Commands do not move a joint whose drive has a runaway, a jam or a loss of power: rows before and after the failure.
 #[test]
 fn lr05_commands_of_failed_drives() {
     for (failure, follows) in [
@@ -395,7 +396,7 @@ fn lr05_commands_of_failed_drives() {
     }
 }
 
-/// Hinged beams with strip theory and a start without developed flow, with gravity and a start rate in °/s.
+/// Hinged beams with strip theory and an impulsive start, with gravity and a start rate in °/s.
 fn hinged_wing(start_rate_deg_s: f64) -> Machine {
     let text = format!(
         "name = 'W'\n[section.s]\nshape = 'rectangle'\nwidth_m = 0.06\nheight_m = 0.005\ndensity_kg_m3 = 1600.0\n\
@@ -413,8 +414,8 @@ fn hinged_wing(start_rate_deg_s: f64) -> Machine {
     config::parse(&text, "hinged.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// LR-06. About a state of rest whose inputs have changed since, accelerations are those of now: rows of the mass matrix that changes with
-/// the pose are multiplied by them.
+/// LR-06. At zero rates with inputs changed since the last step, the model uses the current accelerations: they multiply the change of the
+/// mass matrix with the pose.
 #[test]
 fn lr06_rest_whose_inputs_have_changed() {
     let machine = Arc::new(hinged_wing(0.0));
@@ -426,8 +427,7 @@ fn lr06_rest_whose_inputs_have_changed() {
     println!("LR-06: {rows:?}");
 }
 
-/// LR-07. Reading the machine as a hybrid system twice within an aerodynamic step gives the same lag states, to the bit: those of the
-/// present.
+/// LR-07. Reading the machine as a hybrid system twice within an aerodynamic step gives bit-identical lag states: the present ones.
 #[test]
 fn lr07_lag_states_are_those_of_the_present() {
     let mut plant = Plant::new(Arc::new(hinged_wing(50.0)));
@@ -445,7 +445,7 @@ fn lr07_lag_states_are_those_of_the_present() {
     assert_eq!(first, read(&mut plant));
 }
 
-/// LR-08. Start rates are not part of an equilibrium: where the flow sets in at the start, its loads are those of rest.
+/// LR-08. Start rates do not affect an equilibrium: if the flow starts impulsively, its loads are those without motion.
 #[test]
 fn lr08_equilibria_have_no_start_rates() {
     let rest = |start_rate_deg_s: f64| {
@@ -453,12 +453,12 @@ fn lr08_equilibria_have_no_start_rates() {
         plant.study().equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
         plant.outputs().joints().iter().map(|joint| joint.angle_rad).collect::<Vec<_>>()
     };
-    // the same searches: to the bit
+    // identical searches: results agree to the last bit
     assert_eq!(rest(0.0), rest(50.0));
 }
 
-/// LR-09. In air a hundred times as heavy as at sea level, linear models of a wing about a moving state are right without apparent mass,
-/// and with it, many times the wing's, refused by name with the cure.
+/// LR-09. In air a hundred times as heavy as at sea level, linear models of a wing about a moving state are correct without apparent mass;
+/// with an apparent mass many times the wing's they are rejected with an error that gives the remedy.
 #[test]
 fn lr09_moving_in_heavy_air() {
     for apparent_mass in [false, true] {
@@ -481,8 +481,8 @@ fn lr09_moving_in_heavy_air() {
     }
 }
 
-/// LR-10. In a gust of the model file the lags of its downwash are states of every linear model, with and without an input for gusts:
-/// rows in the midst of the gust and behind it, where the lags are all that is left of it.
+/// LR-10. In a gust of the model file the lag states of its downwash are states of every linear model, with and without a gust input: rows
+/// during the gust and after it, when only the lag states remain.
 #[test]
 fn lr10_lags_of_the_own_gust() {
     let mut plant = Plant::new(Arc::new(shipped("models/goland_wing.toml")));
@@ -500,7 +500,7 @@ fn lr10_lags_of_the_own_gust() {
         });
         assert_eq!(states[0], states[1]);
         let of_gust = |(name, value): &&(String, f64)| name.contains(".gust_lag[") && *value != 0.0;
-        // three terms on each of twelve strips
+        // three lag terms on each of twelve strips
         assert_eq!(states[0].iter().filter(of_gust).count(), 36);
     }
 }

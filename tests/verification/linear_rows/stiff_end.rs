@@ -1,4 +1,4 @@
-//! Outputs by accelerations whose largest entries hardly move them.
+//! Outputs that depend on accelerations of which the largest hardly affect them.
 
 use super::Rows;
 use super::compare::linear_rows_agree_at;
@@ -6,7 +6,7 @@ use foldwing::config;
 use foldwing::plant::{Holding, Plant};
 use std::sync::Arc;
 
-/// A beam with a mass 5 mm before its end: that last element has accelerations of 3e12 1/m·s² per unit of curvature.
+/// A beam with a mass 5 mm before its end: its last element has accelerations of 3e12 1/m·s² per unit of curvature.
 const BEAM: &str = r#"
 name = "StiffEnd"
 gravity_m_s2 = [-8.6, -8.1, -6.9]
@@ -38,8 +38,9 @@ position_m = 0.245
 mass_kg = 0.069
 "#;
 
-/// LR-12. Reactions at the root of a beam by the strains of its very stiff end: the outputs' changes with the accelerations were taken over
-/// accelerations of at most 1 in their units, where those of 1e-12 N were lost beside the reaction itself.
+/// LR-12. Derivatives of the root reactions of a beam with respect to the strains of its very stiff end: the derivatives with respect to
+/// accelerations used to be differences over accelerations of at most 1 in their units, so that changes of 1e-12 N were lost in the
+/// round-off of the reaction.
 #[test]
 fn lr12_reactions_of_a_stiff_end_keep_their_digits() {
     let machine = config::parse(BEAM, "stiff_end.toml").unwrap_or_else(|error| panic!("{error}"));
@@ -48,7 +49,7 @@ fn lr12_reactions_of_a_stiff_end_keep_their_digits() {
     match linear_rows_agree_at(&mut plant) {
         Rows::Agree(off) => {
             println!("LR-12: off by at most {off:.1e} of a row's scale");
-            // a hundred times the round-off of reactions over that of their largest parts
+            // a hundred times the round-off of reactions, relative to their largest terms
             assert!(off < 1e-8, "{off:.1e}");
         }
         Rows::Miss(why) | Rows::Refused(why) => panic!("{why}"),

@@ -1,4 +1,4 @@
-//! A rotor whose shaft is locked: the speed of its tips has a corner at 0.
+//! A rotor with a locked shaft: the tip speed has a corner at 0.
 
 use foldwing::config;
 use foldwing::interface::Interface;
@@ -65,8 +65,8 @@ polars = ["foil", "foil", "foil", "foil", "foil"]
 rows = [[-180.0, 0.0, 0.01, 0.0], [-12.0, -0.8, 0.06, 0.0], [0.0, 0.3, 0.01, 0.0], [12.0, 1.28, 0.06, 0.0], [90.0, 0.0, 1.2, 0.0], [180.0, 0.0, 0.01, 0.0]]
 "#;
 
-/// LR-13. The tip speed ratio is a size: about a shaft that stands still its slope is the mean of both sides, 0. Differences over steps of
-/// some length had the change of the wind in it, 2.6e-6 s per rad.
+/// LR-13. The tip speed ratio is a magnitude: about a shaft at standstill its derivative is the mean of both sides, 0. Differences over
+/// finite steps contained the change of the wind, 2.6e-6 s per rad.
 #[test]
 fn lr13_tip_speed_ratio_of_a_still_shaft() {
     let machine = config::parse(ROTOR, "still.toml").unwrap_or_else(|error| panic!("{error}"));

@@ -1,4 +1,4 @@
-//! The declared aerodynamics of the reference: ten strips, quasi-steady polars beyond the stall, momentum in annuli with a lag.
+//! The declared aerodynamics of the reference: ten strips, quasi-steady polars beyond stall, momentum theory in annuli with a lag.
 
 use nalgebra::{SVector, Vector3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, PI};
@@ -24,7 +24,7 @@ pub fn chord_m(share: f64) -> f64 {
     1.8 - 0.9 * share
 }
 
-/// Lift, drag and moment coefficients at an angle of attack: linear, then by Viterna and Corrigan.
+/// Lift, drag and moment coefficients at an angle of attack: linear, beyond stall by Viterna and Corrigan.
 pub fn polar(angle_rad: f64) -> [f64; 3] {
     let alpha = (angle_rad + PI).rem_euclid(2.0 * PI) - PI;
     let linear = |alpha: f64| LIFT_SLOPE * (alpha - ZERO_LIFT_DEG.to_radians());
@@ -45,7 +45,7 @@ pub fn polar(angle_rad: f64) -> [f64; 3] {
         lift = sign * (0.5 * most * (2.0 * x).sin() + a2 * x.cos().powi(2) / x.sin());
         drag = most * x.sin().powi(2) + b2 * x.cos();
         let normal = lift * alpha.cos() + drag * alpha.sin();
-        // the centre of pressure goes to mid-chord over ten degrees
+        // the centre of pressure moves to mid-chord over ten degrees
         let gone = ((x - a) / 10f64.to_radians()).min(1.0);
         moment = MOMENT * (1.0 - gone) - 0.25 * gone * normal;
     }
@@ -85,7 +85,7 @@ pub fn loads(q: &Vector3<f64>, rates: &Vector3<f64>, induced: &Induced) -> (Vect
     (moments, slopes)
 }
 
-/// Flap angle and induced velocities at which the blade turns steadily with its pitch held at −2° and its shaft at 4 rad/s.
+/// Flap angle and induced velocities of the blade in steady rotation with its pitch held at −2° and its shaft at 4 rad/s.
 pub fn trim(lamina: &super::Lamina, stiffness_n_m_rad: f64) -> (Vector3<f64>, Vector3<f64>, Induced) {
     let (mut q, rates) = (Vector3::new(0.0, 0.0, (-2f64).to_radians()), Vector3::new(4.0, 0.0, 0.0));
     let mut induced = Induced::zeros();

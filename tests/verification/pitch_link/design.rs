@@ -1,11 +1,11 @@
-//! The design question: what the inertia of the gears that stay decides, with the engine's own air.
+//! The design question: effect of the inertia of the gears that remain connected, with the engine's own aerodynamics.
 
 use super::in_wind::{blade_in_wind, roots, series};
 use super::joint_of;
 use crate::plant::machines::start;
 use foldwing::machine::{AirOptions, JointMotion, Machine, Motion};
 
-/// Angle of attack in degrees at seven tenths of the radius without induction, from a row of the series.
+/// Angle of attack in degrees at 70 % of the radius without induction, from a row of the series.
 fn attack_deg(row: &[f64; 7]) -> f64 {
     let (r, twist_deg) = (0.7 * 22.5, 10.0 - 7.0);
     let across = 13.0 * row[2].cos() - r * row[5];
@@ -13,8 +13,9 @@ fn attack_deg(row: &[f64; 7]) -> f64 {
     row[3].to_degrees() - twist_deg + across.atan2(along).to_degrees()
 }
 
-/// PL-09. What the paper's Fig. 1 shows: flap and pitch leave their start vehemently, the coupled swing grows for two cycles, negative stall
-/// then holds it, the rotor's speed falls, the blade drifts to feather; without stall in the polar the swing goes on growing.
+/// PL-09. What the paper's Fig. 1 shows: flap and pitch depart rapidly from their start, the coupled oscillation grows for two cycles,
+/// negative stall then limits it, the rotor speed falls, the blade drifts to feather; without stall in the polar the oscillation continues
+/// to grow.
 #[test]
 fn pl09_what_the_papers_figure_shows() {
     let rows = series(blade_in_wind(0.0), 8.0);
@@ -33,7 +34,7 @@ fn pl09_what_the_papers_figure_shows() {
     println!("pitch swings through {widths:.1?} degrees, flap through {flaps:.2?}");
     assert!(widths[0] > 20.0 && widths[1] > widths[0] + 5.0, "it grows for two cycles: {widths:?}");
     assert!(flaps[1] > 1.1 * flaps[0], "flap grows with it: {flaps:?}");
-    // from half as much again per cycle to a tenth, and back
+    // growth per cycle falls from one half to a tenth, and back
     assert!(widths[2] < 1.2 * widths[1] && widths[3] < widths[1], "and hardly more then: {widths:?}");
     assert!(flaps[2] < 1.2 * flaps[1], "nor does flap: {flaps:?}");
     // each of the first cycles enters the negative stall, at -10 degrees
@@ -83,11 +84,12 @@ fn without_stall(machine: &mut Machine) {
     }
 }
 
-/// PL-10. The growth of the flutter root falls with the inertia to zero at 105.7 kg·m²; a small oscillation in time grows as the root.
+/// PL-10. The growth rate of the flutter root falls with the inertia, to zero at 105.7 kg·m²; a small oscillation in a simulation grows at
+/// the rate of the root.
 #[test]
 fn pl10_growth_over_the_inertia_and_in_time() {
     let inertias = [0.0, 20.0, 50.0, 100.0, 150.0];
-    // the root that flutters is the one of the higher frequency
+    // the flutter root is the one of higher frequency
     let flutter = |pitch_kg_m2: f64| {
         let of = roots(blade_in_wind(pitch_kg_m2), 4.0, true);
         let flutter = *of.iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("a root");
@@ -103,15 +105,15 @@ fn pl10_growth_over_the_inertia_and_in_time() {
     println!("neutral at {low:.2} kg·m²");
     assert!((low - 105.7).abs() < 5.0, "{low}");
     for (pitch_kg_m2, growth) in inertias.into_iter().zip(growths) {
-        // until the other swing is gone to e^-7 of it
+        // until the other oscillation has decayed to e^-7 relative to it
         let measured = growth_in_time(pitch_kg_m2, 7.0 / (growth - flutter(pitch_kg_m2).1));
         println!("{pitch_kg_m2} kg·m²: {measured:+.4} 1/s in time, root {growth:+.4}");
-        // aerodynamic steps of 2.5 ms: (7 · 0.0025)²/12 of the frequency is 2e-4 1/s
+        // aerodynamic steps of 2.5 ms: a relative frequency error of (7 · 0.0025)²/12, 2e-4 1/s
         assert!((measured - growth).abs() < 5e-3, "{measured} {growth}");
     }
 }
 
-/// Growth rate in 1/s of a small swing about the steady rotation, from its peaks in the three seconds from a time on.
+/// Growth rate in 1/s of a small oscillation about the steady rotation, from its peaks in the three seconds after a given time.
 fn growth_in_time(pitch_kg_m2: f64, from_s: f64) -> f64 {
     let mut machine = blade_in_wind(pitch_kg_m2);
     machine.failures.clear();
@@ -153,7 +155,7 @@ fn growth_in_time(pitch_kg_m2: f64, from_s: f64) -> f64 {
     over / under
 }
 
-/// PL-11. The scenario table: peaks and time to half speed by inertia, beside those of the independent solution.
+/// PL-11. The scenario table: peaks and time to half speed for each inertia, against the independent solution.
 #[test]
 fn pl11_the_scenario_table() {
     for (pitch_kg_m2, half_s) in [(0.0, 4.65), (30.0, 4.75), (300.0, 4.25)] {

@@ -27,7 +27,7 @@ fn machine(changes: &[(&str, &str)]) -> Machine {
     machine_of(changes).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// PL-14. What does not go together is refused with its key, and the cure.
+/// PL-14. Incompatible keys are rejected with the key and the remedy.
 #[test]
 fn pl14_what_does_not_go_together_is_refused() {
     let lag = "inflow_lag_s = 0.8";
@@ -85,7 +85,7 @@ fn pl14_what_does_not_go_together_is_refused() {
     }
 }
 
-/// PL-15. One blade that stands for two, and two blades that move alike, load the air and the shaft the same.
+/// PL-15. One blade that represents two, and two blades with equal motion, give the same loads on air and shaft.
 #[test]
 fn pl15_a_blade_stands_for_others() {
     let of = |machine: Machine| {
@@ -96,7 +96,7 @@ fn pl15_a_blade_stands_for_others() {
     };
     let (two_rad, two) = of(machine(&[]));
     let (one_rad, one) = of(machine(&[("blades = 2", "blades = 1")]));
-    // four thin blades for two: the same chord in all, half as much each
+    // four blades of half the chord instead of two: the same total chord
     let (_, four) = of(machine(&[
         ("blades = 2", "blades = 4"),
         ("chord_m = { table = [[0.0, 1.71], [20.25, 0.9]] }", "chord_m = { table = [[0.0, 0.855], [20.25, 0.45]] }"),
@@ -113,7 +113,7 @@ fn pl15_a_blade_stands_for_others() {
     );
 }
 
-/// PL-19. Torque and power of the rotor are those of all its blades: twice what holds the shaft of one of two at its speed.
+/// PL-19. Torque and power of the rotor include all its blades: twice the torque that holds the shaft of one of two blades at its speed.
 #[test]
 fn pl19_torque_of_like_blades() {
     let mut turning = machine(&[]);
@@ -129,8 +129,9 @@ fn pl19_torque_of_like_blades() {
     assert!((rotor.power_w / (4.0 * rotor.torque_n_m.abs()) - 1.0).abs() < 1e-12, "{}", rotor.power_w);
 }
 
-/// PL-16. Limits. Still air, wind from behind and a wind a thousand times stronger run; a rotor at rest without wind has no load; cells and
-/// straight lines agree as the stations get dense; the rate relative to the air has Ω sin β in addition to that relative to the hub.
+/// PL-16. Limits. Simulations in still air, in wind from behind and in a wind a thousand times stronger succeed; a motionless rotor without
+/// wind has no load; piecewise constant and piecewise linear loads agree as the stations get dense; the pitch rate relative to the air
+/// contains Ω sin β in addition to the rate relative to the hub.
 #[test]
 fn pl16_limits() {
     let wind = "wind_m_s = [0.0, 0.0, 13.0]";
@@ -139,7 +140,7 @@ fn pl16_limits() {
         plant.step(1.0).unwrap_or_else(|error| panic!("{other}: {error}"));
         assert!(plant.outputs().rotor()[0].thrust_n.is_finite());
     }
-    // dynamic pressure 1e6 times as large: it runs, or the failure to do so has a name
+    // dynamic pressure 1e6 times as large: the run succeeds, or its error names the cause
     let mut plant = start(machine(&[(wind, "wind_m_s = [0.0, 0.0, 13000.0]")]));
     match plant.step(0.05) {
         Ok(()) => assert!(plant.outputs().joints().iter().all(|joint| joint.angle_rad.is_finite())),
@@ -154,7 +155,7 @@ fn pl16_limits() {
     let mut plant = start(still);
     plant.step(0.5).expect("runs");
     assert_eq!(plant.outputs().rotor()[0].thrust_n, 0.0);
-    // straight lines see the blade from its first to its last station: with stations from end to end and dense both agree
+    // piecewise linear loads cover the blade from its first to its last station: with dense stations from end to end both agree
     let dense = |spread: &str| {
         let places: Vec<String> = (0..=80).map(|i| format!("{}", 20.25 * f64::from(i) / 80.0)).collect();
         let text = text();
@@ -169,11 +170,11 @@ fn pl16_limits() {
     };
     let (cells, lines) =
         (dense("load_interpolation = \"piecewise_constant\""), dense("load_interpolation = \"linear\""));
-    // both of second order in cells of 0.25 m on 20 m: some 1e-4
+    // both are of second order in cells of 0.25 m on 20 m: about 1e-4
     assert!((cells / lines - 1.0).abs() < 5e-4, "{cells} {lines}");
     let mut turning = machine(&[]);
     turning.failures.clear();
-    // what accelerates would pull at the link too
+    // an angular acceleration would also load the link
     joint_of(&mut turning, "shaft").motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 4.0]));
     joint_of(&mut turning, "shaft").start_rate_rad_s = 0.0;
     joint_of(&mut turning, "flap").motion = JointMotion::Locked;
@@ -183,7 +184,7 @@ fn pl16_limits() {
     assert_eq!((rotor.features.pitch_rate, rotor.features.spread), (PitchRate::Hub, Spread::Cells));
     rotor.features.pitch_rate = PitchRate::Air;
     let air = hold(&turning);
-    // the reference's air with Ω sin β for the rate of pitch
+    // the reference's aerodynamics with Ω sin β as pitch rate
     let flap_rad = 0.6301876f64.to_radians();
     let moment = |rate_rad_s: f64| {
         let (q, rates) = (Vector3::new(0.0, flap_rad, (-2f64).to_radians()), Vector3::new(4.0, 0.0, rate_rad_s));
@@ -195,12 +196,12 @@ fn pl16_limits() {
     };
     let expected = moment(4.0 * flap_rad.sin()) - moment(0.0);
     println!("rate in the air: {:.2} N·m, by hand {expected:.2}", hub - air);
-    // slopes of the polar's rows
+    // derivatives of the polar's rows
     assert!((hub - air - expected).abs() < 0.01 * expected.abs() && expected < -15.0, "{hub} {air} {expected}");
 }
 
-/// PL-17. Dynamic stall on the same blade: in the steady rotor it is the static polar, after the failure stall comes later and the swing
-/// is another one, but the blade is held and goes to feather all the same.
+/// PL-17. Dynamic stall on the same blade: in the steady rotor it reduces to the static polar; after the failure stall occurs later and the
+/// oscillation differs, but it is still limited and the blade still goes to feather.
 #[test]
 fn pl17_dynamic_stall() {
     let of = |changes: &[(&str, &str)]| {
@@ -221,14 +222,14 @@ fn pl17_dynamic_stall() {
     let plain = of(&[]);
     let dynamic = of(&[("pitch_rate = \"hub\"", "dynamic_stall = true")]);
     println!("static {plain:.2?}, dynamic {dynamic:.2?}: thrust, pitch down to 2.4 s, pitch and rotor speed at 6 s");
-    // the rotation about the shaft is no pitch rate of the coned blade, with or without dynamic stall
+    // the rotation about the shaft is not a pitch rate of the coned blade, with or without dynamic stall
     assert!((dynamic.0 / plain.0 - 1.0).abs() < 1e-9, "{plain:?} {dynamic:?}");
     assert!((dynamic.1 - plain.1).abs() > 1.0, "{plain:?} {dynamic:?}");
     assert!(dynamic.1 < -15.0 && dynamic.2 < -40.0 && dynamic.3 < 2.0, "{dynamic:?}");
 }
 
-/// PL-18. The same failure on a beam: the strain at the root after the failure falls with the inertia that stays; before it the
-/// inertia does not matter. No independent solution of the beam exists.
+/// PL-18. The same failure on a beam: the root strain after the failure falls with the remaining inertia; before it the inertia does not
+/// matter. No independent solution of the beam exists.
 #[test]
 fn pl18_a_blade_that_bends() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/failures/pitch_link_flexible.toml");

@@ -1,4 +1,5 @@
-//! The motion after the failure: the link opens and the brake comes on as failures of the machine, the air is the caller's.
+//! The motion after the failure: the opening of the link and the brake are failures of the machine, the aerodynamic loads are applied by
+//! the caller.
 
 use super::air::{Induced, loads, trim};
 use super::{blade, joint_of, lamina};
@@ -6,10 +7,10 @@ use crate::plant::machines::{reference_rows, start};
 use foldwing::plant::{Hybrid, Plant};
 use nalgebra::Vector3;
 
-/// Torque of the generator per blade in N·m, given up as the brake grows from 0.2 to 0.5 s.
+/// Torque of the generator per blade in N·m, removed as the brake torque rises from 0.2 to 0.5 s.
 const GENERATOR_N_M: f64 = 9e4;
 
-/// Slopes of the six states of the machine and of the induced velocities.
+/// Time derivatives of the six states of the machine and of the induced velocities.
 fn slopes(hybrid: &mut Hybrid, time_s: f64, states: &[f64], induced: &Induced) -> (Vec<f64>, Induced) {
     let (q, rates) = (Vector3::from_column_slice(&states[..3]), Vector3::from_column_slice(&states[3..]));
     let (mut moments, lag) = loads(&q, &rates, induced);
@@ -24,7 +25,7 @@ fn slopes(hybrid: &mut Hybrid, time_s: f64, states: &[f64], induced: &Induced) -
     (found, lag)
 }
 
-/// Angles and rates every 50 ms for 8 s, by classical Runge–Kutta over the engine's hybrid system; its failures are its own events.
+/// Angles and rates every 50 ms for 8 s, by classical Runge–Kutta on the engine's hybrid system; its failures are events of that system.
 fn motion(pitch_kg_m2: f64) -> Vec<[f64; 7]> {
     let mut machine = blade(pitch_kg_m2);
     let stiffness_n_m_rad = joint_of(&mut machine, "flap").spring.expect("a spring").stiffness_n_m_rad;
@@ -36,7 +37,7 @@ fn motion(pitch_kg_m2: f64) -> Vec<[f64; 7]> {
     let mut states = vec![0.0; hybrid.states()];
     hybrid.read(&mut states);
     let mut rows = Vec::new();
-    let step_s = 5e-4; // the reference's own
+    let step_s = 5e-4; // the step of the reference
     for i in 0..=16000 {
         let time_s = f64::from(i) * step_s;
         if i % 100 == 0 {
@@ -54,7 +55,7 @@ fn motion(pitch_kg_m2: f64) -> Vec<[f64; 7]> {
             induced += weight / 6.0 * step_s * last.1;
         }
         let end_s = f64::from(i + 1) * step_s;
-        // the clock of the importer carries round-off
+        // the clock of the importer has round-off
         let end_s = if (end_s - kink_s).abs() < 1e-9 { kink_s } else { end_s };
         hybrid.set(end_s, &states);
         hybrid.complete();
@@ -67,7 +68,7 @@ fn motion(pitch_kg_m2: f64) -> Vec<[f64; 7]> {
     rows
 }
 
-/// Largest misses of the angles until 2 s, and of each variable over its largest magnitude until 8 s.
+/// Largest errors of the angles up to 2 s, and of each variable relative to its largest magnitude up to 8 s.
 pub fn misses(rows: &[[f64; 7]], file: &str) -> (f64, f64) {
     let reference = reference_rows(file);
     assert_eq!(reference.len(), rows.len());
@@ -87,7 +88,7 @@ pub fn misses(rows: &[[f64; 7]], file: &str) -> (f64, f64) {
 }
 
 /// PL-06. The series after the failure, without gears and with 30 kg·m²; what the paper's Fig. 1 shows: growth within two cycles of 0.8 s,
-/// a limit by negative stall, a rotor that slows, a blade that drifts towards feather.
+/// limited by negative stall, a rotor that slows down, a blade that drifts towards feather.
 #[test]
 fn pl06_the_motion_after_the_link_has_opened() {
     let mut peaks = Vec::new();
@@ -95,7 +96,7 @@ fn pl06_the_motion_after_the_link_has_opened() {
         let rows = motion(pitch_kg_m2);
         let (early, late) = misses(&rows, file);
         println!("{pitch_kg_m2} kg·m²: {early:.1e} rad until 2 s, {late:.1e} of the peaks until 8 s");
-        // the limit cycle holds small differences: the bound until 2 s is that of the whole time
+        // the limit cycle does not amplify small differences: the bound up to 2 s holds for the whole time
         assert!(early < 1e-6 && late < 1e-6, "{pitch_kg_m2} kg·m²: {early:e} rad, {late:e}");
         let least = |from_s: f64, to_s: f64| {
             let within = rows.iter().filter(|row| (from_s..to_s).contains(&row[0]));

@@ -9,7 +9,8 @@ use nalgebra::{DMatrix, Vector3};
 
 const STATES: usize = 4 + STRIPS;
 
-/// Rates of flap, pitch, their rates and the induced velocities, the shaft turning at 4 rad/s; accelerations by the engine.
+/// Time derivatives of flap, pitch, their rates and the induced velocities, with the shaft rotating at 4 rad/s; accelerations by the
+/// engine.
 fn slopes(plant: &mut Plant, z: &[f64; STATES]) -> [f64; STATES] {
     let (q, rates) = (Vector3::new(0.0, z[0], z[1]), Vector3::new(4.0, z[2], z[3]));
     let (moments, lag) = loads(&q, &rates, &Induced::from_column_slice(&z[4..]));
@@ -25,7 +26,7 @@ fn slopes(plant: &mut Plant, z: &[f64; STATES]) -> [f64; STATES] {
     found
 }
 
-/// Roots of the blade about its steady rotation that swing, least damped first, 1/s and rad/s.
+/// Oscillatory roots of the blade about its steady rotation, least damped first, 1/s and rad/s.
 fn roots(pitch_kg_m2: f64) -> Vec<(f64, f64)> {
     let mut machine = blade(pitch_kg_m2);
     machine.failures.clear();
@@ -58,7 +59,7 @@ fn roots(pitch_kg_m2: f64) -> Vec<(f64, f64)> {
     roots
 }
 
-/// PL-05. Growth rates and frequencies over the inertia that stays in the pitch circuit: the paper's strong remedy.
+/// PL-05. Growth rates and frequencies as functions of the inertia that remains in the pitch circuit: the paper's strong remedy.
 #[test]
 fn pl05_flutter_roots_over_the_gear_inertia() {
     let mut worst = [0.0f64; 2];

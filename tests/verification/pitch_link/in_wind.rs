@@ -1,4 +1,4 @@
-//! The blade in the wind as a model file alone: the series and the roots of the reference with the engine's own air.
+//! The blade in the wind as a model file alone: the series and the roots of the reference, with the engine's own aerodynamics.
 
 use super::air::polar;
 use super::failing::misses;
@@ -8,7 +8,7 @@ use foldwing::aero::polar::{Polar, PolarRow};
 use foldwing::machine::{AirOptions, JointMotion, Machine, Motion};
 use foldwing::plant::Plant;
 
-/// The shipped blade in the wind with gears of an inertia in kg·m² left in the pitch circuit.
+/// The shipped blade in the wind with gears of an inertia in kg·m² that remain in the pitch circuit.
 pub fn blade_in_wind(pitch_kg_m2: f64) -> Machine {
     let mut machine = shipped("pitch_link_in_wind");
     joint_of(&mut machine, "pitch").motor.inertia_kg_m2 = pitch_kg_m2;
@@ -35,7 +35,7 @@ fn row(plant: &Plant) -> [f64; 7] {
     row
 }
 
-/// PL-07. `foldwing simulate examples/failures/pitch_link_in_wind.toml` gives the series of the independent solution.
+/// PL-07. `foldwing simulate examples/failures/pitch_link_in_wind.toml` reproduces the series of the independent solution.
 #[test]
 fn pl07_the_model_file_gives_the_series() {
     for (pitch_kg_m2, file) in
@@ -48,8 +48,8 @@ fn pl07_the_model_file_gives_the_series() {
     }
 }
 
-/// Roots that swing of a blade in the wind at a shaft speed in rad/s, least damped first, 1/s and rad/s. `balanced`: what the link has
-/// held is put on as a torque, so that the pitch stands still; otherwise at the instant at which the link opens.
+/// Oscillatory roots of a blade in the wind at a shaft speed in rad/s, least damped first, 1/s and rad/s. With `balanced`, the moment held
+/// by the link is applied as a torque, so that the pitch does not move; otherwise at the instant at which the link opens.
 pub fn roots(mut machine: Machine, speed_rad_s: f64, balanced: bool) -> Vec<(f64, f64)> {
     machine.failures.clear();
     let shaft = joint_of(&mut machine, "shaft");
@@ -69,7 +69,7 @@ pub fn roots(mut machine: Machine, speed_rad_s: f64, balanced: bool) -> Vec<(f64
     roots
 }
 
-/// Gives the blade the reference's polar with so many rows per degree.
+/// Gives the blade the reference's polar with a number of rows per degree.
 fn with_fine_polar(mut machine: Machine, per_degree: i32) -> Machine {
     let AirOptions::Rotor(rotor) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
     let row = |i: i32| {
@@ -81,11 +81,11 @@ fn with_fine_polar(mut machine: Machine, per_degree: i32) -> Machine {
     machine
 }
 
-/// PL-08. Flutter roots over the gear inertia by the engine's linear model of the blade in its air: with the reference's polar, and with
-/// the rows of the model file.
+/// PL-08. Flutter roots as functions of the gear inertia by the engine's linear aeroelastic model of the blade: with the reference's polar,
+/// and with the rows of the model file.
 #[test]
 fn pl08_flutter_roots_of_the_model_file() {
-    // straight lines between rows: 1.0e-5 rad/s are left with 50 per degree
+    // linear interpolation between rows: an error of 1.0e-5 rad/s remains with 50 per degree
     for (per_degree, growth_1_s, frequency_rad_s) in [(1000, 1e-4, 1e-5), (0, 5e-4, 1e-3)] {
         let mut worst = [0.0f64; 2];
         for row in reference_rows("pitch_link_growth.csv") {

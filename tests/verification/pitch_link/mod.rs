@@ -1,5 +1,5 @@
 //! The blade whose pitch link opens: the paper's matrix, its equations in momenta, flutter roots and the motion after the failure with
-//! declared air, against an independent solution.
+//! given aerodynamics, against an independent solution.
 //!
 //! Cases are numbered PL-xx.
 
@@ -17,7 +17,7 @@ use foldwing::machine::{JointKind, Machine, OneFreedom};
 use nalgebra::{Matrix3, Vector3};
 use std::path::Path;
 
-/// Second moments of a blade's lamina about the quarter chord at the hub, kg·m², and what turns with shaft and pitch.
+/// Second moments of a blade's lamina about the quarter chord at the hub, kg·m², and the inertias that rotate with shaft and pitch.
 #[derive(Clone, Copy)]
 struct Lamina {
     /// `∫ y² dm`.
@@ -30,7 +30,7 @@ struct Lamina {
     pitch: f64,
 }
 
-/// The shipped blade with gears of an inertia in kg·m² left in the pitch circuit.
+/// The shipped blade with gears of an inertia in kg·m² that remain in the pitch circuit.
 fn blade(pitch_kg_m2: f64) -> Machine {
     let mut machine = shipped("pitch_link");
     joint_of(&mut machine, "pitch").motor.inertia_kg_m2 = pitch_kg_m2;
@@ -52,7 +52,7 @@ fn joint_of<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom {
     }
 }
 
-/// Its lamina by the same rule as the reference: 2000 midpoints.
+/// The lamina by the same rule as the reference: 2000 midpoints.
 fn lamina(pitch_kg_m2: f64) -> Lamina {
     let count = 2000;
     let step_m = air::RADIUS_M / f64::from(count);
@@ -69,7 +69,7 @@ fn lamina(pitch_kg_m2: f64) -> Lamina {
 }
 
 impl Lamina {
-    /// The paper's matrix over azimuth, flap and pitch.
+    /// The paper's mass matrix for azimuth, flap and pitch.
     fn matrix(&self, q: &Vector3<f64>) -> Matrix3<f64> {
         let Self { ix, iy, cxy, .. } = *self;
         let ((sb, cb), (st, ct)) = (q[1].sin_cos(), q[2].sin_cos());
@@ -93,7 +93,7 @@ impl Lamina {
         Vector3::new(0.0, f1 * p * sb * st + f2 * p * cb - f3 * p * sb * ct, f3 * w1 - f1 * w3)
     }
 
-    /// The same by central differences, as the paper takes it.
+    /// `∂T/∂q` by central differences, as in the paper.
     fn slope_by_differences(&self, q: &Vector3<f64>, rates: &Vector3<f64>) -> Vector3<f64> {
         let step = 1e-5;
         Vector3::from_fn(|i, _| {

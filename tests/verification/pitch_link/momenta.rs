@@ -1,15 +1,15 @@
-//! The paper's matrix, and its method: momenta as variables, forces by differences of the Lagrangian.
+//! The paper's matrix and its method: momenta as variables, forces by differences of the Lagrangian.
 
 use super::{Lamina, blade, joint_of, lamina};
 use crate::plant::machines::start;
 use foldwing::plant::Plant;
 use nalgebra::{Matrix3, Vector3};
 
-/// Azimuths, flap and pitch angles of all sizes.
+/// Azimuth, flap and pitch angles of various magnitudes.
 const STATES: [[f64; 3]; 6] =
     [[0.0, 0.0, 0.0], [0.7, 0.1, -0.3], [-2.0, -0.4, 1.1], [3.0, 1.2, -1.5], [1.0, -1.4, 2.8], [5.0, 0.02, -0.6]];
 
-/// The blade with nothing that holds or fails.
+/// The blade without restraints and failures.
 fn free_blade(pitch_kg_m2: f64) -> foldwing::machine::Machine {
     let mut machine = blade(pitch_kg_m2);
     machine.failures.clear();
@@ -25,7 +25,7 @@ fn matrix_of(plant: &mut Plant, q: [f64; 3]) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| mass[(i, j)])
 }
 
-/// PL-01. The engine's mass matrix of hub, flap hinge and pitch hinge is the paper's, with its sign of the coupling.
+/// PL-01. The engine's mass matrix for hub, flap hinge and pitch hinge is the paper's, including its sign of the coupling.
 #[test]
 fn pl01_the_mass_matrix_is_the_papers() {
     let mut worst = 0.0f64;
@@ -43,18 +43,18 @@ fn pl01_the_mass_matrix_is_the_papers() {
     assert!((own.cxy + 5_923.125_467).abs() < 1e-6);
 }
 
-/// PL-02. Differences of the kinetic energy are its slopes.
+/// PL-02. Differences of the kinetic energy equal its derivatives in closed form.
 #[test]
 fn pl02_slopes_by_differences_are_the_closed_ones() {
     let (own, rates) = (lamina(30.0), Vector3::new(4.0, -0.8, 1.7));
     for q in STATES.map(Vector3::from) {
         let (exact, found) = (own.slope(&q, &rates), own.slope_by_differences(&q, &rates));
-        // 1e-16 of an energy of 5e6 J over steps of 1e-5
+        // 1e-16 of an energy of 5e6 J divided by steps of 1e-5
         assert!((exact - found).amax() < 2e-9 * own.kinetic_j(&q, &rates), "{exact} {found}");
     }
 }
 
-/// The blade without air in momenta, by classical Runge–Kutta.
+/// The blade without aerodynamics in terms of momenta, by classical Runge–Kutta.
 struct Momenta {
     lamina: Lamina,
     stiffness_n_m_rad: f64,
@@ -93,7 +93,7 @@ const START: [f64; 3] = [0.0, 0.08, -0.3];
 const START_RATES: [f64; 3] = [4.0, 0.5, 1.5];
 const END_S: f64 = 2.0;
 
-/// Final state of a free blade without air and damper, by its momenta.
+/// Final state of a free blade without aerodynamics and damper, integrated with its momenta.
 fn by_momenta(steps: u32, by_differences: bool) -> (Momenta, f64) {
     let lamina = lamina(30.0);
     let (q, rates) = (Vector3::from(START), Vector3::from(START_RATES));
@@ -104,15 +104,15 @@ fn by_momenta(steps: u32, by_differences: bool) -> (Momenta, f64) {
         own.step(END_S / f64::from(steps));
     }
     if !by_differences {
-        // the Lagrangian does not know the azimuth
+        // the Lagrangian does not depend on the azimuth
         assert_eq!(own.p[0], momentum, "the shaft's momentum stays to the bit");
     }
     let drift = own.energy_j() / energy_j - 1.0;
     (own, drift.abs())
 }
 
-/// PL-03. Momenta and the engine give the same motion, to the fourth order of the momenta's integrator at least; the energy drifts by its error
-/// alone, and the shaft's momentum stays to the bit.
+/// PL-03. Momenta and the engine give the same motion, at least to the fourth order of the integrator used with the momenta; the energy
+/// drifts only by its error, and the shaft's momentum is constant to the last bit.
 #[test]
 fn pl03_momenta_and_the_engine_give_one_motion() {
     let mut machine = free_blade(30.0);
@@ -138,7 +138,7 @@ fn pl03_momenta_and_the_engine_give_one_motion() {
     });
     let order = (misses[0] / misses[1]).log2();
     println!("order {order:.2}");
-    assert!(order > 3.7, "order {order}"); // 4.6 was found: the terms of fourth order nearly cancel here
+    assert!(order > 3.7, "order {order}"); // 4.6 was found: the fourth-order terms nearly cancel here
     assert!(misses[1] < 1e-5);
     let (fine, drift) = by_momenta(4000, false);
     let (differences, _) = by_momenta(4000, true);
@@ -147,8 +147,8 @@ fn pl03_momenta_and_the_engine_give_one_motion() {
     assert!(to_engine < 1e-7 && drift < 1e-9 && to_exact < 1e-6);
 }
 
-/// PL-04. What momenta as variables are better at, over 2 s of free motion: the shaft's momentum stays to the bit, where the engine's drifts
-/// by its error. Evaluations for an error of 1e-7 rad are as many. Figures in decision 0035.
+/// PL-04. Advantage of momenta as variables, over 2 s of free motion: the shaft's momentum is constant to the last bit, whereas the
+/// engine's drifts by the integration error. The number of evaluations for an error of 1e-7 rad is about equal. Figures in decision 0035.
 #[test]
 fn pl04_what_momenta_are_better_at() {
     let exact = by_momenta(8000, false).0;
@@ -185,6 +185,6 @@ fn pl04_what_momenta_are_better_at() {
         );
         drifts.push(drift);
     }
-    // steps of half a degree of azimuth are shorter than the loose tolerances ask for: the drift does not follow them
+    // steps of half a degree of azimuth are shorter than required by the loose tolerances: the drift does not depend on these
     assert!(drifts.iter().all(|drift| *drift > 0.0 && *drift < 1e-6), "{drifts:?}");
 }

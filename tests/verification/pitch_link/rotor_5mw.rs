@@ -16,7 +16,7 @@ fn read(path: &str) -> Machine {
     machine
 }
 
-/// Sets the air's step in s and dynamic stall.
+/// Sets the aerodynamic step in s and dynamic stall.
 fn with_air(mut machine: Machine, dynamic_stall: bool, step_s: f64) -> Machine {
     let air = machine.air.as_mut().expect("air");
     air.step_s = step_s;
@@ -27,12 +27,12 @@ fn with_air(mut machine: Machine, dynamic_stall: bool, step_s: f64) -> Machine {
     machine
 }
 
-/// The rigid blade of the reference, without or with dynamic stall, and its air's step in s.
+/// The rigid blade of the reference, without or with dynamic stall, and with an aerodynamic step in s.
 fn rigid_blade(dynamic_stall: bool, step_s: f64) -> Machine {
     with_air(read("tests/reference/pitch_link_5mw/rigid.toml"), dynamic_stall, step_s)
 }
 
-/// Largest misses of the angles of shaft and pitch in rad until 2 s and until 8 s, and of all in shares of their peaks.
+/// Largest errors of the angles of shaft and pitch in rad up to 2 s and up to 8 s, and of all variables relative to their peaks.
 fn misses(plant: &mut Plant, name: &str) -> [f64; 3] {
     let rows = table(&reference(&format!("../pitch_link_5mw/{name}")));
     let columns = ["psi_rad", "theta_rad", "psi_rate", "theta_rate"];
@@ -60,20 +60,20 @@ fn misses(plant: &mut Plant, name: &str) -> [f64; 3] {
     worst
 }
 
-/// PL-20. Static polars: both stalls, feathering and the brake, until the rotor stands.
+/// PL-20. Static polars: both stalls, feathering and the brake, until the rotor stops.
 #[test]
 fn pl20_a_rigid_blade_of_5_mw() {
     let [early, late, all] = misses(&mut start(rigid_blade(false, 2.5e-3)), "static.csv");
     println!("PL-20: {early:.1e} rad until 2 s, {late:.1e} until 8 s, {all:.1e} of the peaks");
     assert!(early < 1e-4 && late < 1e-3 && all < 1e-3, "{early:e} {late:e} {all:e}");
-    // the gears that stay matter: another inertia is another motion
+    // the remaining gears matter: another inertia gives another motion
     let mut other = rigid_blade(false, 2.5e-3);
     joint_of(&mut other, "pitch").motor.inertia_kg_m2 = 3300.0;
     let off = misses(&mut start(other), "static.csv");
     assert!(off[0] > 20.0 * early.max(1e-4), "{off:?}");
 }
 
-/// PL-21. Dynamic stall on a blade that fails: the four states of all sections, integrated with the motion by Runge–Kutta.
+/// PL-21. Dynamic stall on a failing blade: the four states of all sections, integrated with the motion by Runge–Kutta.
 #[test]
 fn pl21_dynamic_stall_on_a_failing_blade() {
     let found = [5e-3, 2.5e-3, 1.25e-3].map(|step_s| misses(&mut start(rigid_blade(true, step_s)), "stall.csv"));
@@ -101,14 +101,14 @@ fn pl22_a_stiff_blade_is_the_rigid_one() {
     let blade = machine.bodies.iter_mut().find(|body| body.name == "blade").expect("a blade");
     let SectionLaw::Table(stations) = &mut blade.section else { panic!("a table of sections") };
     stations.iter_mut().for_each(|station| station.section.stiffness *= 1e4);
-    // bending waves of 1e4 times the stiffness, with an effect on the damper only
+    // bending waves at 1e4 times the stiffness; affects only the damper
     blade.stiffness_damping_s = 1e-4;
     let [early, late, all] = misses(&mut start(machine), "static.csv");
     println!("PL-22: {early:.1e} rad until 2 s, {late:.1e} until 8 s, {all:.1e} of the peaks");
     assert!(early < 1e-3 && all < 2e-3, "{early:e} {late:e} {all:e}");
 }
 
-/// Largest strain on the circumference of the root in the ten seconds before the failure, and in the eight after it.
+/// Largest strain on the circumference of the root in the ten seconds before the failure, and in the eight seconds after it.
 fn root_strains(machine: Machine) -> [f64; 2] {
     let mut plant = start(machine);
     let mut largest = [0.0f64; 2];
@@ -125,9 +125,9 @@ fn root_strains(machine: Machine) -> [f64; 2] {
     largest
 }
 
-/// PL-23. The design question on the flexible blade of the 5 MW rotor: the largest strain at the root falls with the inertia that stays, with
-/// static polars and with dynamic stall; it is compared with twice the elements and half the aerodynamic step. Short: the two ends with dynamic
-/// stall.
+/// PL-23. The design question on the flexible blade of the 5 MW rotor: the largest strain at the root falls with the remaining inertia,
+/// with static polars and with dynamic stall; it is checked with twice the elements and half the aerodynamic step. Short studies: the two
+/// extremes with dynamic stall.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn pl23_root_strain_over_the_gear_inertia() {

@@ -1,4 +1,4 @@
-//! Stepping a plant allocates nothing after the first step.
+//! Stepping a plant allocates no memory after the first step.
 
 use crate::counting_allocator::allocations;
 use crate::plant::machines::*;
@@ -6,8 +6,8 @@ use foldwing::load::LoadFrame;
 use foldwing::machine::{Closure, ElementKind, JointKind, JointMotion, Machine, Method, Motion, SpatialFreedom};
 use nalgebra::Vector3;
 
-/// Allocations of a run of 0.3 s after its first step: inputs, loads, root and parameters change, the latch closes,
-/// opens and closes.
+/// Allocations in a run of 0.3 s after its first step: inputs, loads, root motion and parameters change, the latch closes, opens and closes
+/// again.
 fn allocations_through_latches(machine: Machine) -> (u64, i32) {
     let mut plant = start(machine);
     coast(&mut plant, 1e-3);
@@ -41,7 +41,7 @@ fn a01_steps_allocate_nothing() {
             for fixed_step_s in [None, Some(2e-4)] {
                 let mut machine = wing(kind, count, method, 1e-4);
                 machine.solver.fixed_step_s = fixed_step_s;
-                // two iterations: some stages then stay unconverged
+                // two iterations: some stages then do not converge
                 let real_time = method == Method::Sdirk2 && fixed_step_s.is_some();
                 machine.solver.most_iterations = real_time.then_some(2);
                 hinge_of(&mut machine, 1).motor.rate_limit_rad_s = 30.0;
@@ -58,7 +58,7 @@ fn a01_steps_allocate_nothing() {
     }
 }
 
-/// Nor with a prescribed joint.
+/// The same with a prescribed joint.
 #[test]
 fn a02_prescribed_joint_allocates_nothing() {
     let mut machine = default_wing(1e-4);
@@ -85,8 +85,8 @@ fn shipped(name: &str) -> Machine {
     foldwing::config::read(path).unwrap_or_else(|error| panic!("{error}")).0
 }
 
-/// Nor with any other joint or body: ball, universal and free joints, a tree, a curved, twisted and tapered body,
-/// on a root that spins up; implicit methods and explicit Runge–Kutta; nor where a penalty joint closes a loop.
+/// The same with every other joint or body: ball, universal and free joints, a tree, a curved, twisted and tapered body, on a root
+/// with increasing spin; implicit methods and explicit Runge–Kutta; also with a penalty joint that closes a loop.
 #[test]
 fn a03_other_joints_bodies_and_methods_allocate_nothing() {
     let universal = || {
@@ -131,7 +131,7 @@ fn a03_other_joints_bodies_and_methods_allocate_nothing() {
     }
 }
 
-/// Nor does it in air: strips and lattice with its wake, prescribed and free, while the wind changes.
+/// The same with aerodynamics: strips and lattice with its wake, prescribed and free, while the wind changes.
 #[test]
 fn a04_steps_in_air_allocate_nothing() {
     for air in [

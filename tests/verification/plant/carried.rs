@@ -1,4 +1,4 @@
-//! Machines on a free joint: mass-proportional damping leaves their flight alone (D12).
+//! Machines on a free joint: mass-proportional damping does not affect their flight (D12).
 
 use crate::plant::machines::*;
 use foldwing::machine::builder::JointBuilder;
@@ -6,13 +6,13 @@ use foldwing::machine::*;
 use foldwing::plant::Plant;
 use nalgebra::{Matrix3, Vector3};
 
-/// A free joint on the root that starts with these velocities.
+/// A free joint on the root with these start velocities.
 fn free(velocity_m_s: Vector3<f64>, spin_rad_s: Vector3<f64>) -> JointBuilder {
     Joint::free("flight").start_velocity_m_s(velocity_m_s).start_angular_velocity_rad_s(spin_rad_s)
 }
 
-/// P-126. A damped plate that flies at 12 m/s through vacuum, turning about its thickness at 2 rad/s, keeps speed and
-/// spin: the integrator's tolerance. (After 1 s it had 0.985 m/s.)
+/// P-126. A damped plate that flies at 12 m/s through vacuum, rotating about its thickness direction at 2 rad/s, keeps speed and spin
+/// within the integrator's tolerance. (It used to have 0.985 m/s after 1 s.)
 #[test]
 fn p126_a_damped_free_body_keeps_speed_and_spin() {
     let velocity_m_s = Vector3::new(0.0, 12.0, 0.0);
@@ -36,8 +36,8 @@ fn p126_a_damped_free_body_keeps_speed_and_spin() {
     assert!(drift.abs() < 1e-6, "the energy account drifts by {drift:.1e} J of {start} J");
 }
 
-/// P-127. The folding wing unfolds at the same instant clamped to the root and on a heavy carrier that flies at 20 m/s:
-/// 1e-6 of its time, what the carrier's finite mass and the tolerance leave. (Braking the carrier moved it.)
+/// P-127. The folding wing latches at the same instant, clamped to the root or on a heavy carrier that flies at 20 m/s, to 1e-6 of the
+/// time, because of the carrier's finite mass and the tolerance. (Damping of the carrier's flight used to change it.)
 #[test]
 fn p127_a_wing_on_a_flying_carrier_latches_when_the_clamped_one_does() {
     let latch_time = |carrier: Option<f64>| {
@@ -69,9 +69,9 @@ fn p127_a_wing_on_a_flying_carrier_latches_when_the_clamped_one_does() {
     }
 }
 
-/// P-128. A nearly rigid rod of inertia `J` on a hinge with the drive's own inertia `I` and a spring `k`: its mode lies at
-/// `√(k/(J + I))/2π`, the energy account closes, a constant torque turns it by `τ/(J + I)`, and a prescribed joint is
-/// carried by a torque that accelerates both. 1e-5: the rod's elasticity.
+/// P-128. A nearly rigid rod of inertia `J` on a hinge with the drive's inertia `I` and a spring `k`: its frequency is `√(k/(J + I))/2π`,
+/// the energy balance closes, a constant torque gives the angular acceleration `τ/(J + I)`, and the torque of a prescribed joint
+/// accelerates both. 1e-5: the rod's elasticity.
 #[test]
 fn p128_inertia_that_turns_with_the_angle_only() {
     let section = stout_section();
@@ -89,7 +89,7 @@ fn p128_inertia_that_turns_with_the_angle_only() {
         coast(&mut plant, share / right_hz);
         let angle = plant.outputs().joints()[0].angle_rad;
         assert!((angle - right).abs() < 1e-5, "after {share} periods at {angle} rad, right {right} rad");
-        // what the tolerance of 1e-6 leaves; half of the energy is the drive's after a quarter of the period
+        // error for the tolerance of 1e-6; after a quarter of the period half of the energy is in the drive
         let drift = balance_j(plant.outputs()) / account - 1.0;
         assert!(drift.abs() < 1e-4, "the account drifts by {drift:.1e}");
     }
@@ -111,15 +111,15 @@ fn p128_inertia_that_turns_with_the_angle_only() {
     assert!((work / right - 1.0).abs() < 1e-4, "the motion takes {work} J, right {right} J");
 }
 
-/// A stout bar: 1 kg/m, first bending far above what these tests move at.
+/// A stout bar: 1 kg/m, first bending frequency far above the frequencies in these tests.
 fn stout_section() -> foldwing::beam::section::Section {
     let material =
         foldwing::beam::section::Material { youngs_modulus_pa: 2e11, shear_modulus_pa: 8e10, density_kg_m3: 2500.0 };
     foldwing::beam::section::Section::rectangle(0.02, 0.02, &material, None)
 }
 
-/// P-129. A bar with a mass at its tip on a free hinge, damped in proportion to mass: with `damp_attached_masses` the
-/// whole machine slows as `exp(−αt)`, without it by the bar's share of the inertia only.
+/// P-129. A bar with a mass at its tip on a free hinge, damped in proportion to mass: with `damp_attached_masses` the rate of the whole
+/// machine decays as `exp(−αt)`, without it only in proportion to the bar's fraction of the inertia.
 #[test]
 fn p129_attached_masses_are_damped_where_told() {
     let section = stout_section();

@@ -9,8 +9,8 @@ use std::sync::{Arc, Mutex};
 
 const STEP_S: f64 = 1e-3;
 
-/// A chain of 1 to 7 folds as a model file: bodies from 5 to 40 cm and 1 to 5 mm, springs, dampers, torques and latch
-/// stiffnesses over two to four decades, start angles from 20° to 170° either way, with and without gravity and damping.
+/// A chain of 1 to 7 folds as a model file: bodies from 5 to 40 cm and 1 to 5 mm, springs, dampers, torques and latch stiffnesses over two
+/// to four decades, start angles from 20° to 170° to either side, with and without gravity and damping.
 pub fn chain(seed: u64, solver: &str) -> String {
     let mut random = fastrand::Rng::with_seed(seed);
     let mut uniform = |low: f64, high: f64| low + (high - low) * random.f64();
@@ -56,7 +56,7 @@ pub fn chain(seed: u64, solver: &str) -> String {
 
 /// Results of a run of a chain.
 struct Outcome {
-    /// Time of the first latch in s; none that closes.
+    /// Time of the first latch in s; `None` if no latch closes.
     first_latch_s: Option<f64>,
     statistics: Statistics,
 }
@@ -80,7 +80,7 @@ fn run(seed: u64, solver: &str, stop_s: f64, to_first_latch: bool) -> Result<Out
     Ok(Outcome { first_latch_s: first_latch_s(&plant), statistics: plant.statistics() })
 }
 
-/// Calls `examine` for every seed below `count`, on all processors, and collects what it objects to in order.
+/// Calls `examine` for every seed below `count`, on all processors, and returns the errors in order of the seed.
 fn objections(count: u64, examine: impl Fn(u64) -> Result<(), String> + Sync) -> Vec<String> {
     let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get() as u64);
     let examine = &examine;
@@ -97,7 +97,7 @@ fn objections(count: u64, examine: impl Fn(u64) -> Result<(), String> + Sync) ->
     found.into_iter().map(|(seed, error)| format!("chain {seed}: {error}")).collect()
 }
 
-/// Every one of `count` chains must reach `stop_s`. Returns steps and iterations of all.
+/// Asserts that each of `count` chains reaches `stop_s`; prints steps and iterations of all.
 fn all_end(count: u64, solver: &str, stop_s: f64) {
     let (steps, iterations) = (AtomicU64::new(0), AtomicU64::new(0));
     let stopped = objections(count, |seed| {
@@ -110,25 +110,25 @@ fn all_end(count: u64, solver: &str, stop_s: f64) {
     assert!(stopped.is_empty(), "`{solver}`: {} of {count} chains stop: {stopped:#?}", stopped.len());
 }
 
-/// A chain whose first latch at the default tolerance is another than the converged one: a joint grazes its latch.
+/// A chain whose first latch at the default tolerance differs from the converged one: a joint grazes its latch.
 struct Graze {
     seed: u64,
     /// Joint, counted from the root.
     joint: usize,
-    /// Smallest distance of the converged joint from its latch before it turns back, in rad.
+    /// Smallest distance of the converged joint angle from its latch before the joint reverses, in rad.
     miss_rad: f64,
-    /// Tolerance from which on the latch is the converged one.
+    /// Largest tolerance at which the first latch is the converged one.
     converges_at: f64,
 }
 
-/// Of the 1000 chains of P-123. Swinging at 200 rad/s and more the run at 1e-4 is 8e-3 rad off at such a place, and the latch closes.
-/// No search for crossings can tell: the converged motion has none there. P-130 shows it.
+/// Cases among the 1000 chains of P-123. At rates of 200 rad/s and more the run at 1e-4 has an error of 8e-3 rad near the latch, which
+/// therefore closes. No search for crossings can detect this: the converged motion has none there. P-130 shows it.
 const GRAZES: [Graze; 2] = [
     Graze { seed: 304, joint: 3, miss_rad: 2.2e-3, converges_at: 1e-5 },
     Graze { seed: 633, joint: 6, miss_rad: 6.5e-4, converges_at: 1e-6 },
 ];
 
-/// The first latch of every one of `count` chains must close at the time found with tolerance 1e-9, within `bound_s`; of those that graze a
+/// The first latch of each of `count` chains must close within `bound_s` of the time found with tolerance 1e-9; for chains that graze a
 /// latch, at the tolerance that resolves it.
 fn first_latches_agree(count: u64, bound_s: f64) {
     let errors = Mutex::new(Vec::new());
@@ -159,13 +159,13 @@ fn first_latches_agree(count: u64, bound_s: f64) {
     assert!(strayed.is_empty(), "{} of {count} chains: {strayed:#?}", strayed.len());
 }
 
-/// P-120. 250 random chains (100 where studies are short) go on with the default solver, through their first latches.
+/// P-120. 250 random chains (100 in short studies) run through their first latches with the default solver.
 #[test]
 fn p120_random_chains_reach_their_end() {
     all_end(if is_whole() { 250 } else { 100 }, "", 0.1);
 }
 
-/// P-121. The first latch of ten of them closes where it does at tolerance 1e-9.
+/// P-121. The first latch of ten of them closes at the time found with tolerance 1e-9.
 #[test]
 fn p121_first_latches_of_random_chains_agree_with_converged_ones() {
     first_latches_agree(10, 1e-3);
@@ -187,18 +187,18 @@ fn p122_ten_thousand_random_chains_reach_their_end() {
     all_end(many(), "", 1.0);
 }
 
-/// P-123. 1000 first latches against tolerance 1e-9: two of them, which graze a latch, at 1e-5 and 1e-6.
+/// P-123. 1000 first latches against tolerance 1e-9: two of the chains, which graze a latch, at 1e-5 and 1e-6.
 #[test]
 #[ignore = "minutes; `make validate` runs it"]
 fn p123_a_thousand_first_latches_agree_with_converged_ones() {
     first_latches_agree(many() / 10, 1e-3);
 }
 
-/// P-130. Why two chains of P-123 latch elsewhere at the default tolerance: their joints graze a latch.
+/// P-130. Two chains of P-123 latch at another joint with the default tolerance because their joints graze a latch.
 ///
-/// At 1e-9 the joint turns back before the latch that the default run closes, nearer to it than the default run is exact
-/// there; from 1e-6 on all runs have the same first latch, to 1e-6 s. A wing that the search had missed between two samples
-/// would show the other way round: a converged run that closes, a coarse one that does not.
+/// At 1e-9 the joint reverses before the latch that closes in the default run, at a distance smaller than the error of the default run
+/// there; from 1e-6 on all runs have the same first latch, to 1e-6 s. A crossing missed between two samples would appear as the opposite: a
+/// converged run that latches and a coarse one that does not.
 #[test]
 fn p130_chains_that_graze_a_latch() {
     /// Angle of one joint in rad every 10 µs to `stop_s`, and the time of the first latch in s if one closes.
@@ -220,7 +220,7 @@ fn p130_chains_that_graze_a_latch() {
         let early_s = early_s.expect("the default run closes a latch");
         let (exact_rad, _) = swing(seed, "tolerance = 1e-9", joint, stop_s);
         let near = (early_s / 1e-5) as usize;
-        // half a millisecond to either side
+        // half a millisecond on either side
         let nearest_rad = exact_rad[near - 50..near + 50].iter().map(|angle| angle.abs()).fold(f64::INFINITY, f64::min);
         let crosses = exact_rad[near - 50..near + 50].windows(2).any(|pair| pair[0] * pair[1] <= 0.0);
         let differences = coarse_rad[near - 100..near].iter().zip(&exact_rad[near - 100..near]);
@@ -240,18 +240,19 @@ fn p130_chains_that_graze_a_latch() {
     }
 }
 
-/// P-125. The latch torque between steps does not depend on the latch's stiffness, and the energy account closes.
+/// P-125. The latch torque between steps does not depend on the latch's stiffness, and the energy balance closes.
 ///
-/// A latch is as stiff as one likes: what it carries follows from the wing. The quintic polynomial of the steps' ends
-/// multiplied errors of the angle between them by the stiffness: 0.40, 55 and 5538 N·m; generalised-α, which has no stages,
-/// 0.24, 1.2 and 39 N·m until it stepped to the places itself. The default tolerance leaves 5 % of
-/// the converged 0.229 N·m; the account is that of the steps' ends, 1e-3 of the wing's energy.
+/// The torque of an arbitrarily stiff latch is determined by the wing. The quintic polynomial through the ends of the steps multiplied
+/// errors of the angle between them by the stiffness: 0.40, 55 and 5538 N·m; generalised-α, which has no stages, gave 0.24, 1.2 and 39 N·m
+/// until it took a step to the instant itself. At the default tolerance the error is 5 % of the converged 0.229 N·m; the energy balance is
+/// that at the ends of the steps, 1e-3 of the wing's energy.
 #[test]
 fn p125_stiff_latches_carry_what_the_wing_asks_for() {
     use crate::plant::machines::{hinge_of, run, start, wing};
     use foldwing::machine::{ElementKind, Method};
-    // a latch that has closed swings about what it carries, faster than steps resolve; there generalised-α multiplies by -0.8 per step, ρ∞,
-    // and 25 to 30 steps lie in this time: 0.38 N.m are left of it in 0.4 ms, and more with longer steps. With ρ∞ = 0.5, 0.202 N.m
+    // the torque of a closed latch oscillates about its mean faster than the steps resolve; generalised-α multiplies this oscillation by
+    // -0.8, ρ∞, per step, with 25 to 30 steps in this time: 0.38 N.m are left after 0.4 ms, and more with longer steps. With ρ∞ = 0.5,
+    // 0.202 N.m
     const SETTLED_S: f64 = 1e-3;
     for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2, Method::GeneralizedAlpha] {
         for factor in [1.0, 1e2, 1e4] {

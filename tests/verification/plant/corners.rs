@@ -6,7 +6,7 @@ use foldwing::machine::*;
 use foldwing::plant::Plant;
 use nalgebra::{Matrix3, Vector3};
 
-/// A stiff rod of 0.15 m on a hinge at the root, without gravity: one coordinate matters, closed forms exist.
+/// A stiff rod of 0.15 m on a hinge at the root, without gravity: only one coordinate matters, and closed forms exist.
 pub fn rod(revolute: Revolute) -> Machine {
     let material = Material { youngs_modulus_pa: 2.83e12, shear_modulus_pa: 1e12, density_kg_m3: 1425.0 };
     let section = Section::rectangle(0.02, 0.01, &material, None);
@@ -14,7 +14,7 @@ pub fn rod(revolute: Revolute) -> Machine {
     machine([(rod, hinged_to_root(revolute))])
 }
 
-/// Adds a second rod like the first one to its outer end, on a hinge `fold0`.
+/// Adds a second, equal rod to the first one's outer end, on a hinge `fold0`.
 pub fn add_rod(machine: &mut Machine, elbow: Revolute) {
     let mut outer = machine.bodies[0].clone();
     outer.name = "outer".into();
@@ -38,9 +38,9 @@ fn only(plant: &Plant) -> foldwing::plant::JointOutputs {
     plant.outputs().joints()[0]
 }
 
-/// P-40. A command to a latched joint turns the drive, not the joint: the angle moves by `k/(k + k_L)` of it.
+/// P-40. A command to a latched joint moves the drive's neutral angle, and the joint only by the fraction `k/(k + k_L)` of it.
 ///
-/// Closed form, against the mean over the last 50 ms; the latch's own ringing decays by the drive's damper.
+/// Closed form, against the mean over the last 50 ms; the vibration on the latch decays because of the drive's damper.
 #[test]
 fn p40_command_while_latched_moves_the_joint_by_the_ratio_of_stiffnesses() {
     let mut revolute = free_hinge(0.0);
@@ -58,10 +58,9 @@ fn p40_command_while_latched_moves_the_joint_by_the_ratio_of_stiffnesses() {
     assert!(sum_n_m.abs() < 1e-6 * only(&plant).latch_torque_n_m.abs(), "drive and latch differ by {sum_n_m:.1e} N·m");
 }
 
-/// P-41. A free hinge (k = 0) with a latch of its own stiffness catches at the time of the closed form `Δθ/θ̇` and
-/// then swings at `√(k_L/J)`.
+/// P-41. A free hinge (k = 0) with an elastic latch latches at the time of the closed form `Δθ/θ̇` and then oscillates at `√(k_L/J)`.
 ///
-/// The rod is rigid to 1e-5 of a radian; times to 1e-6 s.
+/// The rod is rigid to 1e-5 rad; times to 1e-6 s.
 #[test]
 fn p41_latch_on_a_free_hinge() {
     let mut revolute = free_hinge(0.5);
@@ -79,7 +78,7 @@ fn p41_latch_on_a_free_hinge() {
     assert!(error_rad.abs() < 5e-4 * (4.0 / frequency), "angle misses the sine by {error_rad:.1e} rad");
 }
 
-/// P-42. A saturated drive accelerates the rod by `limit/J`; the output shows the limit.
+/// P-42. A saturated drive accelerates the rod by `limit/J`; the torque output equals the limit.
 #[test]
 fn p42_torque_limit_gives_constant_acceleration() {
     let mut revolute = free_hinge(2.0);
@@ -92,7 +91,7 @@ fn p42_torque_limit_gives_constant_acceleration() {
     assert!(error_rad.abs() < 2e-5 * (2.0 - expected_rad), "angle misses the parabola by {error_rad:.1e} rad");
 }
 
-/// P-43. A slewing command: the motor torque is that of the slewing neutral angle, exact at every time.
+/// P-43. A rate-limited command: the motor torque is that of the slewing neutral angle, exact at every time.
 #[test]
 fn p43_slew_limits_the_neutral_angle() {
     let mut revolute = free_hinge(0.0);
@@ -127,7 +126,7 @@ fn p149_the_neutral_angle_has_the_rate_of_its_slew() {
     }
 }
 
-/// P-44. Opening the latch lets the wing go, enabling it catches the wing again at the next crossing: two closings.
+/// P-44. Opening the latch releases the wing, and enabling it catches the wing at the next crossing: two closings.
 #[test]
 fn p44_latch_opens_and_catches_again() {
     let mut plant = start(default_wing(1e-5));
@@ -148,7 +147,7 @@ fn p44_latch_opens_and_catches_again() {
     assert!(latch_of(&plant).time_s > 0.3, "second closing at {} s", latch_of(&plant).time_s);
 }
 
-/// P-45. Enabling inside the capture window closes at once, outside it waits for the crossing.
+/// P-45. A latch enabled inside the capture window closes at once; outside, it waits for the crossing.
 #[test]
 fn p45_capture_window() {
     for (capture_rad, at_once) in [(0.6, true), (0.4, false)] {
@@ -165,7 +164,7 @@ fn p45_capture_window() {
     }
 }
 
-/// P-46. A latch that is enabled when the joint is beyond its angle catches the joint on its return, from that side too.
+/// P-46. A latch that is enabled while the joint is beyond the latch angle catches the joint on its return, also from that side.
 #[test]
 fn p46_latch_closes_from_either_side() {
     let mut revolute = free_hinge(0.5);
@@ -200,7 +199,7 @@ fn three_bodies() -> Machine {
     ])
 }
 
-/// P-47. Two joints latch at different times, each from its own folded side.
+/// P-47. Two joints latch at different times, each coming from its folded side.
 #[test]
 fn p47_two_joints_latch_at_different_times() {
     let mut plant = start(three_bodies());
@@ -211,9 +210,9 @@ fn p47_two_joints_latch_at_different_times() {
     assert!((latches[0].time_s - latches[1].time_s).abs() > 1e-3, "the times must differ: {latches:?}");
 }
 
-/// P-48. Two mirrored wings reach their latches at the same instant: both close, at the same time.
+/// P-48. Two mirrored wings reach their latches at the same instant: both latches close, at the same time.
 ///
-/// Used to miss the second latch: the step ended on the first crossing, beyond the second by round-off.
+/// The second latch used to be missed: the step ended at the first crossing, beyond the second by round-off.
 #[test]
 fn p48_two_joints_latch_at_the_same_instant() {
     for lag_rad in [0.0, 1e-15, 1e-13, 1e-11, 1e-9, -1e-13, -1e-11] {
@@ -234,9 +233,9 @@ fn p48_two_joints_latch_at_the_same_instant() {
     }
 }
 
-/// P-53. Inputs that change at the very time of the crossing, or within round-off of it, do not lose the closing.
+/// P-53. Inputs that change exactly at the crossing, or within round-off of it, do not suppress the closing.
 ///
-/// The plant used to forget a closing that it had located when the inputs changed between it and the present.
+/// The plant used to lose a located closing when the inputs changed between it and the present.
 #[test]
 fn p53_inputs_changed_at_the_crossing_keep_the_closing() {
     let falling = || {
@@ -290,10 +289,10 @@ fn p49_stopper_holds_until_released_and_again_where_it_is() {
     assert_eq!((only(&plant).angle_rad, only(&plant).rate_rad_s), (released_rad, 0.0), "held where it was");
 }
 
-/// P-50. A wing folded to the other side is the mirror image: angle and z-positions change sign,
-/// the strain at the mirrored point stays.
+/// P-50. A wing folded to the other side is the mirror image: angle and z-positions change sign, the strain at the mirrored point is
+/// unchanged.
 ///
-/// The equations are mirrored term by term, but sums run in another order: round-off grows to 1e-9 through 0.2 s.
+/// The equations are mirrored term by term, but the order of summation differs: round-off grows to 1e-9 within 0.2 s.
 #[test]
 fn p50_folding_to_the_other_side_mirrors_the_answer() {
     let mut mirrored = default_wing(1e-5);
@@ -334,7 +333,7 @@ fn p51_locked_joint_equals_clamped_mount() {
     assert_eq!(only(&locked).torque_applied_n_m, 0.0, "no drive acts on a locked joint");
 }
 
-/// P-52. A prescribed joint follows its law, and what it does is booked as work: P-11 has the account.
+/// P-52. A prescribed joint follows its motion, and the energy it supplies is counted as work: P-11 checks the balance.
 #[test]
 fn p52_prescribed_joint_follows_its_law() {
     let law = |t: f64| 3.0 - 100.0 * t * t + 500.0 * t * t * t;

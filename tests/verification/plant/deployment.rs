@@ -3,7 +3,7 @@
 use crate::plant::machines::*;
 use foldwing::machine::{ElementKind, Machine, Method};
 
-/// Latch time in s, and peak of |root strain| with its time, at the reference's own output step.
+/// Latch time in s, and peak of |root strain| and its time, at the output interval of the reference.
 fn deploy(machine: Machine) -> (f64, f64, f64) {
     let mut plant = start(machine);
     let (mut peak, mut peak_s) = (0.0, 0.0);
@@ -29,8 +29,8 @@ fn assert_relative(what: &str, unit: &str, value: f64, reference: f64, tolerance
 
 /// P-01. Latch time and peak root strain, two pairs and 15 constant elements per body.
 ///
-/// Source: `folding_wing_still_air.csv` (0.1222 s, 5.31e-3, both to 3e-4); the fully converged latch time is
-/// 0.12214 s. Tolerances 0.5 % and 1 % are the targets; the tolerance of 1e-5 leaves a third of them to time.
+/// Source: `folding_wing_still_air.csv` (0.1222 s, 5.31e-3, both to 3e-4); the fully converged latch time is 0.12214 s. Tolerances 0.5 %
+/// and 1 % are the targets; at the tolerance of 1e-5 the time integration takes a third of them.
 #[test]
 fn p01_wing_latches_in_still_air() {
     for (name, kind, count) in [("2 pairs", ElementKind::Linear, 2), ("15 constant", ElementKind::Constant, 15)] {
@@ -41,7 +41,7 @@ fn p01_wing_latches_in_still_air() {
     }
 }
 
-/// P-02. The stiffness as printed (0.26 N·m/rad) latches at 0.0407 s: independent planar model.
+/// P-02. With the stiffness as printed (0.26 N·m/rad) the wing latches at 0.0407 s: independent planar model.
 #[test]
 fn p02_wing_as_printed_latches_early() {
     let mut machine = default_wing(1e-5);
@@ -52,11 +52,11 @@ fn p02_wing_as_printed_latches_early() {
 
 /// P-03. Time histories against `folding_wing_still_air.csv` at the file's own times, up to 0.3 s.
 ///
-/// Fold angle within 0.5° before the latch, strain within 2 % of the peak. The latch's ringing needs no filter: both
-/// sides ring alike, and the differences stay below 1.4 % of the peak point by point from the latch to 0.3 s (0.4 %
-/// in a moving average over 6.5 ms). Left out of the 2 % is only the impulsive start: content above 1 kHz that two
-/// pairs do not resolve differs by 3.8 % at 1 ms, 15 constant elements by 1.7 %. It has its own limit of 4 % up to
-/// 5 ms. With 6 pairs, the reference's 20 elements being 5e-4 high in time, the fold angle differs by 0.05°.
+/// Fold angle within 0.5° before the latch, strain within 2 % of the peak. The vibration after latching needs no filter: it is equal in
+/// both, and the differences stay below 1.4 % of the peak point by point from the latch to 0.3 s (0.4 % in a moving average over 6.5 ms).
+/// Only the impulsive start is excluded from the 2 %: content above 1 kHz, which two pairs do not resolve, differs by 3.8 % at 1 ms, with
+/// 15 constant elements by 1.7 %; a separate limit of 4 % applies up to 5 ms. With 6 pairs the fold angle differs by 0.05°, because the
+/// time of the reference's 20 elements is 5e-4 too long.
 #[test]
 fn p03_histories_follow_the_reference() {
     let rows = reference_rows("folding_wing_still_air.csv");

@@ -11,7 +11,7 @@ fn shipped(name: &str) -> Machine {
     config::read(path).unwrap_or_else(|error| panic!("{error}")).0
 }
 
-/// P-83. Ball and ball joints up to 1 s: the tip within 1 mm of the reference, energy kept, the bars joined.
+/// P-83. Ball and ball joints up to 1 s: the tip is within 1 mm of the reference, energy is conserved, the bars stay joined.
 ///
 /// Source: `double_pendulum_ball_ball_exudyn.csv`, 8 elements of another formulation, converged to 2e-5 m. The total
 /// energy is zero at the start and stays so within 1e-4 of the largest kinetic energy at the model's tolerance.
@@ -40,9 +40,9 @@ fn p83_double_pendulum_falls_as_the_reference() {
     assert!((plant.outputs().tips()[0].position_m - Vector3::new(-1.37383526, -2.80077724, -0.05711964)).norm() < 1e-3);
 }
 
-/// P-84. The free wing falls as any body: half a second of gravity and start velocity, whatever its other motion.
+/// P-84. The centre of mass of the free wing moves as a point mass: half a second of gravity and start velocity, whatever its other motion.
 ///
-/// Its centre of mass follows from the energy of gravity, `m g z`; there is no load on the root.
+/// The height of the centre of mass follows from the energy of gravity, `m g z`; there is no load on the root.
 #[test]
 fn p84_free_wing_falls_as_a_point() {
     const TIME_S: f64 = 0.5;

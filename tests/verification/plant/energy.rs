@@ -1,4 +1,4 @@
-//! The energy accounts: `total − work + dissipated` stays.
+//! The energy balance: `total − work + dissipated` is constant.
 
 use crate::plant::machines::*;
 use foldwing::load::{LoadFrame, Wrench};
@@ -6,7 +6,7 @@ use foldwing::machine::{ElementKind, JointMotion, Machine, Method, Motion};
 use foldwing::plant::Plant;
 use nalgebra::Vector3;
 
-/// Largest drift of the account over the largest kinetic energy of a run to `end_s`; `before` sets inputs per step.
+/// Largest drift of the balance relative to the largest kinetic energy of a run to `end_s`; `before` sets inputs before each step.
 fn drift(plant: &mut Plant, end_s: f64, steps: usize, mut before: impl FnMut(usize, &mut Plant)) -> f64 {
     let start_j = balance_j(plant.outputs());
     let (mut worst_j, mut kinetic_j, mut step) = (0f64, 0f64, 0);
@@ -41,12 +41,11 @@ fn load(force_n: [f64; 3], moment_n_m: [f64; 3]) -> Wrench {
     Wrench { force_n: Vector3::from(force_n), moment_n_m: Vector3::from(moment_n_m) }
 }
 
-/// P-10. The account through latching, opening and catching again, with everything that can do work: gravity, dead
-/// and follower loads, an external torque, commands at a limited slew, a limited torque, a root that accelerates and
-/// turns, damping of every kind.
+/// P-10. The energy balance through latching, opening and latching again, with everything that can do work: gravity, dead and follower
+/// loads, an external torque, rate-limited commands, a limited torque, a root that accelerates and rotates, damping of every kind.
 ///
-/// At a tolerance of 1e-9 the integrator's own error is far below the target of 1e-6 of the largest kinetic energy;
-/// what would be left is a power booked wrongly or an event left out.
+/// At a tolerance of 1e-9 the integrator's own error is far below the target of 1e-6 of the largest kinetic energy; a larger drift would
+/// mean a wrong power or an omitted event.
 #[test]
 fn p10_energy_balances_through_events() {
     let mut machine = loaded_wing(1e-9);
@@ -91,7 +90,7 @@ fn p10_energy_balances_through_events() {
     assert!(drift < 1e-6, "the account drifts by {drift:.1e} of the largest kinetic energy");
 }
 
-/// P-11. The account of every single contribution, so that a failure of P-10 can be placed.
+/// P-11. The energy balance of every single contribution, to locate a failure of P-10.
 ///
 /// Same tolerance and target as P-10.
 #[test]
@@ -169,13 +168,12 @@ fn p11_every_account_balances_alone() {
     assert!(failed.is_empty(), "the account drifts, relative to the largest kinetic energy: {failed:?}");
 }
 
-/// P-12. With fixed steps the drift falls with the order of the method: 2 for generalised-α, TR-BDF2 and SDIRK2, 3 and 4 for
-/// the ESDIRKs.
+/// P-12. With fixed steps the drift falls with the order of the method: 2 for generalised-α, TR-BDF2 and SDIRK2, 3 and 4 for the ESDIRK
+/// methods.
 ///
-/// Smooth enough means that the steps resolve the modes: one pair per body, a thousandth of the stiffness, no latch,
-/// 0.05 s. The order may miss by 0.35. ESDIRK4 is measured at eight times the steps: below 1e-6 its drift is the
-/// ringing of the abrupt start (4e-7 of the kinetic energy), which is damped rather than resolved and has no order.
-/// The tolerance only serves Newton's iteration here.
+/// The steps resolve the modes of the model: one pair per body, a thousandth of the stiffness, no latch, 0.05 s. The order may deviate by
+/// 0.35. ESDIRK4 is measured with steps eight times as long: below 1e-6 its drift is due to the vibration after the abrupt start (4e-7 of
+/// the kinetic energy), which is damped rather than resolved and has no order. The tolerance only applies to Newton's iteration here.
 #[test]
 fn p12_drift_falls_with_the_order_of_the_method() {
     const COARSE_S: [f64; 3] = [1.6e-3, 8e-4, 4e-4];

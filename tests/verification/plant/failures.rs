@@ -1,10 +1,10 @@
-//! A simulation that cannot continue ends in an error with time and cause, never in a panic.
+//! A simulation that cannot continue ends with an error that gives time and cause, never with a panic.
 
 use crate::plant::machines::*;
 use foldwing::plant::{Inputs, Parameters, Plant, PlantError};
 use std::sync::Arc;
 
-/// P-95. A tolerance that the smallest step cannot meet: the error names the last good time, where the plant stands.
+/// P-95. A tolerance that the smallest step cannot meet: the error gives the last valid time, which is that of the plant.
 #[test]
 fn p95_impossible_tolerance_is_an_error() {
     let mut machine = default_wing(1e-7);
@@ -19,7 +19,7 @@ fn p95_impossible_tolerance_is_an_error() {
     assert!(plant.outputs().joints()[0].angle_rad.is_finite());
 }
 
-/// P-96. Limits of the step that contradict each other are refused at the start; they used to panic.
+/// P-96. Contradictory step limits are rejected at the start; they used to panic.
 #[test]
 fn p96_contradicting_step_limits_are_an_error() {
     let mut plant = Plant::new(Arc::new(default_wing(1e-4)));
@@ -32,9 +32,9 @@ fn p96_contradicting_step_limits_are_an_error() {
     plant.initialize(0.0).expect("equal limits are one step");
 }
 
-/// P-97. A value that is not a number gives an error and leaves time, state and later steps with good values alone.
+/// P-97. A value that is not a number gives an error and does not affect time, state and later steps with valid values.
 ///
-/// The FMI layer refuses such values before they come here; the plant is the second line.
+/// The FMI layer rejects such values first; the checks of the plant are a second line of defence.
 #[test]
 fn p97_values_that_are_not_numbers_are_errors() {
     type Spoil = (&'static str, fn(&mut Inputs));
@@ -63,9 +63,9 @@ fn p97_values_that_are_not_numbers_are_errors() {
     }
 }
 
-/// P-98. Spoilt parameters neither panic nor hang.
+/// P-98. Invalid parameters neither panic nor hang.
 ///
-/// A limit that is not a number used to panic in `clamp`.
+/// A limit that is NaN used to panic in `clamp`.
 #[test]
 fn p98_spoilt_parameters_do_not_panic() {
     let spoil: [fn(&mut Parameters, f64); 8] = [

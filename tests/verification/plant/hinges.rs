@@ -1,4 +1,4 @@
-//! Torques about a hinge: the torque law, a joint that is locked again, a latch that closes on a joint at rest.
+//! Torques about a hinge: the motor's torque, a joint that is locked again, a latch that closes on a motionless joint.
 
 use crate::plant::corners::{rod, rod_inertia_kg_m2};
 use crate::plant::machines::*;
@@ -10,8 +10,8 @@ fn only(plant: &Plant) -> JointOutputs {
     plant.outputs().joints()[0]
 }
 
-/// AT-01. The torque limit is the motor's: an external torque of −1 N·m beside a motor limited to 0.02 N·m accelerates
-/// the rod by −1.02 N·m over its inertia. It used to be cut to −0.02 N·m in all.
+/// AT-01. The torque limit applies only to the motor: an external torque of −1 N·m and a motor limited to 0.02 N·m accelerate the rod by
+/// −1.02 N·m divided by its inertia. The total used to be limited to −0.02 N·m.
 #[test]
 fn at01_the_limit_leaves_the_external_torque_alone() {
     let mut revolute = free_hinge(0.5);
@@ -26,14 +26,14 @@ fn at01_the_limit_leaves_the_external_torque_alone() {
     assert_eq!(torques, [-0.02, -1.0, -1.02]);
     let expected_rad = -0.5 * 1.02 / rod_inertia_kg_m2() * 1e-4;
     let error_rad = joint.angle_rad - 0.5 - expected_rad;
-    // the rod bends by 1e-5 of the way
+    // the rod bends by 1e-5 of the rotation
     assert!(error_rad.abs() < 1e-4 * expected_rad.abs(), "turned by {error_rad:.1e} rad more than {expected_rad} rad");
     let drift_j = balance_j(plant.outputs()) - before_j;
     assert!(drift_j.abs() < 1e-4 * plant.outputs().energy().kinetic, "energy drifts by {drift_j:.1e} J");
 }
 
-/// AT-02. A joint's own spring swings the rod about its rest angle at `√(k/J)`, outside the motor's limit, and its
-/// damper takes energy; at rest an external torque `τ` turns it to `θ_0 + τ/k`.
+/// AT-02. On the spring of a joint, the rod oscillates about its neutral angle at `√(k/J)`; the motor's limit does not apply to the spring,
+/// and the joint's damper dissipates energy. In equilibrium under an external torque `τ` the angle is `θ_0 + τ/k`.
 #[test]
 fn at02_a_spring_of_the_joint_itself() {
     let spring = Spring { stiffness_n_m_rad: 0.5, damping_n_m_s_rad: 0.0, rest_angle_rad: 0.2 };
@@ -73,7 +73,7 @@ fn at03_release_taken_back_holds_the_joint_where_it_is() {
     let mut revolute = free_hinge(0.5);
     revolute.start_rate_rad_s = -3.0;
     let mut plant = start(rod(revolute));
-    // most of the energy first goes into bending and is damped there: the balance of that decay is off by 3 % at 1e-4
+    // most of the energy first goes into bending and is damped there: the balance of that decay has an error of 3 % at 1e-4
     plant.parameters_mut().solver_mut().tolerance = 1e-8;
     coast(&mut plant, 0.1);
     let (kinetic_j, angle_rad) = (plant.outputs().energy().kinetic, only(&plant).angle_rad);
@@ -94,8 +94,8 @@ fn at03_release_taken_back_holds_the_joint_where_it_is() {
     assert!(only(&plant).rate_rad_s > 1.0 && only(&plant).holding_torque_n_m == 0.0, "{:?}", only(&plant));
 }
 
-/// AT-04. Holding an elbow while two rods turn is an inelastic stop of that joint alone: the angular momentum about the
-/// shoulder stays, and what is lost is `½ M_eff θ̇²`, both in closed form for rods in line.
+/// AT-04. Locking an elbow while two rods rotate is an inelastic stop of that joint alone: the angular momentum about the shoulder is
+/// conserved, and the energy lost is `½ M_eff θ̇²`, both in closed form for rods in line.
 #[test]
 fn at04_a_stop_keeps_the_momentum_about_the_joints_that_stay_free() {
     let mut shoulder = free_hinge(0.0);
@@ -119,19 +119,19 @@ fn at04_a_stop_keeps_the_momentum_about_the_joints_that_stay_free() {
         rod_inertia_kg_m2() * shoulder + mass_kg * 1.5 * length_m * middle_m_s + about_middle * (shoulder + elbow)
     };
     let expected_rad_s = momentum(2.0, 5.0) / momentum(1.0, 0.0);
-    // strain rates take part: the rods are stiff, but an impulse does not know stiffness
+    // strain rates jump too: the rods are stiff, but an impulse does not depend on stiffness
     let rates: Vec<f64> = plant.outputs().joints().iter().map(|joint| joint.rate_rad_s).collect();
     println!("rates {rates:?} rad/s, rigid rods {expected_rad_s} rad/s");
     assert_eq!(rates[1], 0.0);
     let lost_j = kinetic_j - plant.outputs().energy().kinetic;
     assert!((plant.outputs().energy().dissipated - lost_j).abs() < 1e-9 * kinetic_j, "lost {lost_j} J");
-    // once bending has died down the rods turn as one
+    // once bending has decayed the rods rotate as one
     coast(&mut plant, 0.2);
     let error_rad_s = plant.outputs().joints()[0].rate_rad_s - expected_rad_s;
     assert!(error_rad_s.abs() < 1e-3 * expected_rad_s, "turns {error_rad_s:.1e} rad/s off {expected_rad_s} rad/s");
 }
 
-/// AT-05. A wing released at initialisation and held before its first step stays at its start angle.
+/// AT-05. A wing released at initialisation and locked before its first step stays at its start angle.
 #[test]
 fn at05_held_before_the_first_step() {
     let mut plant = start(default_wing(1e-4));
@@ -141,8 +141,8 @@ fn at05_held_before_the_first_step() {
     assert!(!plant.joint_statuses().next().expect("a joint").released);
 }
 
-/// AT-06. An enabled latch catches a wing at its angle: at the start, held there, crept there, from either side. All of
-/// them used to stay open.
+/// AT-06. An enabled latch catches a wing at the latch angle: at the start, locked there, approached slowly, from either side. In all these
+/// cases the latch used to stay open.
 #[test]
 fn at06_a_latch_catches_what_rests_at_its_angle() {
     const DEFAULT_RAD: f64 = 1e-6;
@@ -166,7 +166,7 @@ fn at06_a_latch_catches_what_rests_at_its_angle() {
         coast(&mut creeps, 15.0);
         let expected_s = 0.2 / 0.3 * (0.3 / DEFAULT_RAD).ln();
         let error_s = latch_of(&creeps).time_s - expected_s;
-        // the rod's inertia, 1e-3 s of the time constant, and tolerance 1e-6 at an angle of 1e-6 rad
+        // effect of the rod's inertia, 1e-3 s of the time constant, and of the tolerance of 1e-6 at an angle of 1e-6 rad
         assert!(error_s.abs() < 1.0, "creeps from {start_rad} rad: closed {error_s} s off {expected_s} s");
         assert!(latch_of(&creeps).closed.is_on());
         let mut passes = with(start_rad, &|revolute| revolute.start_rate_rad_s = -10.0 * start_rad);
@@ -176,8 +176,8 @@ fn at06_a_latch_catches_what_rests_at_its_angle() {
     }
 }
 
-/// AT-07. A latch that closes off its angle starts to swing there: what it then stores is booked as work, and what it
-/// stores when it opens as dissipated, term by term.
+/// AT-07. A joint caught off the latch angle starts to oscillate about it: the energy stored in the latch at closing is counted as work,
+/// the energy stored at opening as dissipated, term by term.
 #[test]
 fn at07_energy_of_a_latch_that_closes_and_opens_off_its_angle() {
     let mut revolute = free_hinge(0.3);
@@ -195,15 +195,15 @@ fn at07_energy_of_a_latch_that_closes_and_opens_off_its_angle() {
     plant.inputs_mut().joints_mut()[0].latch_enable = false.into();
     coast(&mut plant, 0.08 + 1e-9);
     let jump_j = plant.outputs().energy().dissipated - dissipated_j;
-    // within the instant the rod turns by 1e-8 rad
+    // within the instant the rod rotates by 1e-8 rad
     assert!((jump_j / stored_j - 1.0).abs() < 1e-5, "dissipated {jump_j} J of {stored_j} J");
-    // of the integration at its default tolerance, through a swing
+    // drift of the integration at its default tolerance, through an oscillation
     let drift_j = balance_j(plant.outputs()) - before_j;
     assert!(drift_j.abs() < 1e-4 * booked_j, "energy drifts by {drift_j:.1e} J");
 }
 
-/// A swinging wing with a motor and no latch: Newton's iterations through 1 s, drift of the energy over the largest kinetic
-/// one, angle at the end.
+/// A swinging wing with a motor and no latch: number of Newton iterations in 1 s, drift of the energy relative to the largest kinetic
+/// energy, angle at the end.
 fn swing(drive: Motor, start_deg: f64, method: Method, tolerance: f64) -> (u64, f64, f64) {
     let mut machine = wing(ElementKind::Linear, 4, method, tolerance);
     let hinge = hinge_of(&mut machine, 1);
@@ -224,8 +224,8 @@ fn swing(drive: Motor, start_deg: f64, method: Method, tolerance: f64) -> (u64, 
     (plant.statistics().iterations, drift_j / kinetic_j, only(&plant).angle_rad)
 }
 
-/// AT-08. A torque limit costs at most three times the residuals of the run without it: a stiff motor that saturates, and dry friction
-/// modelled by a damper with a limit, which slips and sticks. It used to be up to 700 times.
+/// AT-08. A torque limit costs at most three times the residual evaluations of the run without it: a stiff motor that saturates, and dry
+/// friction modelled by a damper with a limit, which slips and sticks. It used to be up to 700 times.
 #[test]
 fn at08_a_torque_limit_is_cheap() {
     let drive = |stiffness_n_m_rad, damping_n_m_s_rad, constant_torque_n_m| Motor {
@@ -255,8 +255,8 @@ fn at08_a_torque_limit_is_cheap() {
     }
 }
 
-/// AT-09. Inertial acceleration of a tip that rests in inertial space while the root spins up: zero. The rod hangs on a free
-/// hinge about the axis of spin, so that its acceleration relative to the root is the Euler term's opposite.
+/// AT-09. Inertial acceleration of a tip at rest in inertial space while the spin of the root increases: zero. The rod is on a free hinge
+/// about the axis of spin, so its acceleration relative to the root is opposite to the Euler term.
 #[test]
 fn at09_euler_term_of_a_tip_s_acceleration() {
     let mut revolute = free_hinge(0.0);
@@ -265,11 +265,11 @@ fn at09_euler_term_of_a_tip_s_acceleration() {
     plant.inputs_mut().root_mut().angular_acceleration_rad_s2 = Vector3::new(0.0, 0.0, 7.0);
     plant.initialize(0.0).expect("initial accelerations");
     let acceleration_m_s2 = plant.outputs().tips()[0].acceleration_m_s2.norm();
-    // the rod's elastic coordinates take round-off of the relative acceleration
+    // round-off of the relative acceleration, through the rod's elastic coordinates
     assert!(acceleration_m_s2 < 1e-9 * 7.0 * 0.15, "{acceleration_m_s2} m/s²");
 }
 
-/// AT-10. The moment of a ball joint's damper brakes the body: `−c ω`, and the rod slows down as `exp(−c t/J)` by it.
+/// AT-10. The moment of a ball joint's damper decelerates the body: it is `−c ω`, and the rate decays as `exp(−c t/J)`.
 #[test]
 fn at10_moment_of_a_ball_joint_s_damper() {
     let (damping_n_m_s_rad, rate_rad_s) = (1e-3, 4.0);

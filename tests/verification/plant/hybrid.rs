@@ -1,5 +1,5 @@
-//! The machine as a hybrid system under an integrator that is not ours: classical Runge–Kutta of fixed step, events located
-//! by the indicators, transitions made at them.
+//! The machine as a hybrid system under an external integrator: classical Runge–Kutta with fixed steps, events located by the indicators,
+//! and transitions applied at them.
 
 use crate::agreement::agree;
 use crate::whole::is_whole;
@@ -15,9 +15,9 @@ fn machine(text: &str) -> Machine {
 struct Outside<'a> {
     system: Hybrid<'a>,
     states: Vec<f64>,
-    /// Work of the inputs and energy dissipated, J.
+    /// Work of the inputs and dissipated energy, J.
     accounts: [f64; 2],
-    /// Times of events in s, with what they book.
+    /// Times of events in s, with their energy terms.
     events: Vec<(f64, Jump)>,
 }
 
@@ -35,7 +35,7 @@ impl<'a> Outside<'a> {
         (slope, rates)
     }
 
-    /// States and accounts a step further.
+    /// States and energy terms after a step.
     fn tried(&mut self, step_s: f64) -> (Vec<f64>, [f64; 2]) {
         let (begin_s, begin) = (self.system.time_s(), self.states.clone());
         let (mut end, mut accounts) = (begin.clone(), self.accounts);
@@ -59,7 +59,7 @@ impl<'a> Outside<'a> {
         values
     }
 
-    /// Goes on to `end_s`, at most `step_s` at a time, through events and kinks.
+    /// Integrates to `end_s`, with steps of at most `step_s`, through events and kinks.
     fn run(&mut self, end_s: f64, step_s: f64) {
         while self.system.time_s() < end_s - 1e-12 {
             let begin_s = self.system.time_s();
@@ -102,7 +102,7 @@ impl<'a> Outside<'a> {
     }
 }
 
-/// The folding wing in the wind of strips, whose step is given in s.
+/// The folding wing in wind with strips, for an aerodynamic step in s.
 fn folding_wing_in_air(step_s: f64) -> String {
     let wing = include_str!("../../../examples/models/folding_wing.toml");
     let air = format!(
@@ -158,8 +158,8 @@ fn hy02_strips_tend_to_the_air_of_the_instant() {
 }
 
 /// HY-03. Derivatives with strip theory compared with the linear model, which computes lag, apparent mass and aerodynamic stiffness
-/// independently: the whole Jacobian about an equilibrium in upward wind, over its largest entry by row. Central differences of 1e-4 rad
-/// leave 1e-8 of third-order terms, and 1e-12 of round-off over the step.
+/// independently: the whole Jacobian about an equilibrium in upward wind, relative to the largest entry of each row. Central differences of
+/// 1e-4 rad leave 1e-8 of third-order terms, and 1e-12 of round-off over the step.
 #[test]
 fn hy03_derivatives_in_air_are_those_of_the_linear_model() {
     let text = include_str!("../../../examples/models/goland_wing.toml");
@@ -198,8 +198,8 @@ fn hy03_derivatives_in_air_are_those_of_the_linear_model() {
     agree("HY-03", worst, 2e-8);
 }
 
-/// HY-04. A flap in a hybrid system: at the equilibrium of a deflected aileron nothing moves, and its hinge moment is that of statics;
-/// deflected further it moves the wing at once, twice as much by twice the angle.
+/// HY-04. A control surface in a hybrid system: in equilibrium with a deflected aileron nothing moves, and its hinge moment is that of the
+/// static analysis; a further deflection accelerates the wing at once, twice as much for twice the angle.
 #[test]
 fn hy04_a_flap_acts_between_events() {
     let mut plant = Plant::new(Arc::new(machine(include_str!("../../../examples/aileron/folding_aileron.toml"))));
@@ -220,7 +220,7 @@ fn hy04_a_flap_acts_between_events() {
     let [still, further, twice] = [0.05, 0.06, 0.07].map(&mut slope);
     let (moves, twice_moves) = (further.0.norm(), twice.0.norm());
     println!("HY-04 still {:.1e}, moved {moves:.1e}, ratio {}", still.0.norm() / moves, twice_moves / moves);
-    // the equilibrium is found to 1e-8 in the kinematic norm, which 0.01 rad of the flap moves by some per cent
+    // the equilibrium is found to 1e-8 in the kinematic norm, which 0.01 rad of the control surface change by a few per cent
     agree("HY-04", still.0.norm() / moves, 2e-8);
     assert!(
         (still.1 - hinge_n_m).abs() < 1e-9 * hinge_n_m.abs() && further.1 < still.1,
@@ -228,11 +228,11 @@ fn hy04_a_flap_acts_between_events() {
         still.1,
         further.1
     );
-    // the loads turn with the flap: quadratic in the angle
+    // the loads rotate with the flap: quadratic in the angle
     assert!((twice_moves / moves - 2.0).abs() < 0.02);
 }
 
-/// Goland's wing without its gust, in gravity and a wind along its chord, at its equilibrium.
+/// Goland's wing without its gust, under gravity and a wind along its chord, in equilibrium.
 fn goland_at_rest(keys: &str, wind_m_s: f64) -> Plant {
     let text = include_str!("../../../examples/models/goland_wing.toml");
     let (before, after) = (text.find("[gust.bump]").expect("a gust"), text.find("[solver]").expect("a solver"));
@@ -244,8 +244,8 @@ fn goland_at_rest(keys: &str, wind_m_s: f64) -> Plant {
     plant
 }
 
-/// HY-05. Still or slow air: its loads are below the structure's round-off, and derivatives exist nevertheless, at the equilibrium and next
-/// to it. Mach 1 is an error with compressibility. Re-entered after a set, the machine is in the state that was set.
+/// HY-05. Still or slow air: its loads are below the structure's round-off, and derivatives still exist, at the equilibrium and next to it.
+/// Mach 1 is an error with compressibility. When the equations are re-entered after a set, the machine is in the state that was set.
 #[test]
 fn hy05_light_air_and_mach_1() {
     for wind_m_s in [0.0, 0.01, 0.1, 1.0, 2.0, 3.0, 30.0] {
@@ -279,8 +279,8 @@ fn hy05_light_air_and_mach_1() {
     }
 }
 
-/// HY-01. The shipped wing, integrated externally by Runge and Kutta's method at 4 µs, latches at the time of co-simulation at a tolerance
-/// of 1e-9, and has its energies: to 1e-7 s and 1e-7 J, some ten times the error of the two.
+/// HY-01. The shipped wing, integrated externally by the Runge–Kutta method at 4 µs, latches at the same time and with the same energies as
+/// in co-simulation at a tolerance of 1e-9: to 1e-7 s and 1e-7 J, about ten times the error of the two.
 #[test]
 fn shipped_wing_unfolds_and_latches_under_an_integrator_from_outside() {
     let text = include_str!("../../../examples/models/folding_wing.toml");

@@ -1,4 +1,4 @@
-//! Internal loads, joint reactions and accelerations of every place: against theory, balances and differences.
+//! Internal loads, joint reactions and accelerations at every position: against theory, balances and differences.
 
 use crate::plant::machines::*;
 use foldwing::beam::section::Section;
@@ -15,14 +15,14 @@ fn inboard(body: usize, position_m: f64) -> InternalLoad {
     place("place", body, position_m, SectionSide::Inboard)
 }
 
-/// The wing's section, so stiff that the wing keeps its shape to 1e-6 of its length.
+/// The wing's section, so stiff that the shape of the wing changes by only 1e-6 of its length.
 fn stiff_section() -> Section {
     let mut section = wing_section();
     section.stiffness *= 1e6;
     section
 }
 
-/// The wing's section with shear along `y` and `z`: a hundredth of the axial stiffness, coupled with twist and bending.
+/// The wing's section with shear flexibility along `y` and `z`: a hundredth of the axial stiffness, coupled with twist and bending.
 fn soft_in_shear() -> Section {
     let mut section = wing_section();
     let mut whole = nalgebra::Matrix6::zeros();
@@ -40,7 +40,7 @@ fn soft_in_shear() -> Section {
 
 const BEAM_M: f64 = 0.6;
 
-/// A clamped beam that starts at rest in equilibrium, with loads at two stations and two masses, cut at `places_m`.
+/// A clamped beam that starts in equilibrium, with loads at two stations and two masses, and internal loads at `places_m`.
 fn cantilever(kind: ElementKind, count: usize, places_m: &[f64]) -> Machine {
     let beam = body("wing", BEAM_M, &stiff_section(), kind, count)
         .load_station_positions_m([0.25, 0.6])
@@ -54,13 +54,13 @@ fn cantilever(kind: ElementKind, count: usize, places_m: &[f64]) -> Machine {
     machine
 }
 
-/// Places on mesh boundaries, inside elements, and where something is attached.
+/// Positions on mesh boundaries, inside elements, and at attachments.
 const PLACES_M: [f64; 9] = [0.0, 0.017, 0.1, 0.2499, 0.25, 0.31, 0.45, 0.52, 0.6];
 
-/// P-140. A cantilever under its weight, loads at stations inside elements, and masses aside of its axis: shear, axial
-/// force, bending and torsion of nine sections are those of statics, for both kinds of elements, whatever the mesh.
+/// P-140. A cantilever under its weight, with loads at stations inside elements and masses off its axis: shear, axial force, bending and
+/// torsion of nine sections follow from statics, for both kinds of elements and any mesh.
 ///
-/// The beam bends by less than 1e-6: what is left of the closed form is of that order.
+/// The beam bends by less than 1e-6, so the difference from the closed form is of that order.
 #[test]
 fn p140_section_loads_of_a_cantilever_are_those_of_statics() {
     let gravity = Vector3::new(1.0, -2.0, -9.8);
@@ -111,8 +111,8 @@ fn p140_section_loads_of_a_cantilever_are_those_of_statics() {
     }
 }
 
-/// P-141. A beam that turns steadily about its root: `N(s) = ∫ ρA Ω² r dr` and the tip mass's share, at any place, with one
-/// linear element already. The cubic of the axis carries the linear acceleration exactly; stretch is 1e-8.
+/// P-141. A beam in steady rotation about its root: `N(s) = ∫ ρA Ω² r dr` plus the contribution of the tip mass, at any position, even with
+/// one linear element. The cubic of the axis represents the linear acceleration exactly; stretch is 1e-8.
 #[test]
 fn p141_axial_force_of_a_turning_beam() {
     let rate_rad_s = 20.0;
@@ -136,8 +136,8 @@ fn p141_axial_force_of_a_turning_beam() {
     }
 }
 
-/// The deploying wing with a skew hinge in a root that moves, loads at stations inside elements, an appendage on the inner
-/// body, at 0.05 s: nothing is at rest and nothing small.
+/// The deploying wing with a skew hinge on a moving root, loads at stations inside elements, an appendage on the inner body, at 0.05 s:
+/// everything is in motion, and no term is small.
 fn moving_wing(kind: ElementKind, count: usize, internal_loads: Vec<InternalLoad>) -> Machine {
     let mut machine = wing(kind, count, Method::Esdirk4, 1e-8);
     let hinge = hinge_of(&mut machine, 1);
@@ -176,9 +176,9 @@ fn rotation(point: &PointOutputs) -> Matrix3<f64> {
     point.rotation.to_rotation_matrix().into_inner()
 }
 
-/// P-142. Internal loads jump by exactly what is attached: the load of a station inside an element (root frame on the inner
-/// body, section frame on the outer), and a child's joint. At the root of a body they are its joint's reaction in the frame
-/// of the section, with the opposite sign; at the free end they are zero. A wing in motion, in a moving root.
+/// P-142. Internal loads jump by exactly the load at an attachment: the load of a station inside an element (root frame on the inner body,
+/// section frame on the outer), and the reaction of a child's joint. At the root of a body they are its joint's reaction in the frame of
+/// the section, with the opposite sign; at the free end they are zero. Case: a moving wing on a moving root.
 #[test]
 fn p142_section_loads_jump_by_what_is_attached() {
     use SectionSide::{Inboard, Outboard};
@@ -206,11 +206,12 @@ fn p142_section_loads_jump_by_what_is_attached() {
             }
             let joint = outputs.joint_reactions()[body];
             worst = worst.max((found[4].force_n.norm() - joint.force_n.norm()).abs());
-            // about the hinge the joint shows its torque, the section what the accelerations between two steps leave
+            // about the hinge the joint outputs its torque, whereas the section load follows from accelerations interpolated between two
+            // steps
             let hinge = (found[4].moment_n_m.norm() - joint.moment_n_m.norm()).abs();
             assert!(hinge < 1e-9, "{kind:?}, body {body}: {hinge:.1e} N·m between joint and section");
         }
-        // the inner body is clamped in the root's frame
+        // the inner body is clamped in the root frame
         let root = outputs.internal_loads()[4];
         worst = worst.max((root.force_n - outputs.root().force_n).norm());
         worst = worst.max((root.moment_n_m - outputs.root().moment_n_m).norm());
@@ -222,11 +223,11 @@ fn p142_section_loads_jump_by_what_is_attached() {
     }
 }
 
-/// P-143. Internal loads run through the nodes without a step, and between two places they change by weight, load and rate of
-/// momentum of the piece between, by Simpson's rule over the accelerations of stations: nothing of the engine's inertia.
+/// P-143. Internal loads are continuous at the nodes, and between two positions they change by weight, loads and rate of momentum of the
+/// piece between, computed by Simpson's rule from the accelerations of stations, without the engine's inertia terms.
 ///
-/// Eight pieces between the ends of one pair of the outer body; the rule's own error is 1e-6 there. What is left is that the
-/// acceleration inside an element is the elements' own on one side and a cubic on the other: it falls with the mesh.
+/// Eight pieces between the ends of one pair of the outer body; the error of the rule is 1e-6 there. The remaining difference, between the
+/// acceleration field of the elements and the cubic used for internal loads, falls with mesh refinement.
 #[test]
 fn p143_section_loads_balance_the_piece_between() {
     for sheared in [false, true] {
@@ -307,7 +308,7 @@ fn section_loads_balance(sheared: bool) {
     }
 }
 
-/// Inertial acceleration and angular acceleration of a point from the rates of its velocities relative to a turning root.
+/// Inertial acceleration and angular acceleration of a point from the rates of its velocities relative to a rotating root.
 fn inertial(point: &PointOutputs, rates: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
     let spin = ROOT.angular_velocity_rad_s;
     let carried = spin.cross(&(point.velocity_m_s * 2.0 + spin.cross(&point.position_m)));
@@ -318,14 +319,14 @@ fn inertial(point: &PointOutputs, rates: [Vector3<f64>; 2]) -> [Vector3<f64>; 2]
     ]
 }
 
-/// P-144. Accelerations and angular accelerations of tip and stations are the rates of their velocities and angular
-/// velocities: central differences over ±0.4, 0.2 and 0.1 ms close in with the second order, in a root that moves. At a tolerance of
-/// 1e-9 what lies between the ends of steps is smooth enough for that.
+/// P-144. Accelerations and angular accelerations of tip and stations are the rates of their velocities and angular velocities: central
+/// differences over ±0.4, 0.2 and 0.1 ms converge with second order, on a moving root. At a tolerance of 1e-9 the values between the ends
+/// of steps are smooth enough for that.
 #[test]
 fn p144_accelerations_are_rates_of_velocities() {
     let mut machine = moving_wing(ElementKind::Linear, 2, Vec::new());
     machine.solver.tolerance = 1e-9;
-    // calm enough that differences over 0.1 ms follow it
+    // smooth enough for differences over 0.1 ms
     machine.bodies.iter_mut().for_each(|body| body.stiffness_damping_s = 5e-3);
     let time_s = 0.05;
     let points = |outputs: &Outputs| [outputs.stations(), outputs.tips()].concat();
@@ -358,8 +359,8 @@ fn p144_accelerations_are_rates_of_velocities() {
     }
 }
 
-/// P-145. A free beam with a child on a clamp falls: its stations accelerate by gravity, nothing is carried anywhere, and
-/// nothing turns faster.
+/// P-145. A free beam with a child on a clamp falls: its stations accelerate with gravity, internal loads and reactions are zero, and there
+/// is no angular acceleration.
 #[test]
 fn p145_a_falling_machine_carries_nothing() {
     let beam = body("keel", 0.4, &wing_section(), ElementKind::Linear, 2).load_stations(2);
@@ -385,14 +386,14 @@ fn p145_a_falling_machine_carries_nothing() {
     assert!(largest < 1e-9, "carries {largest:.1e} N of a weight of {} N", plant.mass_kg() * 9.8);
 }
 
-/// P-146. Rigid pendulum with a point mass: the hinge pulls with `m (g cos θ + L ω²)` along the rod and `m (g sin θ + L θ̈)`
-/// across it, `θ̈ = −(g/L) sin θ`, through two swings from 120°; no moment about the hinge. Exact at every communication
-/// point, for angle and rate as they are read there; the rate of the motion itself is P-67's and RB-01's.
+/// P-146. Rigid pendulum with a point mass: the hinge force is `m (g cos θ + L ω²)` along the rod and `m (g sin θ + L θ̈)` across it, `θ̈ =
+/// −(g/L) sin θ`, through two swings from 120°; no moment about the hinge. Exact at every communication point for the angle and rate read
+/// there; P-67 and RB-01 check the accuracy of the motion itself.
 #[test]
 fn p146_hinge_force_of_a_rigid_pendulum() {
     let (mass_kg, length_m, gravity_m_s2) = (0.7, 0.9, 9.8);
     let bob = Body::rigid("bob").inertia(mass_kg, [length_m, 0.0, 0.0], Matrix3::zeros());
-    // `x` turns towards `−z`: hanging down is 90° of the hinge
+    // `x` rotates towards `−z`: hanging down is 90° at the hinge
     let down_rad = std::f64::consts::FRAC_PI_2;
     let hinge = Revolute { start_rate_rad_s: 0.5, ..free_hinge(down_rad + 120f64.to_radians()) };
     let mut machine = machine([(bob, hinged_to_root(hinge))]);
@@ -423,7 +424,7 @@ fn p146_hinge_force_of_a_rigid_pendulum() {
     assert!(worst < 1e-6 * largest, "off by {worst:.1e} of {largest:.1} N");
 }
 
-/// One rigid link with its centre of mass aside of its frame and a full tensor of inertia.
+/// One rigid link with its centre of mass away from the origin of its frame, and a full inertia tensor.
 fn link(name: &str, mass_kg: f64) -> builder::BodyBuilder {
     let tensor = Matrix3::new(3.0, 0.2, -0.1, 0.2, 2.0, 0.3, -0.1, 0.3, 4.0) * (0.01 * mass_kg);
     Body::rigid(name).inertia(mass_kg, CENTRE_M, tensor)
@@ -431,13 +432,13 @@ fn link(name: &str, mass_kg: f64) -> builder::BodyBuilder {
 
 const CENTRE_M: [f64; 3] = [0.1, 0.05, -0.04];
 
-/// P-147. Newton and Euler for every body of a mechanism of rigid bodies, none of which has an element: forces and moments of
-/// the joints on it and of those it carries (revolute with drive and spring, universal, ball, clamped, locked, prescribed, in
-/// a closed loop) with gravity are `m a` and `J α + ω × J ω` of its centre of mass, found from the accelerations of its load
-/// station alone, in a root that moves. Moments about hinges are the torques that the joint shows.
+/// P-147. Newton–Euler equations for every body of a mechanism of rigid bodies, none of which has an element: forces and moments of its
+/// joint and of its children's joints (revolute with drive and spring, universal, ball, clamped, locked, prescribed, in a closed loop) plus
+/// gravity equal `m a` and `J α + ω × J ω` for its centre of mass, computed only from the accelerations of its load station, on a moving
+/// root. Moments about hinges are the torque outputs of the joint.
 ///
-/// Forces follow from the accelerations, to round-off; what a joint passes on about its freedoms follows from its torques, to
-/// the error of the values between steps, at a tolerance of 1e-9.
+/// Forces follow from the accelerations, to round-off; what a joint transmits along its degrees of freedom follows from its torques, to the
+/// error of the values between steps, at a tolerance of 1e-9.
 #[test]
 fn p147_newton_and_euler_for_every_rigid_body() {
     let drive = Motor { stiffness_n_m_rad: 0.4, damping_n_m_s_rad: 0.02, inertia_kg_m2: 0.003, ..Motor::default() };
@@ -521,11 +522,11 @@ fn p147_newton_and_euler_for_every_rigid_body() {
             let axis = rotation(&outputs.stations()[0]) * Vector3::new(0.1, 1.0, 0.3).normalize();
             let turning = axis.dot(&outputs.joint_reactions()[1].moment_n_m);
             let along = |i: usize| axis.dot(&(outputs.stations()[i].angular_acceleration_rad_s2));
-            // second rate of the angle: the turning of the axis itself carries what `ω × axis` makes
+            // second derivative of the angle: the rotation of the axis contributes the term with `ω × axis`
             let second = along(1) - along(0) - axis.dot(&spin_of(0).cross(&(spin_of(1) - spin_of(0))));
             let inert = 0.003 * second;
             along_error = along_error.max((turning - outputs.joints()[1].torque_applied_n_m + inert).abs());
-            // what holds the lock and the crank is the moment about the hinge
+            // the moment about the hinge at lock and crank holds them
             let axis = rotation(&outputs.stations()[2]) * Vector3::x();
             let held = axis.dot(&outputs.joint_reactions()[3].moment_n_m) - outputs.joints()[2].holding_torque_n_m;
             let driven = outputs.joint_reactions()[0].moment_n_m.y - outputs.joints()[0].holding_torque_n_m;
@@ -540,8 +541,8 @@ fn p147_newton_and_euler_for_every_rigid_body() {
     assert!(along_error < 1e-12, "about hinges off by {along_error:.1e} N·m");
 }
 
-/// P-148. Internal loads and accelerations between the ends of steps close in on those at a tolerance of 1e-10 as the
-/// tolerance falls, and at 1e-8 they have the digits that a calm wing lets them have.
+/// P-148. Internal loads and accelerations between the ends of steps converge to those at a tolerance of 1e-10 as the tolerance falls, and
+/// at 1e-8 they have the accuracy that a slowly moving wing permits.
 #[test]
 fn p148_section_loads_converge_with_the_tolerance() {
     let at = |tolerance: f64| {

@@ -1,6 +1,6 @@
-//! The instant at which a rigid latch closes: impulse, jump of the rates, energy lost, eq. (A7).
+//! The instant at which a rigid latch closes: impulse, jump of the rates, energy loss, eq. (A7).
 //!
-//! Latches with a window of more than a turn are enabled in motion and close within a communication step of no length, so
+//! Latches with a capture window of more than one revolution are enabled in motion and close within a communication step of zero length, so
 //! that the states before and after belong to one instant.
 
 use crate::plant::corners::{add_rod, rod, rod_inertia_kg_m2};
@@ -11,7 +11,7 @@ use foldwing::plant::{Argument, Outputs, Plant};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::collections::HashMap;
 
-/// A free hinge about an axis that turns at the start; its rigid latch closes wherever it is enabled.
+/// A free hinge about an axis, rotating at the start; its rigid latch closes wherever it is enabled.
 fn hinge(axis: Vector3<f64>, start_rad: f64, rate_rad_s: f64) -> Revolute {
     Revolute {
         axis: axis.normalize(),
@@ -38,9 +38,9 @@ fn rates(plant: &Plant) -> HashMap<String, f64> {
     plant.freedoms().into_iter().map(|freedom| freedom.name).zip(plant.free_state().1).collect()
 }
 
-/// Closes latches and compares with the dense mass matrix `M` of the state before: `p = −(C M⁻¹ Cᵀ)⁻¹ (E v, 0)`,
-/// `Δv = M⁻¹ Cᵀ p`, rows `C` of the angles that stop, `E`, and of the gaps of loops, loss `½ vᵀMv` before less after.
-/// Largest miss of rates, impulses and losses over their size.
+/// Closes latches and compares with the dense mass matrix `M` of the state before: `p = −(C M⁻¹ Cᵀ)⁻¹ (E v, 0)`, `Δv = M⁻¹ Cᵀ p`, rows `C`
+/// of the angles that stop, `E`, and of the gaps of loops, loss `½ vᵀMv` before minus after. Returns the largest relative error of rates,
+/// impulses and losses.
 fn miss_of_dense_oracle(plant: &mut Plant, joints: &[usize]) -> f64 {
     let (before, kinetic_j, dissipated_j) =
         (rates(plant), plant.outputs().energy().kinetic, plant.outputs().energy().dissipated);
@@ -78,7 +78,7 @@ fn miss_of_dense_oracle(plant: &mut Plant, joints: &[usize]) -> f64 {
     let after = rates(plant);
     let mut miss = 0f64;
     for (i, name) in names.iter().enumerate().filter(|(i, _)| !rows.contains(i)) {
-        // strains have units of their own: each over the size of its own jump and rate
+        // strains have different units: the error of each is relative to its jump and rate
         let size = expected[i].abs().max(v[i].abs()).max(1e-3 * (&expected - &v).amax());
         miss = miss.max((after[name] - expected[i]).abs() / size);
     }
@@ -90,7 +90,7 @@ fn miss_of_dense_oracle(plant: &mut Plant, joints: &[usize]) -> f64 {
     miss.max((kinetic_j - energy.kinetic - lost_j).abs() / kinetic_j)
 }
 
-/// Three plates in a row on hinges about different axes, bent and in motion, with a mass off the axis.
+/// Three plates in a row on hinges about different axes, bent and moving, with a mass off the axis.
 fn chain() -> Plant {
     let axes = [Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.3, 1.0, 0.1), Vector3::new(-0.2, 0.8, 0.4)];
     let section = wing_section();
@@ -110,8 +110,8 @@ fn chain() -> Plant {
     plant
 }
 
-/// RL-01. Jump of all rates, impulses and energy lost against the dense mass matrix: one latch, two at once, all three,
-/// one after another. The oracle's inverse leaves 1e-8 of strain rates whose inertias lie six decades apart.
+/// RL-01. Jump of all rates, impulses and energy loss against the dense mass matrix: one latch, two at once, all three, one after another.
+/// The oracle's inverse has errors of 1e-8 in strain rates whose inertias differ by six decades.
 #[test]
 fn rl01_the_impulse_is_that_of_the_dense_mass_matrix() {
     for joints in [&[0][..], &[1], &[2], &[0, 2], &[2, 1], &[0, 1, 2]] {
@@ -126,8 +126,8 @@ fn rl01_the_impulse_is_that_of_the_dense_mass_matrix() {
     }
 }
 
-/// RL-05. The same in a four-bar linkage that falls: its loop is a joint in the impulse, whatever the spring of its penalty.
-/// The rocker's latch, the elbow's, and both, which stop the whole linkage.
+/// RL-05. The same comparison in a falling four-bar linkage: in the impulse its loop is a joint, whatever its penalty stiffness. The
+/// rocker's latch, the elbow's, and both, which stop the whole linkage.
 #[test]
 fn rl05_loops_take_part_in_the_impulse() {
     for joints in [&[2][..], &[1], &[1, 2]] {
@@ -142,14 +142,14 @@ fn rl05_loops_take_part_in_the_impulse() {
             coast(&mut plant, 0.2);
             let miss = miss_of_dense_oracle(&mut plant, joints);
             println!("RL-05 {joints:?}, {inertia_kg} kg: {miss:.1e}");
-            // the rate of the gap jumps by a millionth of the others, a strain rate by a few millionths of its own
+            // the rate of the gap jumps by a millionth of the others, a strain rate by a few millionths of itself
             assert!(miss < 2e-5, "latches {joints:?} miss the dense oracle by {miss:.1e}");
         }
     }
 }
 
-/// RL-06. A prescribed hinge keeps its rate through the stop of another one, by an impulse that does work; the account
-/// knows it.
+/// RL-06. A prescribed hinge keeps its rate while another joint stops; the impulse that this takes does work, which the energy balance
+/// contains.
 #[test]
 fn rl06_a_prescribed_joint_keeps_its_rate_by_work() {
     let mut machine =
@@ -166,8 +166,8 @@ fn rl06_a_prescribed_joint_keeps_its_rate_by_work() {
     assert!(drift_j.abs() < 1e-13 * kinetic_j, "account off by {drift_j:.1e} J");
 }
 
-/// RL-02. Two stiff rods in a row: the elbow's latch keeps the angular momentum about the shoulder, and once bending has
-/// died the rods turn as one. Energy lost in all: `½ (J_1 J_2 / (J_1 + J_2)) θ̇²` of the rods in line, by hand.
+/// RL-02. Two stiff rods in a row: latching of the elbow conserves the angular momentum about the shoulder, and once bending has decayed
+/// the rods rotate as one. Total energy loss: `½ (J_1 J_2 / (J_1 + J_2)) θ̇²` for rods in line, in closed form.
 #[test]
 fn rl02_two_rods_turn_as_one() {
     let mut machine = rod(Revolute { start_rate_rad_s: 2.0, ..free_hinge(0.0) });
@@ -197,14 +197,14 @@ fn rl02_two_rods_turn_as_one() {
         drift_j / kinetic_j,
         100.0 * booked_j / lost_j
     );
-    // the rods stretch by 1e-8 as they turn
+    // the rods stretch by 1e-8 as they rotate
     assert!(error_rad_s.abs() < 1e-7 * expected_rad_s, "turns {error_rad_s:.1e} rad/s off {expected_rad_s} rad/s");
     assert!(error_j.abs() < 1e-6 * lost_j, "loses {error_j:.1e} J more than {lost_j} J");
     assert!(drift_j.abs() < 1e-2 * lost_j, "account off by {drift_j:.1e} J");
 }
 
-/// RL-03. The reaction of a latch that holds two turning rods at an angle `φ` to each other: the centrifugal forces' moment
-/// about the elbow, `½ m ω² L² sin φ`.
+/// RL-03. The reaction of a latch that holds two rotating rods at an angle `φ` to each other: the moment of the centrifugal forces about
+/// the elbow, `½ m ω² L² sin φ`.
 #[test]
 fn rl03_the_reaction_is_the_moment_of_the_centrifugal_forces() {
     let (angle_rad, rate_rad_s) = (0.7, 8.0);
@@ -224,7 +224,7 @@ fn rl03_the_reaction_is_the_moment_of_the_centrifugal_forces() {
     assert_eq!(joint.holding_torque_n_m, 0.0);
 }
 
-/// An aircraft without symmetry in free flight: a keel, a wing of two panels on either side, flared hinges, masses.
+/// An asymmetric aircraft in free flight: a keel, a wing of two panels on either side, flared hinges, masses.
 fn aircraft() -> Machine {
     let section = wing_section();
     let flight =
@@ -246,8 +246,8 @@ fn aircraft() -> Machine {
     machine
 }
 
-/// Momentum in N·s and angular momentum about the first section of the keel in N·m·s: slopes of the kinetic energy, which
-/// is quadratic, by the rates of the free joint.
+/// Momentum in N·s and angular momentum about the first section of the keel in N·m·s: derivatives of the kinetic energy, which is
+/// quadratic, with respect to the rates of the free joint.
 fn momentum(plant: &mut Plant) -> [f64; 6] {
     let freedoms = plant.freedoms();
     std::array::from_fn(|i| {
@@ -258,8 +258,8 @@ fn momentum(plant: &mut Plant) -> [f64; 6] {
     })
 }
 
-/// RL-04. A free aircraft keeps momentum and angular momentum through a closing, one latch or both, in bending motion:
-/// to the round-off of the kinetic energies, 15 J, which is 1e-14 N·s.
+/// RL-04. A free aircraft conserves momentum and angular momentum when one latch or both close, in bending motion: to the round-off of the
+/// kinetic energies, 15 J, which is 1e-14 N·s.
 #[test]
 fn rl04_a_free_aircraft_keeps_its_momentum() {
     for joints in [&[0][..], &[1], &[0, 1]] {

@@ -7,13 +7,13 @@ use foldwing::plant::{Holding, Plant};
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
 
-/// Crank, coupler, rocker and ground of a four-bar linkage in m; the crank turns fully.
+/// Crank, coupler, rocker and ground of a four-bar linkage in m; the crank can make full revolutions.
 const BARS_M: [f64; 4] = [0.3, 0.8, 0.6, 0.7];
 const START_RAD: f64 = 0.5;
 /// The crank angle is `START_RAD + SPIN_UP t²`.
 const SPIN_UP_RAD_S2: f64 = 3.0;
 
-/// Angles of coupler and rocker against the ground, and their common end, for a crank angle (all in the plane).
+/// Angles of coupler and rocker relative to the ground, and their common end, for a crank angle (all in the plane).
 fn kinematics(crank_rad: f64) -> (f64, f64, Vector2<f64>) {
     let [crank, coupler, rocker, ground] = BARS_M;
     let pin = Vector2::new(crank_rad.cos(), crank_rad.sin()) * crank;
@@ -26,12 +26,12 @@ fn kinematics(crank_rad: f64) -> (f64, f64, Vector2<f64>) {
     (coupler_rad, arm.y.atan2(arm.x), end)
 }
 
-/// Steel bars in the `x`–`z` plane; the coupler's end meets the rocker's.
+/// Steel bars in the `x`–`z` plane; the coupler's end is joined to the rocker's.
 pub fn linkage(crank_motion: JointMotion, stiffness_n_m: f64) -> Machine {
     let material = Material { youngs_modulus_pa: 2e11, shear_modulus_pa: 8e10, density_kg_m3: 7800.0 };
     let section = Section::rectangle(0.02, 0.02, &material, None);
     let (coupler_rad, rocker_rad, _) = kinematics(START_RAD);
-    // positive angles about y turn x towards −z
+    // positive angles about y rotate x towards −z
     let mut crank_hinge = free_hinge(-START_RAD);
     crank_hinge.motion = crank_motion;
     let bar = |name: &str, i: usize| body(name, BARS_M[i], &section, ElementKind::Linear, 1);
@@ -49,7 +49,7 @@ pub fn linkage(crank_motion: JointMotion, stiffness_n_m: f64) -> Machine {
     built.unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// The linkage with bars 1e4 times too stiff and the crank prescribed.
+/// The linkage with bars 1e4 times as stiff and the crank prescribed.
 fn four_bar(stiffness_n_m: f64, tolerance: f64) -> Plant {
     let spin_up = Motion::Polynomial(vec![-START_RAD, 0.0, -SPIN_UP_RAD_S2]);
     let mut machine = linkage(JointMotion::Prescribed(spin_up), stiffness_n_m);
@@ -60,10 +60,10 @@ fn four_bar(stiffness_n_m: f64, tolerance: f64) -> Plant {
     plant
 }
 
-/// P-68. A four-bar linkage that one penalty joint closes follows its exact kinematics over two turns of the crank.
+/// P-68. A four-bar linkage closed by a penalty joint follows its exact kinematics over two revolutions of the crank.
 ///
-/// The pin force is of the order of 200 N (3 kg/m bars, 43 m/s² at the end), so the gap is 200 N over the stiffness:
-/// it must fall in proportion, and the end of the coupler misses by about the gap times the mechanism's lever.
+/// The pin force is of the order of 200 N (3 kg/m bars, 43 m/s² at the end), so the gap is 200 N divided by the stiffness: it must fall in
+/// inverse proportion to the stiffness, and the error of the coupler's end is about the gap times the lever ratio of the mechanism.
 #[test]
 fn p68_four_bar_linkage_follows_its_kinematics() {
     let mut gaps = Vec::new();
@@ -87,9 +87,9 @@ fn p68_four_bar_linkage_follows_its_kinematics() {
     assert!((9.0..11.0).contains(&ratio), "ten times the penalty divides the gap by {ratio:.2}");
 }
 
-/// P-69. The energy accounts close with a penalty joint too: its springs count as elastic, its dampers as dissipation.
+/// P-69. The energy balance also closes with a penalty joint: its springs count as elastic energy, its dampers as dissipation.
 ///
-/// Tolerance 1e-8 per step; 1e-5 of the largest kinetic energy is what the prescribed crank's work leaves.
+/// Tolerance 1e-8 per step; 1e-5 of the largest kinetic energy is the error of the prescribed crank's work.
 #[test]
 fn p69_energy_accounts_close_around_a_loop() {
     let mut plant = four_bar(1e6, 1e-8);
@@ -105,10 +105,10 @@ fn p69_energy_accounts_close_around_a_loop() {
     assert!(share < 1e-5, "drift {share:.1e} of the largest kinetic energy {kinetic_j:.2e} J");
 }
 
-/// Penalty of the linkage that is held.
+/// Penalty stiffness of the held linkage.
 const HELD_STIFFNESS_N_M: f64 = 1e8;
 
-/// The linkage with its crank held and its bars damped, 100 times too stiff.
+/// The linkage with its crank locked and its bars damped and 100 times as stiff.
 fn held_linkage() -> Machine {
     let mut machine = linkage(JointMotion::Locked, HELD_STIFFNESS_N_M);
     for body in &mut machine.bodies {
@@ -117,7 +117,7 @@ fn held_linkage() -> Machine {
     machine
 }
 
-/// Force of the pin on the coupler of the rigid linkage in N: moments of both bars' weights about their hinges.
+/// Force of the pin on the coupler of the rigid linkage in N, from the moments of both bars' weights about their hinges.
 fn rigid_pin_force_n(machine: &Machine) -> Vector2<f64> {
     let (coupler_rad, rocker_rad, _) = kinematics(START_RAD);
     let bar = |length_m: f64, angle_rad: f64| Vector2::new(angle_rad.cos(), angle_rad.sin()) * length_m;
@@ -129,11 +129,11 @@ fn rigid_pin_force_n(machine: &Machine) -> Vector2<f64> {
     matrix.lu().solve(&moments).expect("bars that are not in line")
 }
 
-/// P-73. Equilibrium of a linkage, its free hinges held by the loop alone: the state in which the damped motion ends; the pin carries the
-/// force of the rigid linkage over its stiffness; the root carries the weight.
+/// P-73. Equilibrium of a linkage whose free hinges are held by the loop alone: the state in which the damped motion ends; the gap at the
+/// pin is the force of the rigid linkage divided by the stiffness; the root carries the weight.
 ///
-/// The damped motion decays at 30/s, e⁻⁴⁵ at 1.5 s. The gap of 2.5e-7 m and the bars' deflection, some 6e-7 m, rotate the lever arms by
-/// some 1e-6: 1e-5 of the pin force.
+/// The damped motion decays at 30 1/s, e⁻⁴⁵ at 1.5 s. The gap of 2.5e-7 m and the bars' deflection, about 6e-7 m, rotate the lever arms by
+/// about 1e-6: 1e-5 of the pin force.
 #[test]
 fn p73_equilibrium_of_a_linkage() {
     let mut plant = Plant::new(Arc::new(held_linkage()));
@@ -164,8 +164,8 @@ fn p73_equilibrium_of_a_linkage() {
     assert!((settled.loops()[0].force_n - still.loops()[0].force_n).norm() < 1e-6 * own.norm());
 }
 
-/// P-74. A linkage that starts from equilibrium with its hinges held stays where it is, its loop closed by its share of the
-/// weight.
+/// P-74. A linkage that starts from equilibrium with its hinges locked does not move; its loop is closed apart from the gap due to its
+/// fraction of the weight.
 #[test]
 fn p74_linkage_that_starts_at_rest_stays() {
     let mut machine = held_linkage();

@@ -1,4 +1,4 @@
-//! Machines for the tests, built without the model file, and ways to run them.
+//! Machines for the tests, built without a model file, and functions to run them.
 
 use foldwing::beam::section::{Material, Section};
 use foldwing::machine::builder::{BodyBuilder, JointBuilder};
@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Time integration of most tests: the default method at the tolerance given, steps up to 5 ms.
+/// Time integration of most tests: the default method at the given tolerance, steps up to 5 ms.
 pub fn solver(method: Method, tolerance: f64) -> Solver {
     Solver { method, tolerance, min_step_s: 1e-10, ..Solver::default() }
 }
@@ -23,7 +23,7 @@ pub fn machine(parts: impl IntoIterator<Item = Part>) -> Machine {
     whole.build().unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// Clamped at the root's origin along `x`.
+/// A clamp at the root's origin, along `x`.
 pub fn clamped() -> JointBuilder {
     Joint::clamped("mount")
 }
@@ -38,7 +38,7 @@ pub fn free_hinge(start_angle_rad: f64) -> Revolute {
     Revolute { start_angle_rad, ..Revolute::about(Vector3::y()) }
 }
 
-/// A latch at zero of the stiffness given, open and enabled.
+/// A latch at zero with the given stiffness, open and enabled.
 pub fn latch(stiffness_n_m_rad: f64) -> Latch {
     Latch {
         kind: LatchKind::Elastic,
@@ -55,7 +55,7 @@ pub fn rigid_latch() -> Latch {
     Latch { kind: LatchKind::Rigid, capture_rad: DEFAULT_CAPTURE_RAD, ..latch(0.0) }
 }
 
-/// A body without damping or stations: `count` elements of `kind`.
+/// A body without damping or stations, with `count` elements of `kind`.
 pub fn body(name: &str, length_m: f64, section: &Section, kind: ElementKind, count: usize) -> BodyBuilder {
     Body::beam(name, length_m, section.clone()).element(kind).elements(count).load_stations(0)
 }
@@ -91,7 +91,7 @@ pub fn wing(kind: ElementKind, count: usize, method: Method, tolerance: f64) -> 
     built.unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// The default: two pairs per body, ESDIRK4.
+/// The wing with default settings: two pairs per body, ESDIRK4.
 pub fn default_wing(tolerance: f64) -> Machine {
     wing(ElementKind::Linear, 2, Method::Esdirk4, tolerance)
 }
@@ -133,7 +133,7 @@ pub fn run(
     }
 }
 
-/// Goes on to `end_s` with constant inputs.
+/// Continues to `end_s` with constant inputs.
 pub fn coast(plant: &mut Plant, end_s: f64) {
     plant.step(end_s).unwrap_or_else(|error| panic!("{error}"));
 }

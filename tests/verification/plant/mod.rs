@@ -1,4 +1,4 @@
-//! The whole plant against references, identities and properties; no FMI.
+//! The whole plant against references, identities and properties, without FMI.
 //!
 //! Cases are numbered P-xx. Machines are in `machines`, reference files in `tests/reference`.
 

@@ -1,4 +1,4 @@
-//! A root that moves: against gravity, against a turned model, against the same motion made by a joint.
+//! A moving root: against gravity, against a rotated model, against the same motion imposed by a joint.
 
 use crate::plant::machines::*;
 use foldwing::load::Wrench;
@@ -7,9 +7,9 @@ use foldwing::math::so3::rotation_about;
 use foldwing::plant::{Outputs, Plant};
 use nalgebra::{Matrix3, Unit, Vector3};
 
-/// P-30. A root that accelerates by `a` is gravity less by `a`: same bits, because only `g − a` enters.
+/// P-30. A root acceleration `a` is equivalent to gravity minus `a`, bit-identical, because only `g − a` enters.
 ///
-/// The values are dyadic, so `g − a` is exact. Inertial accelerations of the tip differ by `a` itself.
+/// The values are dyadic, so `g − a` is exact. Inertial accelerations of the tip differ by exactly `a`.
 #[test]
 fn p30_root_acceleration_is_changed_gravity() {
     let acceleration = Vector3::new(1.5, -2.0, 0.25);
@@ -46,9 +46,9 @@ fn skew_wing(tolerance: f64) -> Machine {
     machine
 }
 
-/// P-31. Turning the whole machine with all that acts on it turns the answer and leaves angles and strains.
+/// P-31. Rotating the whole machine and everything that acts on it rotates the results and does not change angles and strains.
 ///
-/// Exact but for round-off, which the motion and the choice of steps grow to 1e-9 in 0.1 s.
+/// Exact apart from round-off, which the motion and the choice of steps amplify to 1e-9 in 0.1 s.
 #[test]
 fn p31_turning_the_model_turns_the_answer() {
     let turn = rotation_about(&Vector3::new(1.0, -2.0, 0.5).normalize(), 2.1);
@@ -91,7 +91,7 @@ fn spin_axis() -> Unit<Vector3<f64>> {
     Unit::new_normalize(Vector3::new(0.3, -0.5, 1.0))
 }
 
-/// The same machine in a root that spins (first) and on a joint that turns by `law` (second).
+/// The same machine on a spinning root (first) and on a rotating joint whose angle is the polynomial `law` (second).
 fn spinning_pair(law: Vec<f64>) -> (Plant, Plant) {
     let mut on_root = skew_wing(1e-8);
     on_root.gravity_m_s2 = spin_axis().into_inner() * -4.0;
@@ -102,8 +102,8 @@ fn spinning_pair(law: Vec<f64>) -> (Plant, Plant) {
     (start(on_root), start(on_joint))
 }
 
-/// Misses of tip (m), velocity (m/s), inertial acceleration (m/s²), root force (N) and root moment (N·m) between the
-/// frames, which are turned by `angle_rad` and turn at `rate_rad_s`; and of the fold angle (rad).
+/// Differences of tip position (m), velocity (m/s), inertial acceleration (m/s²), root force (N) and root moment (N·m) between the frames,
+/// the second of which is rotated by `angle_rad` and rotates at `rate_rad_s`; and of the fold angle (rad).
 fn misses(on_root: &Outputs, on_joint: &Outputs, angle_rad: f64, rate_rad_s: f64) -> [f64; 6] {
     let turn = rotation_about(&spin_axis(), angle_rad);
     let (a, b) = (&on_root.tips()[0], &on_joint.tips()[0]);
@@ -119,8 +119,8 @@ fn misses(on_root: &Outputs, on_joint: &Outputs, angle_rad: f64, rate_rad_s: f64
     ]
 }
 
-/// P-32. A root at constant spin gives what a joint at constant rate gives: centrifugal and Coriolis terms against
-/// the engine's ordinary inertia, which knows no such terms. Both runs have the tolerance's own error.
+/// P-32. A root at constant spin gives the same motion as a joint at constant rate: centrifugal and Coriolis terms against the engine's
+/// ordinary inertia, which has no such terms. Both runs have the error of the tolerance.
 #[test]
 fn p32_constant_spin_equals_a_turning_joint() {
     let (mut on_root, mut on_joint) = spinning_pair(vec![0.0, 6.0]);
@@ -135,10 +135,10 @@ fn p32_constant_spin_equals_a_turning_joint() {
     }
 }
 
-/// P-33. A root that spins up gives what a joint with `½ a t²` gives: the Euler term.
+/// P-33. A root with increasing spin gives the same motion as a joint with `½ a t²`: the Euler term.
 ///
-/// The root's rate is an input and held, at its middle value, during each communication step: the miss must fall with
-/// the square of the step, down to the integrator's own.
+/// The root's rate is an input, held at its mean value during each communication step: the difference must fall with the square of the
+/// step, down to the integrator's error.
 #[test]
 fn p33_spinning_up_equals_an_accelerating_joint() {
     const ACCELERATION_RAD_S2: f64 = 80.0;

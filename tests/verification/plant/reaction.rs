@@ -6,9 +6,9 @@ use foldwing::machine::{AttachedMass, ElementKind, Machine, Method};
 use foldwing::plant::{Inputs, Outputs};
 use nalgebra::{Matrix3, Vector3};
 
-/// P-60. Reaction of a wing at rest to its weight: force `m g`, moment `Σ r × m g`, offset mass included.
+/// P-60. Reaction of a wing in equilibrium to its weight: force `m g`, moment `Σ r × m g`, offset mass included.
 ///
-/// 1000 × stiff: deflections of 1e-6 of the length remain. The motion decays at 60/s: e⁻⁶⁰ at 2 s.
+/// 1e4 times as stiff: deflections of 1e-6 of the length remain. The motion decays at 30 1/s: e⁻⁶⁰ at 2 s.
 #[test]
 fn p60_reaction_of_a_wing_at_rest_is_its_weight() {
     let mut section = wing_section();
@@ -50,8 +50,8 @@ fn observed_wing(pairs: usize) -> Machine {
     machine
 }
 
-/// First moment of mass (kg·m), momentum (kg·m/s) and angular momentum about the origin (kg·m²/s) of the velocities
-/// relative to the root frame plus a spin, by quadrature over the stations.
+/// First moment of mass (kg·m), momentum (kg·m/s) and angular momentum about the origin (kg·m²/s), for the velocities relative to the root
+/// frame plus a spin, by quadrature over the stations.
 struct Momentum {
     first_moment: Vector3<f64>,
     linear: Vector3<f64>,
@@ -80,7 +80,7 @@ fn momentum(machine: &Machine, outputs: &Outputs, own: f64, spin: Vector3<f64>) 
         let turning = point.angular_velocity_rad_s * own + spin;
         rotary += rotation * inertia * rotation.transpose() * turning * length_m;
     }
-    // the actuator at the end of the inner body: its place and velocity by extrapolation of the last three stations
+    // the actuator at the end of the inner body: its position and velocity by extrapolation from the last three stations
     let last: [usize; 3] = std::array::from_fn(|k| stations_per_body - 3 + k);
     let weights = [0, 1, 2].map(|k| {
         (0..3).filter(|&j| j != k).map(|j| (1.0 - GAUSS_3[j].0) / (GAUSS_3[k].0 - GAUSS_3[j].0)).product::<f64>()
@@ -94,7 +94,7 @@ fn momentum(machine: &Machine, outputs: &Outputs, own: f64, spin: Vector3<f64>) 
     sum
 }
 
-/// Force and moment that loads at the stations put on the wing, about the origin, root frame.
+/// Force and moment about the origin, in the root frame, of the loads at the stations of the wing.
 fn loads(outputs: &Outputs, inputs: &Inputs) -> Wrench {
     let inner = outputs.stations().len() / 2;
     let mut sum = Wrench::default();
@@ -106,12 +106,12 @@ fn loads(outputs: &Outputs, inputs: &Inputs) -> Wrench {
     sum
 }
 
-/// P-61. `root = weight + loads − rate of momentum`, force and moment, in a root that accelerates and turns.
+/// P-61. `root = weight + loads − rate of momentum`, force and moment, on a root that accelerates and rotates.
 ///
-/// Momentum by quadrature over stations, its rate by central differences of 2e-5 s: nothing of the engine's inertia is
-/// used. What is left falls with the mesh: kinematics between nodes is the elements' own on one side and ANCF on the
-/// other. At tolerance 1e-9, where the rate of what lies between the steps' ends is exact enough. 1e-4 of the largest inertia force with 8 pairs, a fifth of what it is with 4. Damping by stiffness is internal and
-/// only calms modes that differences over 2e-5 s cannot follow.
+/// Momentum by quadrature over stations, its rate by central differences of 2e-5 s: the engine's inertia is not used. The difference falls
+/// with mesh refinement: kinematics between nodes follow the strain field here and ANCF shape functions in the inertia. The tolerance of
+/// 1e-9 makes rates between the ends of steps accurate enough. Limit: 1e-4 of the largest inertia force with 8 pairs, and a fifth of the
+/// error of 4 pairs. Stiffness-proportional damping is internal and only damps modes that differences over 2e-5 s do not resolve.
 #[test]
 fn p61_reaction_balances_momentum() {
     let errors = [2, 4, 8].map(|pairs| {

@@ -5,7 +5,7 @@ use foldwing::machine::{ElementKind, Method, Revolute, Solver};
 use foldwing::plant::{OutputSet, Outputs, Plant};
 use nalgebra::Vector3;
 
-/// Every group on its own.
+/// Each group of outputs separately.
 const GROUPS: [OutputSet; 16] = [
     OutputSet::JOINTS,
     OutputSet::ACCOUNTS,
@@ -25,7 +25,7 @@ const GROUPS: [OutputSet; 16] = [
     OutputSet::SECTION_LOADS,
 ];
 
-/// Shipped models with every kind of joint, closed loops and air.
+/// Shipped models with every kind of joint, closed loops and aerodynamics.
 const MODELS: [&str; 6] =
     ["folding_wing", "folding_wing_constant", "double_pendulum", "flying_wing", "four_bar", "goland_wing"];
 
@@ -35,8 +35,8 @@ fn shipped(name: &str) -> Plant {
     start(foldwing::config::parse(&text, &path).expect("a valid model"))
 }
 
-/// P-100. Outputs found group by group, in any order, are those found all at once, to the bit; steps whose outputs nobody
-/// reads, or of which one value is read, lead to the same states.
+/// P-100. Outputs computed group by group, in any order, are bit-identical to those computed all at once; steps after which no outputs or
+/// only one value is read lead to the same states.
 #[test]
 fn p100_outputs_do_not_depend_on_what_is_read() {
     for name in MODELS {
@@ -64,11 +64,11 @@ fn p100_outputs_do_not_depend_on_what_is_read() {
     }
 }
 
-/// P-101. A quaternion keeps its sign where a joint makes whole turns within internal steps: neighbouring communication
-/// points differ by little.
+/// P-101. A quaternion keeps its sign if a joint makes whole revolutions within internal steps: values at neighbouring communication points
+/// differ little.
 ///
-/// A free joint turns at 300 rad/s; internal steps of up to 0.1 s are 30 rad, communication steps 0.03 rad. The
-/// bound is twice the change of half the angle.
+/// A free joint rotates at 300 rad/s; internal steps of up to 0.1 s correspond to 30 rad, communication steps to 0.03 rad. The bound is
+/// twice the change of half the angle.
 #[test]
 fn p101_signs_follow_turns_within_an_internal_step() {
     let hinge = Revolute { start_rate_rad_s: 300.0, ..free_hinge(0.0) };

@@ -1,4 +1,4 @@
-//! Real-time mode: bounded work in every step, and nothing else changed.
+//! Real-time mode: bounded work in every step, and otherwise unchanged results.
 
 use crate::plant::chains::chain;
 use crate::plant::machines;
@@ -13,7 +13,7 @@ const MOST: usize = 4;
 /// Stages of the method.
 const STAGES: u64 = 2;
 
-/// The deployment with 15 constant elements per body and fixed steps; in real time where iterations are bounded.
+/// The deployment with 15 constant elements per body and fixed steps; in real-time mode if iterations are bounded.
 fn wing(step_s: f64, most_iterations: Option<usize>) -> Machine {
     let mut machine = machines::wing(ElementKind::Constant, 15, Method::Sdirk2, 1e-4);
     machine.solver.fixed_step_s = Some(step_s);
@@ -21,7 +21,7 @@ fn wing(step_s: f64, most_iterations: Option<usize>) -> Machine {
     with_stations(machine)
 }
 
-/// Three load stations on each body, as the load of a turbulent wind needs them.
+/// Three load stations on each body, as required for the load of a turbulent wind.
 fn with_stations(mut machine: Machine) -> Machine {
     for body in &mut machine.bodies {
         body.station_positions_m = vec![0.05, 0.1, 0.15];
@@ -35,7 +35,7 @@ fn started(machine: Machine) -> Plant {
     plant
 }
 
-/// The same with the default method.
+/// The deployment with the default method.
 fn accurate(tolerance: f64) -> Machine {
     with_stations(machines::wing(ElementKind::Constant, 15, Method::Esdirk4, tolerance))
 }
@@ -53,10 +53,10 @@ fn deployed(machine: Machine) -> (Vec<[f64; 2]>, f64, Plant) {
     (course, latch_time_s, plant)
 }
 
-/// P-110. Where nothing is cut short, real-time mode follows the ordinary mode with the same method and fixed step: both
-/// solve the same equations, so what differs is what Newton's iteration leaves, at most 1e-8 of the wing's length in a
-/// stage, and the latch time, which two trials locate instead of forty. Allowed is the sum of that over 2000 steps, in rad
-/// and m; a latch time moves by that over the rate of some 10 rad/s. At longer steps the ordinary mode cuts the first one.
+/// P-110. If no iteration is truncated, real-time mode follows the ordinary mode with the same method and fixed step: both solve the same
+/// equations, so they differ only by the residual of Newton's iteration, at most 1e-8 of the wing's length in a stage, and by the latch
+/// time, which is located by two trials instead of forty. The allowed difference is the sum of this over 2000 steps, in rad and m; for the
+/// latch time it is divided by the rate of about 10 rad/s. With longer steps the ordinary mode shortens the first one.
 #[test]
 fn p110_nothing_cut_short_changes_nothing() {
     let (real_time, real_time_latch_s, plant) = deployed(wing(1e-4, Some(10)));
@@ -74,9 +74,9 @@ fn p110_nothing_cut_short_changes_nothing() {
     assert!(ordinary_latch_s > 0.1 && (real_time_latch_s - ordinary_latch_s).abs() < 2e-6);
 }
 
-/// P-111. The deployment at steps of 1 ms, released with a jump that the wing's stiff modes feel a thousand times in one
-/// step: latch time within 0.1 % of the shipped solver's at 1e-6, fold angle within 0.01 rad of it until the latch
-/// closes. The error of the method itself: it falls with the square of the step, P-112.
+/// P-111. The deployment at steps of 1 ms, with an abrupt release that excites modes a thousand times faster than the step: latch time
+/// within 0.1 % of that of the shipped solver at 1e-6, fold angle within 0.01 rad until the latch closes. This is the discretisation error
+/// of the method, P-112.
 #[test]
 fn p111_the_deployment_at_a_millisecond() {
     let (real_time, latch_s, plant) = deployed(wing(STEP_S, Some(MOST)));
@@ -92,9 +92,9 @@ fn p111_the_deployment_at_a_millisecond() {
     assert_eq!(plant.statistics().rejections + plant.statistics().failures, 0);
 }
 
-/// P-112. The fold angle at 0.1 s, before the latch, converges with the step: from 1 to ⅛ ms its error falls by at least
-/// five. Not with the square, and below 3e-5 rad not any more: the abrupt release rings in modes that only steps of
-/// microseconds resolve; what is not resolved is damped. The order of the method where all modes are resolved: P-12.
+/// P-112. The fold angle at 0.1 s, before the latch, converges with the step: from 1 to ⅛ ms its error falls by at least a factor of five,
+/// but not with the square of the step, and not below 3e-5 rad: the abrupt release excites modes that only steps of microseconds resolve;
+/// unresolved modes are damped. For the order of the method with all modes resolved see P-12.
 #[test]
 fn p112_the_angle_converges_with_the_step() {
     let angle = |machine: Machine| {
@@ -108,7 +108,7 @@ fn p112_the_angle_converges_with_the_step() {
     assert!(errors[3] < errors[0] / 5.0);
 }
 
-/// Shakes all stations with `force_n` of changing sign; a step's outcome.
+/// Applies `force_n` of alternating sign at all stations, steps, and returns the result of the step.
 fn shake(plant: &mut Plant, step: u32, force_n: f64) -> Result<(), PlantError> {
     for (place, station) in plant.inputs_mut().stations_mut().iter_mut().enumerate() {
         station.force_n.z = if (step as usize + place).is_multiple_of(2) { force_n } else { -force_n };
@@ -116,9 +116,8 @@ fn shake(plant: &mut Plant, step: u32, force_n: f64) -> Result<(), PlantError> {
     plant.step(f64::from(step) * STEP_S)
 }
 
-/// P-113. Under an absurd load, of tens of times the weight, stages stay unconverged and are counted, and no step
-/// costs more than its stages times the bound: once, and three times more for each latch that closes (two trials and
-/// the rest of the step). Nothing is repeated.
+/// P-113. Under an extreme load of tens of times the weight, stages do not converge and are counted, and no step costs more than its number
+/// of stages times the bound, plus three times that for each latch that closes (two trials and the rest of the step). Nothing is repeated.
 #[test]
 fn p113_work_is_bounded_under_an_absurd_load() {
     let mut plant = started(wing(STEP_S, Some(MOST)));
@@ -146,7 +145,7 @@ fn p114_what_is_not_finite_is_an_error() {
     assert!(plant.time_s() < 0.2 && plant.outputs().tips()[0].position_m.norm().is_finite());
 }
 
-/// P-115. A restored state repeats unconverged steps bit for bit.
+/// P-115. Steps with unconverged stages are bit-identical when repeated from a restored state.
 #[test]
 fn p115_unconverged_steps_repeat() {
     let mut plant = started(wing(STEP_S, Some(2)));
@@ -163,8 +162,9 @@ fn p115_unconverged_steps_repeat() {
     assert!(first.1.unconverged > 0, "{:?}", first.1);
 }
 
-/// P-118. Forty violent chains of folds at steps of 1 ms: each continues with plausible angles or stops with an error that names real time;
-/// none continues with angles beyond those that its torques can cause. Before there was no guard, and angles grew to 5e14 rad.
+/// P-118. Forty chains of folds in violent motion at steps of 1 ms: each continues with plausible angles or stops with an error that
+/// mentions real-time mode; none continues with angles beyond those that its torques can cause. Without this check, angles used to grow to
+/// 5e14 rad.
 #[test]
 fn p118_a_motion_that_is_lost_is_an_error() {
     let (mut ended, mut lost) = (0, 0);
@@ -190,8 +190,8 @@ fn p118_a_motion_that_is_lost_is_an_error() {
     assert!(ended > 0 && lost > 0);
 }
 
-/// P-116. A gust-like load on the latched wing: the tip follows the ordinary mode at 1e-6 within 2 % of the motion's
-/// range (the step resolves the first modes, not the wing's stiff ones).
+/// P-116. A gust-like load on the latched wing: the tip follows the ordinary mode at 1e-6 within 2 % of the motion's range (the step
+/// resolves the first modes, but not the stiff ones).
 #[test]
 fn p116_turbulence_on_the_latched_wing() {
     let shaken = |machine: Machine| {

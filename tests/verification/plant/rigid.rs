@@ -9,10 +9,10 @@ use std::sync::Arc;
 
 const LENGTH_M: f64 = 1.8;
 
-/// Steel rods of 3.12 kg/m on free hinges, from the start angles given, falling in the `x`–`z` plane.
+/// Steel rods of 3.12 kg/m on free hinges, falling from the given start angles in the `x`–`z` plane.
 ///
-/// The references are called "no_rot" but do carry the rotary inertia of a 20 mm square: their period of 2.595204 s
-/// is that of `L²/3 + h²/12`, not 2.595164 s of `L²/3`.
+/// The references are called "no_rot" but include the rotary inertia of a 20 mm square section: their period of 2.595204 s is
+/// that of `L²/3 + h²/12`, not 2.595164 s of `L²/3`.
 fn rods(angles_rad: &[f64], kind: ElementKind, count: usize, stiffness_factor: f64) -> Plant {
     let material = Material { youngs_modulus_pa: 2e11, shear_modulus_pa: 8e10, density_kg_m3: 7800.0 };
     let section = Section::rectangle(0.02, 0.02, &material, None);
@@ -30,7 +30,7 @@ fn rods(angles_rad: &[f64], kind: ElementKind, count: usize, stiffness_factor: f
     plant
 }
 
-/// Largest miss of the free end in m over the times of a reference `{time: [angles…, x, y]}` up to `end_s`.
+/// Largest error of the free end's position in m over the times of a reference `{time: [angles…, x, y]}` up to `end_s`.
 pub fn worst_miss_m(mut plant: Plant, reference: &serde_json::Value, end_s: f64) -> f64 {
     let rows = reference.as_object().expect("times");
     let mut times: Vec<(f64, Vec<f64>)> = rows
@@ -52,9 +52,9 @@ pub fn worst_miss_m(mut plant: Plant, reference: &serde_json::Value, end_s: f64)
     worst_m
 }
 
-/// P-65. A single rod against the rigid pendulum, 0–2 s (`dyn.rigid_limits`, closed to 1e-12 there).
+/// P-65. A single rod against the rigid pendulum, 0–2 s (`dyn.rigid_limits`, itself accurate to 1e-12).
 ///
-/// Remaining errors: elasticity, `ρA g L³/(6 EI)` = 1.1e-6 rad at EI = 2.7e7 N·m², and the tolerance of 1e-8 per step over some 1e3 steps.
+/// Remaining errors: elasticity, `ρA g L³/(6 EI)` = 1.1e-6 rad at EI = 2.7e7 N·m², and the tolerance of 1e-8 per step over about 1e3 steps.
 /// Limit 1e-5 m.
 #[test]
 fn p65_stiff_rod_is_the_rigid_pendulum() {
@@ -66,8 +66,8 @@ fn p65_stiff_rod_is_the_rigid_pendulum() {
     }
 }
 
-/// P-64. The rod released from the horizontal stands upright below its hinge after a quarter and three quarters of the
-/// period of the reference. It passes at 7.3 m/s, so the limit of P-65, 1e-5 m, holds the period to 1e-6.
+/// P-64. The rod released from the horizontal is vertically below its hinge after a quarter and three quarters of the period of the
+/// reference. It passes there at 7.3 m/s, so the limit of P-65, 1e-5 m, checks the period to 1e-6.
 #[test]
 fn p64_stiff_rod_swings_in_the_period_of_the_rigid_one() {
     let period_s = expected("dyn.rigid_limits")["period_L1.8"].as_f64().expect("a number");
@@ -81,8 +81,8 @@ fn p64_stiff_rod_swings_in_the_period_of_the_rigid_one() {
     }
 }
 
-/// P-67. The rigid limit is reached at first order in the compliance: ten times the stiffness, a tenth of the error. The rod vibrates after
-/// its release, so the ratio of two maximum errors holds to a third.
+/// P-67. The rigid limit is approached with first order in the compliance: ten times the stiffness, a tenth of the error. The rod vibrates
+/// after its release, so the ratio of two maximum errors is accurate to a third.
 #[test]
 fn p67_miss_falls_with_the_compliance() {
     let limits = expected("dyn.rigid_limits");
@@ -98,8 +98,8 @@ fn p67_miss_falls_with_the_compliance() {
 
 /// P-66. Two rods from the horizontal, and the outer one hanging, against rigid double pendulums to 1.5 s.
 ///
-/// Up to there the motion amplifies the elastic deviation of P-65 by some ten; beyond, the case is chaotic, also in the reference. Limit
-/// 1e-4 m.
+/// Up to this time the motion amplifies the elastic deviation of P-65 about tenfold; later the motion is chaotic, also in the reference.
+/// Limit 1e-4 m.
 #[test]
 fn p66_stiff_rods_are_the_rigid_double_pendulum() {
     let limits = expected("dyn.rigid_limits");

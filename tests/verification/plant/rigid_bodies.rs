@@ -1,4 +1,4 @@
-//! Bodies without elements, offsets, frames: rigid pendulums, a gyroscope, what hangs aside of its place.
+//! Bodies without elements, offsets, frames: rigid pendulums, a gyroscope, joints at an offset from their body.
 
 use crate::plant::machines::*;
 use crate::plant::rigid::worst_miss_m;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 const LENGTH_M: f64 = 1.8;
 const GRAVITY_M_S2: f64 = 9.8;
 
-/// A rigid rod along `x` with the inertia of the steel rods of P-65: 3.12 kg/m, a square of 20 mm.
+/// A rigid rod along `x` with the inertia of the steel rods of P-65: 3.12 kg/m, a square section of 20 mm.
 fn rod(name: &str) -> BodyBuilder {
     let mass_kg = 3.12 * LENGTH_M;
     let (along, across) = (0.02f64.powi(2) / 6.0, (LENGTH_M.powi(2) + 0.02f64.powi(2)) / 12.0);
@@ -21,7 +21,7 @@ fn rod(name: &str) -> BodyBuilder {
     Body::rigid(name).inertia(mass_kg, [0.5 * LENGTH_M, 0.0, 0.0], inertia)
 }
 
-/// Rigid rods in a row on free hinges at their ends, and a frame at the last one's end.
+/// Rigid rods in a row on free hinges at their ends, and a frame at the end of the last one.
 fn rods(angles_rad: &[f64]) -> Plant {
     let mut parts = Vec::new();
     for (index, angle_rad) in angles_rad.iter().enumerate() {
@@ -40,8 +40,8 @@ fn rods(angles_rad: &[f64]) -> Plant {
     start(machine)
 }
 
-/// RB-01. Rigid rods against the rigid pendulum and double pendulums to which P-65 and P-66 bring elastic rods. The tolerance
-/// of 1e-9 over some 1e3 steps of a motion that amplifies by ten.
+/// RB-01. Rigid rods against the rigid pendulum and double pendulums, to which P-65 and P-66 compare elastic rods. Tolerance of 1e-9 over
+/// about 1e3 steps of a motion that amplifies errors tenfold.
 #[test]
 fn rb01_rigid_links_are_the_rigid_pendulums() {
     let limits = expected("dyn.rigid_limits");
@@ -56,8 +56,8 @@ fn rb01_rigid_links_are_the_rigid_pendulums() {
     }
 }
 
-/// RB-02. A gyroscope: a disc whose axis lies level on a ball joint precesses steadily at `Ω = m g l/(I ω)` where it starts
-/// so, and its axis stays level; the joint carries its weight. The tolerance of 1e-8 per step over 16 turns.
+/// RB-02. A gyroscope: a disc with a horizontal axis on a ball joint precesses steadily at `Ω = m g l/(I ω)` if it starts at this rate, and
+/// its axis stays horizontal; the joint carries its weight. The tolerance of 1e-8 per step over 16 revolutions.
 #[test]
 fn rb02_a_gyroscope_precesses() {
     let (mass_kg, arm_m, axial, spin_rad_s) = (2.0, 0.15, 0.01, 200.0);
@@ -75,14 +75,14 @@ fn rb02_a_gyroscope_precesses() {
     let turned = Vector3::new((rate_rad_s * 0.5).cos(), (rate_rad_s * 0.5).sin(), 0.0);
     let miss = (axis - turned).norm();
     let force_n = plant.outputs().joint_reactions()[0].force_n;
-    // the centre of mass goes round at Ω
+    // the centre of mass moves on a circle at the rate Ω
     let expected_n = mass_kg * (Vector3::z() * GRAVITY_M_S2 - turned * (arm_m * rate_rad_s.powi(2)));
     let drift = (balance_j(plant.outputs()) - before_j).abs() / plant.outputs().energy().kinetic;
     println!("RB-02 axis off by {miss:.1e}, force by {:.1e}, drift {drift:.1e}", (force_n - expected_n).norm());
     assert!(miss < 1e-5 && (force_n - expected_n).norm() < 1e-3 * expected_n.norm() && drift < 1e-5);
 }
 
-/// A wing on a fuselage that the root holds, with loads of its own.
+/// A wing on a fuselage fixed to the root, with loads on the wing.
 fn wing_on(fuselage: Option<BodyBuilder>, roots: [JointBuilder; 2]) -> Machine {
     let material = Material { youngs_modulus_pa: 2.83e9, shear_modulus_pa: 1e9, density_kg_m3: 1425.0 };
     let section = Section::rectangle(0.05, 0.002, &material, Some(0.18));
@@ -101,9 +101,9 @@ fn wing_on(fuselage: Option<BodyBuilder>, roots: [JointBuilder; 2]) -> Machine {
     machine
 }
 
-/// RB-03. Wings on offset and turned roots of a rigid fuselage that is held move as on the root at those places: the arm
-/// adds round-off alone, and the fuselage its weight on the root. Both runs choose their own steps at a tolerance of 1e-9, which
-/// leaves 1e-9 m of the tips, and of the force through the axial stiffness 1e-3 N.
+/// RB-03. Wings with offset and rotated roots on a fixed rigid fuselage move as if attached to the root at those positions: the lever arm
+/// adds only round-off, and the root force includes the weight of the fuselage. The two runs choose different steps at a tolerance of 1e-9,
+/// which leaves errors of 1e-9 m at the tips and, through the axial stiffness, of 1e-3 N in the force.
 #[test]
 fn rb03_offset_roots_are_places_on_the_root() {
     let arms = [Vector3::new(0.02, 0.03, -0.01), Vector3::new(-0.04, 0.01, 0.02)];
@@ -121,7 +121,7 @@ fn rb03_offset_roots_are_places_on_the_root() {
     });
     let tips = |outputs: &Outputs| outputs.tips().iter().map(|tip| tip.position_m).collect::<Vec<_>>();
     let [hung, placed] = [0, 1].map(|run| tips(&runs[run]));
-    // wings are the last free ends of both
+    // the wings are the last free ends in both
     let pairs = hung.iter().rev().zip(placed.iter().rev());
     let apart_m = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     let weight_n: Vector3<f64> = runs[0].root().force_n - runs[1].root().force_n - 0.3 * Vector3::new(-9.8, 0.0, 1.0);
@@ -129,7 +129,7 @@ fn rb03_offset_roots_are_places_on_the_root() {
     assert!(runs[0].latches()[0].closed.is_on() && apart_m < 1e-8 && weight_n.norm() < 2e-3);
 }
 
-/// RB-04. A rigid pendulum in equilibrium hangs, oscillates at `√(m g l/(I + m l²))`, also in its linear model.
+/// RB-04. A rigid pendulum hangs down in equilibrium and oscillates at `√(m g l/(I + m l²))`, also in its linear model.
 #[test]
 fn rb04_statics_and_modes_know_rigid_bodies() {
     let mut plant = rods(&[1.2]);
@@ -145,8 +145,8 @@ fn rb04_statics_and_modes_know_rigid_bodies() {
     assert_eq!(plant.study().second_order().expect("a linear model").mass.nrows(), 1);
 }
 
-/// RB-05. A machine of rigid bodies and beams written as a file and in code is one machine: frames, offsets, inertia; and
-/// one tumbling in free flight keeps its energy and its momentum, whose rate is the weight.
+/// RB-05. A machine of rigid bodies and beams from a file and the same machine built in code are identical: frames, offsets, inertia; a
+/// machine tumbling in free flight conserves its energy, and the rate of its momentum is the weight.
 #[test]
 fn rb05_file_and_code_say_the_same() {
     let text = include_str!("rigid_bodies.toml");
@@ -185,7 +185,7 @@ fn rb05_file_and_code_say_the_same() {
     assert!(drift < 1e-6 && plant.outputs().root().force_n.norm() < 1e-9, "drift {drift:.1e}");
 }
 
-/// RB-06. What a rigid body cannot do is refused by place, value and cure.
+/// RB-06. Unsupported keys of a rigid body are rejected with location, value and remedy.
 #[test]
 fn rb06_refusals() {
     let text = include_str!("rigid_bodies.toml");
@@ -216,8 +216,8 @@ fn rb06_refusals() {
     assert!(gauge.expect_err("refused").to_string().contains("a flexible body"));
 }
 
-/// RB-07. The aircraft of the examples, whose fuselage is a rigid body, moves as the one whose fuselage was a mass on a wing
-/// root, through a gust; with the wings' roots aside of its origin and turned it keeps its energy account.
+/// RB-07. The aircraft of the examples, whose fuselage is a rigid body, moves through a gust like the one whose fuselage was a point mass
+/// on a wing root; with the wings' roots offset from its origin and rotated, its energy balance closes.
 #[test]
 fn rb07_an_aircraft_with_a_rigid_fuselage() {
     let old = include_str!("aircraft_without_fuselage.toml");
@@ -248,8 +248,8 @@ fn rb07_an_aircraft_with_a_rigid_fuselage() {
     assert!(aside.2 < 1e-7 && (aside.0[0] - now.0[0]).norm() > 1e-3, "drift {:.1e}", aside.2);
 }
 
-/// RB-08. Where a machine with rigid bodies has no accelerations the message names the joint: a point mass on its hinge's axis
-/// gives no inertia to turn.
+/// RB-08. If the accelerations of a machine with rigid bodies are not defined, the message names the joint: a point mass on the axis of its
+/// hinge has no inertia about that axis.
 #[test]
 fn rb08_failures_are_placed_among_rigid_bodies() {
     let stone = |name: &str, at_m: f64| Body::rigid(name).inertia(1.0, [at_m, 0.0, 0.0], Matrix3::zeros());
@@ -260,8 +260,8 @@ fn rb08_failures_are_placed_among_rigid_bodies() {
     assert!(error.contains("joint wrist"), "{error}");
 }
 
-/// RB-11. A modal body, whose mass lies on its axis, has no inertia about that axis except round-off, of either sign: the joint that lets
-/// it rotate there is named, not a body further inboard whose factors the round-off affects. A mass beside the axis is the remedy.
+/// RB-11. A modal body, whose mass lies on its axis, has no inertia about that axis except round-off, of either sign: the error names the
+/// joint that permits this rotation, not a body further inboard whose factors the round-off affects. The remedy is a mass off the axis.
 #[test]
 fn rb11_a_body_without_inertia_about_its_axis_is_named() {
     let text = |joint: &str, mount: &str, more: &str| {
@@ -283,14 +283,14 @@ fn rb11_a_body_without_inertia_about_its_axis_is_named() {
         plant.initialize(0.0).map_err(|error| error.to_string())
     };
     let along = "type = 'revolute'\naxis = [1.0, 0.0, 0.0]";
-    // about the blade's axis and one across it: the second axis of the first line, the first one of the second
+    // about the blade's axis and one normal to it: the second axis in the first line, the first axis in the second
     let universals = [
         "type = 'universal'\naxis = [0.0, 1.0, 0.0]\nbody_axis = [1.0, 0.0, 0.0]",
         "type = 'universal'\naxis = [1.0, 0.0, 0.0]\nbody_axis = [0.0, 1.0, 0.0]",
     ];
     for (joint, mount) in [
         ("type = 'ball'", "[0.0, 0.0, 0.0]"),
-        // attitudes at which round-off was an inertia, and the arm was blamed
+        // attitudes at which the round-off acted as an inertia, so that the error named the arm
         ("type = 'ball'", "[18.0, 35.0, -49.0]"),
         ("type = 'ball'", "[31.0, -60.0, -7.0]"),
         (along, "[0.0, 0.0, 0.0]"),
@@ -301,7 +301,7 @@ fn rb11_a_body_without_inertia_about_its_axis_is_named() {
         ("type = 'free'", "[31.0, -60.0, -7.0]"),
     ] {
         let bare = text(joint, mount, "");
-        // a body that flies has no body further inboard
+        // a free-flying body has no body further inboard
         let (bare, carrier) = match joint {
             "type = 'free'" => (bare.replace("parent = 'arm'", "parent = 'root'"), "root"),
             _ => (bare, "arm"),
@@ -315,7 +315,7 @@ fn rb11_a_body_without_inertia_about_its_axis_is_named() {
         let remedied = text(joint, mount, mass).replace("parent = 'arm'", &format!("parent = '{carrier}'"));
         started(&remedied).unwrap_or_else(|error| panic!("{joint} {mount}: {error}"));
     }
-    // a slide lets nothing rotate: the blade's mass is its inertia along any axis
+    // a prismatic joint permits no rotation: the blade's mass is its inertia along any axis
     let slide = "type = 'prismatic'\naxis = [1.0, 0.0, 0.0]";
     started(&text(slide, "[0.0, 0.0, 0.0]", "")).unwrap_or_else(|error| panic!("{error}"));
 }

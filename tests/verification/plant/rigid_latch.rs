@@ -1,4 +1,4 @@
-//! Runs through the closing of rigid latches, eq. (A7): methods, limits, loops, air, chains, states of rest.
+//! Runs through the closing of rigid latches, eq. (A7): methods, limits, loops, aerodynamics, chains, equilibria.
 
 use crate::plant::chains::chain;
 use crate::plant::corners::{add_rod, rod};
@@ -32,8 +32,8 @@ fn only(plant: &Plant) -> JointOutputs {
     plant.outputs().joints()[0]
 }
 
-/// RL-10. The wing latches where the elastic one does, to the 1e-10 s of a located crossing, with every method, in
-/// variable, fixed and real-time steps; from then on the angle is the same to the bit, in the window.
+/// RL-10. The wing latches at the same time as with the elastic latch, to the 1e-10 s of a located crossing, with every method, in
+/// variable, fixed and real-time steps; from then on the angle is constant to the last bit, within the window.
 #[test]
 fn rl10_every_method_holds_the_angle_to_the_bit() {
     for (method, step_s, most_iterations) in METHODS.map(|method| (method, None, None)).into_iter().chain([
@@ -82,7 +82,7 @@ fn rl10_every_method_holds_the_angle_to_the_bit() {
         assert!(latch.closed.is_on() && latch.count.get() == 1);
         assert!((latch.time_s - elastic_s).abs() < 2e-10, "{} s, elastic {elastic_s} s", latch.time_s);
         let outside_rad = joint.angle_rad.abs() - DEFAULT_CAPTURE_RAD;
-        // real time takes two steps to locate the crossing
+        // real-time mode takes two steps to locate the crossing
         assert!(
             outside_rad <= if most_iterations.is_some() { 1e-4 } else { 0.0 },
             "{outside_rad:.1e} rad off the window"
@@ -91,7 +91,7 @@ fn rl10_every_method_holds_the_angle_to_the_bit() {
     }
 }
 
-/// RL-11. Outputs 30 ms after the closing converge with the tolerance; the energy account closes with it.
+/// RL-11. Outputs 30 ms after the closing, and the energy balance, converge with the tolerance.
 #[test]
 fn rl11_outputs_converge_with_the_tolerance() {
     let outputs = |tolerance: f64| {
@@ -120,9 +120,9 @@ fn rl11_outputs_converge_with_the_tolerance() {
     assert!(last[..3].iter().all(|error| *error < 1e-4), "{last:?} at 1e-8");
 }
 
-/// RL-12. The rigid latch is the limit of the elastic one: the tip of two damped rods 0.27 s after the elbow has latched.
-/// First order in the latch's compliance: it lowers the frequencies of bending by its share in that of the rods, whose `EI/L`
-/// is 31 N·m/rad.
+/// RL-12. The rigid latch is the limit of the elastic one: the tip of two damped rods 0.27 s after the elbow has latched. First order in
+/// the latch's compliance: it lowers the bending frequencies in proportion to its fraction of the rods' compliance, whose `EI/L` is 31
+/// N·m/rad.
 #[test]
 fn rl12_the_rigid_latch_is_the_limit_of_the_elastic_one() {
     let tip = |latch: Latch| {
@@ -150,8 +150,7 @@ fn rl12_the_rigid_latch_is_the_limit_of_the_elastic_one() {
     assert!(misses[3] < 1e-6, "{misses:?} m");
 }
 
-/// RL-13. Steps taken again from a snapshot, through the closing and an opening, repeat to the bit, in a fresh plant from
-/// bytes too.
+/// RL-13. Steps repeated from a snapshot, through the closing and an opening, are bit-identical, also from serialised bytes in a new plant.
 #[test]
 fn rl13_states_around_the_closing_are_complete() {
     for method in METHODS {
@@ -182,9 +181,9 @@ fn rl13_states_around_the_closing_are_complete() {
     }
 }
 
-/// RL-14. 60 random chains (short: 20) of 1 to 7 folds whose latches are rigid reach their end; each joint stays where its latch has
-/// caught it, to the bit, within its window. Bodies without damping ring on after each blow with frequencies that no step
-/// resolves at 1e-6; what the method takes of them is not booked: half a hundredth of the largest kinetic energy.
+/// RL-14. 60 random chains (short studies: 20) of 1 to 7 folds with rigid latches reach their end; each joint stays exactly where its latch
+/// caught it, within its window. Undamped bodies vibrate after each impact with frequencies that no step resolves at 1e-6; the numerical
+/// damping of these is not part of the energy balance: half a per cent of the largest kinetic energy.
 #[test]
 fn rl14_random_chains_with_rigid_latches() {
     let (mut closings, mut worst) = (0, 0f64);
@@ -227,8 +226,8 @@ fn rl14_random_chains_with_rigid_latches() {
     assert!(closings > 3 * chains / 2, "{closings} closings only");
 }
 
-/// RL-15. At rest a closed rigid latch is a lock: same shape, same modes, no coordinate of its own; a joint that would come
-/// to rest beyond its latch is held at the edge of the window.
+/// RL-15. In equilibrium a closed rigid latch acts as a lock: same shape, same modes, no additional coordinate; a joint whose equilibrium
+/// would lie beyond its latch is held at the edge of the window.
 #[test]
 fn rl15_a_closed_latch_is_a_lock_at_rest() {
     let with = |change: &dyn Fn(&mut Revolute)| {
@@ -253,7 +252,7 @@ fn rl15_a_closed_latch_is_a_lock_at_rest() {
     let torques =
         [only(&latched).latch_torque_n_m + only(&latched).torque_applied_n_m, only(&locked).holding_torque_n_m];
     assert!((torques[0] - torques[1]).abs() < 1e-12, "{torques:?} N·m");
-    // its motor turns it through the latch
+    // its motor moves it through the latch angle
     for window_rad in [DEFAULT_CAPTURE_RAD, 0.02] {
         let caught = with(&|hinge| {
             hinge.start_angle_rad = 0.5;
@@ -264,8 +263,9 @@ fn rl15_a_closed_latch_is_a_lock_at_rest() {
     }
 }
 
-/// RL-18. A linkage in equilibrium in its rocker's rigid latch, reached within a few thousandths of a radian: the rocker at the edge of the
-/// capture range, the loop closed except for its share of the load. From 0.3 rad away the search ends in an open loop, and reports it.
+/// RL-18. A linkage in equilibrium in its rocker's rigid latch, starting within a few thousandths of a radian: the rocker is at the edge of
+/// the capture window, the loop is closed apart from the gap due to its load. From 0.3 rad away the search ends with an open loop, and
+/// reports it.
 #[test]
 fn rl18_a_linkage_rests_in_a_latch_on_its_way() {
     for turn_rad in [0.1, -0.1] {
@@ -302,9 +302,9 @@ fn rl18_a_linkage_rests_in_a_latch_on_its_way() {
     }
 }
 
-/// RL-16. Later actions of a user: a command and a limited motor while latched change nothing but the reaction; opening gives no impulse; a
-/// lock takes over from the latch at the present angle and back; enabled again at rest in the capture range the latch closes at once; a
-/// start rate in the capture range has no effect.
+/// RL-16. Later actions of a user: a command and a limited motor while latched change only the reaction; opening gives no impulse; a lock
+/// takes over from the latch at the present angle and back; enabled again on a motionless joint in the capture window, the latch closes at
+/// once; a start rate in the capture window has no effect.
 #[test]
 fn rl16_command_stopper_opening_and_closing_again() {
     let mut revolute = free_hinge(0.3);
@@ -324,10 +324,10 @@ fn rl16_command_stopper_opening_and_closing_again() {
     let joint = only(&plant);
     assert_eq!((joint.angle_rad, joint.motor_torque_n_m, joint.holding_torque_n_m), (angle_rad, 0.02, 0.0));
     assert!((joint.latch_torque_n_m + 0.02).abs() < 1e-6, "{} N·m", joint.latch_torque_n_m);
-    // the jump of the clamped potential by the command, and nothing else
+    // only the jump of the motor's potential due to the command
     let drive_j = plant.outputs().energy().motor;
     assert!((plant.outputs().energy().work - work_j - drive_j).abs() < 1e-6 * drive_j.abs() + 1e-12);
-    // the lock next to the latch carries no load until the latch opens
+    // the lock of the latched joint carries no load until the latch opens
     plant.inputs_mut().joints_mut()[0].release = false.into();
     coast(&mut plant, 0.41);
     assert!(only(&plant).holding_torque_n_m == 0.0 && only(&plant).latch_torque_n_m < -0.019);
@@ -355,7 +355,7 @@ fn rl16_command_stopper_opening_and_closing_again() {
     coast(&mut plant, 0.5);
     assert!(only(&plant).rate_rad_s > 1.0);
 
-    // refused in a file; set by hand, the latch takes it
+    // rejected in a model file; set in code, the latch closes
     let mut machine = rod(Revolute { latch: Some(rigid_latch()), ..free_hinge(0.0) });
     hinge_of(&mut machine, 0).start_rate_rad_s = 2.0;
     let caught = start(machine);
@@ -364,9 +364,9 @@ fn rl16_command_stopper_opening_and_closing_again() {
     );
 }
 
-/// RL-17. In a wind, with strips and with the lattice: latched where the elastic one latches, to the steps that the trial
-/// marches of the aerodynamic step in which it closes agree on; the root's strain some 50 ms later within 5 %, what the shipped latch
-/// of ratio 1e4 gives way by; the account closes.
+/// RL-17. In a wind, with strips and with the lattice: latches at the time of the elastic latch, to within the structural steps of the
+/// aerodynamic step in which it closes; the root strain about 50 ms later agrees within 5 %, the effect of the compliance of the shipped
+/// latch of ratio 1e4; the energy balance closes.
 #[test]
 fn rl17_in_air() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/folding_wing_in_tunnel.toml");
@@ -394,7 +394,7 @@ fn rl17_in_air() {
     }
 }
 
-/// The tunnel with strips in the place of its lattice.
+/// The tunnel model with strips instead of its lattice.
 fn strips(text: &str) -> String {
     let lattice = ["chord_panels", "wake_rows", "mirror_normal"];
     let kept = text.lines().filter(|line| !lattice.iter().any(|key| line.trim_start().starts_with(key)));
@@ -402,8 +402,8 @@ fn strips(text: &str) -> String {
         .collect()
 }
 
-/// RL-19. Two equal wings on a root that turns and under torques that run in time latch at one instant, to the bit, and the
-/// account closes through it.
+/// RL-19. Two equal wings on a rotating root under time-varying torques latch at the same instant, to the last bit, and the energy balance
+/// closes through it.
 #[test]
 fn rl19_two_wings_latch_at_once_on_a_turning_root() {
     let mut machine = rigid_wing(Method::Esdirk4, 1e-8);

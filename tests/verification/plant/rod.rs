@@ -1,11 +1,11 @@
-//! An independent static rod: the equilibrium equations in space, solved by shooting. Shares no code with the engine.
+//! An independent static rod: the spatial equilibrium equations, solved by shooting. Shares no code with the engine.
 //!
-//! `r' = (1+εx) R e_x`, `R' = R [κ]×`, `n' = −ρA g`, `m' = −r' × n`; `n`, `m`: of the outer part on the inner.
+//! `r' = (1+εx) R e_x`, `R' = R [κ]×`, `n' = −ρA g`, `m' = −r' × n`; `n`, `m`: of the outer part on the inner one.
 
 use foldwing::beam::section::Section;
 use nalgebra::{Matrix3, Matrix4, Matrix6, Vector3, Vector4, Vector6};
 
-/// Force and moment at a place of a segment; dead in the root frame or following the section.
+/// Force and moment at a position of a segment; dead in the root frame or following the section.
 pub struct Load {
     pub position_m: f64,
     pub force_n: Vector3<f64>,
@@ -13,14 +13,14 @@ pub struct Load {
     pub follower: bool,
 }
 
-/// Spring hinge about `y` at the inner end of a segment: transmits `stiffness·θ + constant`.
+/// Spring hinge about `y` at the inner end of a segment; its moment is `stiffness·θ + constant`.
 #[derive(Clone, Copy)]
 pub struct Joint {
     pub stiffness_n_m_rad: f64,
     pub constant_n_m: f64,
 }
 
-/// A piece of rod with its loads in ascending order.
+/// A piece of the rod with its loads in ascending order of position.
 pub struct Segment {
     pub length_m: f64,
     pub joint: Option<Joint>,
@@ -57,7 +57,7 @@ struct State {
 const STEPS: usize = 40;
 
 impl Rod {
-    /// No segments, no gravity.
+    /// A rod without segments and gravity.
     pub fn of(section: &Section) -> Self {
         Self {
             segments: Vec::new(),
@@ -67,7 +67,7 @@ impl Rod {
         }
     }
 
-    /// Newton's method on the six components of the root's wrench, in ten load steps.
+    /// Newton's method for the six components of the root's wrench, in ten load steps.
     pub fn solve(&self) -> Solution {
         let mut root = Vector6::zeros();
         for share in 1..=10 {
@@ -112,7 +112,7 @@ impl Rod {
         }
     }
 
-    /// Wrench left over at the free end.
+    /// Residual wrench at the free end.
     fn shoot(&self, root: &Vector6<f64>, share: f64, mut record: Option<&mut Solution>) -> Vector6<f64> {
         let mut state = State {
             r: Vector3::zeros(),

@@ -1,4 +1,4 @@
-//! Prismatic joints: closed forms of what slides, alone, on springs, with latches, on hinges, in loops.
+//! Prismatic joints: closed forms of sliding bodies, alone, on springs, with latches, on hinges, in loops.
 
 use crate::agreement::agree;
 use crate::plant::machines::*;
@@ -13,13 +13,13 @@ const MASS_KG: f64 = 2.0;
 const GRAVITY_M_S2: f64 = 9.8;
 const SLOPE_RAD: f64 = 0.5;
 
-/// A block of 2 kg whose centre of mass lies aside of the joint.
+/// A block of 2 kg with its centre of mass off the joint.
 fn block(name: &str) -> BodyBuilder {
     let inertia = Matrix3::from_diagonal(&Vector3::new(0.01, 0.02, 0.03));
     Body::rigid(name).inertia(MASS_KG, [0.05, 0.02, 0.1], inertia)
 }
 
-/// Down a slope in the `x`–`z` plane.
+/// Direction down a slope in the `x`–`z` plane.
 fn down() -> Vector3<f64> {
     Vector3::new(SLOPE_RAD.cos(), 0.0, -SLOPE_RAD.sin())
 }
@@ -42,8 +42,8 @@ fn spring(stiffness_n_m: f64, damping_n_s_m: f64) -> LinearSpring {
     LinearSpring { stiffness_n_m, damping_n_s_m, rest_position_m: 0.0 }
 }
 
-/// PJ-01. A block slides down a slope by `½ g sin α t²` whatever its mount, offset and centre of mass are; the slope bears
-/// `m g cos α` across, and the moment of the weight about the joint. Constant acceleration is exact in every stage:
+/// PJ-01. A block slides down a slope by `½ g sin α t²`, whatever its mount, offset and centre of mass; the joint carries `m g cos α`
+/// normal to the slope, and the moment of the weight about the joint. Constant acceleration is integrated exactly in every stage:
 /// round-off.
 #[test]
 fn pj01_a_block_slides_down_a_slope() {
@@ -64,7 +64,7 @@ fn pj01_a_block_slides_down_a_slope() {
         let arm_m = Rotation3::new(mount) * Vector3::new(0.05, 0.02, 0.1);
         let reaction = outputs.joint_reactions()[0];
         let force = (reaction.force_n - across).norm();
-        // the block falls without turning: all forces together pass through its centre of mass
+        // the block slides without rotation: the resultant passes through its centre of mass
         let moment = (reaction.moment_n_m - arm_m.cross(&across)).norm();
         let drift = (balance_j(outputs) - before_j).abs() / outputs.energy().kinetic;
         println!(
@@ -76,7 +76,7 @@ fn pj01_a_block_slides_down_a_slope() {
     }
 }
 
-/// PJ-02. A block on a spring swings with `2π√(m/k)`; the error after five periods falls with the order of the method.
+/// PJ-02. A block on a spring oscillates with the period `2π√(m/k)`; the error after five periods falls with the order of the method.
 #[test]
 fn pj02_a_block_on_a_spring_swings() {
     let (stiffness_n_m, amplitude_m) = (50.0, 0.1);
@@ -94,7 +94,7 @@ fn pj02_a_block_on_a_spring_swings() {
             let mut machine = on_rail(|joint| joint.spring(spring(stiffness_n_m, 0.0)).start_position_m(amplitude_m));
             (machine.solver.method, machine.solver.fixed_step_s) = (method, Some(period_s / steps));
             machine.solver.max_step_s = period_s;
-            // 5 periods and a quarter, where the position is most sensitive to an error of the period
+            // five and a quarter periods, where the position is most sensitive to an error of the period
             let end_s = 5.25 * period_s;
             let mut plant = start(machine);
             coast(&mut plant, end_s);
@@ -115,9 +115,10 @@ fn pj02_a_block_on_a_spring_swings() {
     assert_eq!(names, [("slide.position", "m", "m/s")]);
 }
 
-/// PJ-03. With a damper, and a motor's mass that moves with the position: the oscillation decays as in the closed form, and its loss is
-/// dissipated. The estimate of third order is held to 1e-9 per step, and the solution of fourth order is a hundredth of it: 1e-11 in each
-/// of some ten steps. The energy balance adds products of rates and forces, relative errors of 1e-10 in some hundred.
+/// PJ-03. With a damper, and a motor mass that moves with the position: the oscillation decays as in the closed form, and its loss is
+/// dissipated. The third-order error estimate is at most 1e-9 per step, and the error of the fourth-order solution is a hundredth of it:
+/// 1e-11 in each of about ten steps. The energy balance sums products of rates and forces, with relative errors of 1e-10 in about a hundred
+/// terms.
 #[test]
 fn pj03_a_damper_takes_the_energy() {
     let (k, c, own_kg, end_s) = (50.0, 3.0, 0.5, 2.0);
@@ -140,9 +141,9 @@ fn pj03_a_damper_takes_the_energy() {
     assert!(outputs.energy().dissipated > 0.5 * before_j);
 }
 
-/// PJ-04. A beam across a rail, its root on a spring: first three frequencies of the characteristic equation
-/// `EI w'''(0) = −k w(0)`, `w'(0) = 0`, free end. 8 pairs; Euler and Bernoulli's beam has no rotary inertia, which is
-/// `(h/l)²`, 2.5e-5, times a factor of the mode, 1e-3 in the third.
+/// PJ-04. A beam normal to a rail, its root on a spring: first three frequencies from the characteristic equation with `EI w'''(0) = −k
+/// w(0)`, `w'(0) = 0` and a free end. 8 pairs; the Euler–Bernoulli beam has no rotary inertia, an effect of `(h/l)²`, 2.5e-5, times a
+/// factor of the mode, 1e-3 in the third.
 #[test]
 fn pj04_a_beam_swings_on_its_spring() {
     let (length_m, k) = (1.0, 20.0);
@@ -159,7 +160,7 @@ fn pj04_a_beam_swings_on_its_spring() {
         let k3 = (x.cosh() - x.cos()) / 2.0;
         let k4 = (x.sinh() - x.sin()) / 2.0;
         let c = -k / (ei * beta.powi(3));
-        // w''(l) = K₃ + B K₁ + c K₂ gives B, w'''(l) = K₂ + B K₄ + c K₁ what is left
+        // w''(l) = K₃ + B K₁ + c K₂ gives B, w'''(l) = K₂ + B K₄ + c K₁ the residual
         let b = -(k3 + c * k2) / k1;
         k2 + b * k4 + c * k1
     };
@@ -184,7 +185,7 @@ fn pj04_a_beam_swings_on_its_spring() {
     }
 }
 
-/// PJ-05. The energy account closes with motor, its limit, spring, damper, command, slew, latch and a beam at once.
+/// PJ-05. The energy balance closes with motor, torque limit, spring, damper, command, rate limit, latch and a beam at once.
 #[test]
 fn pj05_the_account_closes() {
     let section = wing_section();
@@ -226,8 +227,8 @@ fn pj05_the_account_closes() {
     assert!(worst_j < 1e-6 * kinetic_j && latched == 1, "{worst_j:e} J of {kinetic_j} J, {latched}");
 }
 
-/// PJ-06. Latches at a position: a rigid one stops the block by an impulse `−m v` where it was caught and books its
-/// energy as dissipated; on an elastic one the block swings with `√(k/m)`. Crossings are located to 1e-10 s.
+/// PJ-06. Latches at a position: a rigid latch stops the block by an impulse `−m v` at the position where it is caught, and its energy is
+/// dissipated; on an elastic latch the block oscillates at `√(k/m)`. Crossings are located to 1e-10 s.
 #[test]
 fn pj06_latches_catch_at_their_position() {
     let rate_m_s = 0.5;
@@ -257,7 +258,7 @@ fn pj06_latches_catch_at_their_position() {
     }
 }
 
-/// PJ-07. The lock carries `m g sin α`, opens on release and locks again at the block's position then.
+/// PJ-07. The lock carries `m g sin α`, opens on release and locks again at the current position of the block.
 #[test]
 fn pj07_the_stopper_holds_and_lets_go() {
     let joint = Joint::prismatic("slide", down()).start_position_m(0.2).release(false);
@@ -279,7 +280,7 @@ fn pj07_the_stopper_holds_and_lets_go() {
     assert!((plant.outputs().energy().dissipated - weight_n * way_m).abs() < 1e-10);
 }
 
-/// PJ-08. At its limit a motor pushes with a constant force: `s = ½ (F/m) t²`, F of motor and external force.
+/// PJ-08. At its limit a motor exerts a constant force: `s = ½ (F/m) t²`, with F the sum of motor and external force.
 #[test]
 fn pj08_a_motor_pushes_with_its_limit() {
     let drive = LinearMotor { stiffness_n_m: 1e3, force_limit_n: 3.0, command_m: 5.0, ..LinearMotor::default() };
@@ -292,7 +293,7 @@ fn pj08_a_motor_pushes_with_its_limit() {
     assert!(joint.torque_applied_n_m == 2.0 && joint.external_torque_n_m == -1.0);
 }
 
-/// PJ-09. A prescribed position is followed to round-off, and what holds it gives the block its acceleration.
+/// PJ-09. A prescribed position is followed to round-off, and the joint force gives the block its acceleration.
 #[test]
 fn pj09_a_prescribed_position_is_followed() {
     let motion = Motion::Polynomial(vec![0.1, 0.2, 0.3, -0.4]);
@@ -302,7 +303,7 @@ fn pj09_a_prescribed_position_is_followed() {
     let (position_m, acceleration_m_s2) = (0.1 + 0.1 + 0.075 - 0.05, 0.6 - 2.4 * 0.5);
     assert!((joint.angle_rad - position_m).abs() < 1e-14 && (tip.x - position_m).abs() < 1e-14);
     assert!((joint.holding_torque_n_m - MASS_KG * acceleration_m_s2).abs() < 1e-9, "{joint:?}");
-    // work of the motion is the kinetic energy
+    // the work of the motion equals the kinetic energy
     let energy = plant.outputs().energy();
     let begin_j = 0.5 * MASS_KG * 0.04;
     assert!((energy.kinetic - begin_j - energy.work).abs() < 1e-9, "{energy:?}");
@@ -317,8 +318,8 @@ fn telescope(hinge: OneFreedom, slide: JointBuilder) -> Machine {
     machine
 }
 
-/// PJ-10. A bead on a turning rod. At a constant rate `r = r₀ cosh Ωt`, and the hinge is held against Coriolis' force,
-/// `2 m r ṙ Ω`. On a free hinge the angular momentum stays, and the energy.
+/// PJ-10. A bead on a rotating rod. At a constant rate `r = r₀ cosh Ωt`, and the hinge carries the moment of the Coriolis force, `2 m r ṙ
+/// Ω`. On a free hinge angular momentum and energy are conserved.
 #[test]
 fn pj10_a_bead_on_a_turning_rod() {
     let (rate_rad_s, start_m, end_s) = (3.0, 0.4, 0.5);
@@ -331,7 +332,8 @@ fn pj10_a_bead_on_a_turning_rod() {
     let (r_m, r_m_s) = ((rate_rad_s * end_s).cosh() * start_m, (rate_rad_s * end_s).sinh() * start_m * rate_rad_s);
     let coriolis = turn.holding_torque_n_m - 2.0 * MASS_KG * r_m * r_m_s * rate_rad_s;
     println!("PJ-10 forced: {:.1e} m, torque {coriolis:.1e} N·m", bead.angle_rad - r_m);
-    // the tolerance of 1e-9 per step, a few steps, each error growing by cosh 1.5 = 2.4; rates by Ω, the torque by 2 m Ω (r + ṙ/Ω) more
+    // the tolerance of 1e-9 per step, a few steps, each error growing by cosh 1.5 = 2.4; the error of rates is larger by Ω, that of the
+    // torque by 2 m Ω (r + ṙ/Ω)
     agree("PJ-10 place in m", (bead.angle_rad - r_m).abs(), 1e-8);
     agree("PJ-10 rate in m/s", (bead.rate_rad_s - r_m_s).abs(), 3e-8);
     agree("PJ-10 torque in N·m", coriolis.abs(), 3e-7);
@@ -350,8 +352,8 @@ fn pj10_a_bead_on_a_turning_rod() {
     assert!(bead.angle_rad > 1.5 * start_m);
 }
 
-/// PJ-11. A pendulum on a trolley: its frequency about rest is `√((1 + m/M) g/l)`, and over a large swing the centre of
-/// mass stays over one place, with the energy.
+/// PJ-11. A pendulum on a trolley: its frequency about equilibrium is `√((1 + m/M) g/l)`, and over a large swing the horizontal position of
+/// the centre of mass and the energy are constant.
 #[test]
 fn pj11_a_pendulum_on_a_trolley() {
     let (bob_kg, length_m) = (1.5, 0.8);
@@ -370,7 +372,7 @@ fn pj11_a_pendulum_on_a_trolley() {
     assert!(found.iter().any(|hz| (hz / exact_hz - 1.0).abs() < 1e-9), "{found:?}, {exact_hz} Hz");
 
     let mut plant = start(pendulum(2.0));
-    // a turn by +θ about y takes the bob, at −l along z, to −l sin θ along x
+    // a rotation by +θ about y moves the bob, at −l along z, to −l sin θ along x
     let centre_m = |plant: &Plant| {
         let [rail, pivot] = [plant.outputs().joints()[0], plant.outputs().joints()[1]];
         rail.angle_rad - bob_kg / (MASS_KG + bob_kg) * length_m * pivot.angle_rad.sin()
@@ -383,15 +385,15 @@ fn pj11_a_pendulum_on_a_trolley() {
     assert!(moved_m.abs() < 1e-7 && drift_j.abs() < 1e-6 * scale_j);
 }
 
-/// PJ-12. A slider-crank: the loop is closed between rod and slider, and the slider is at
-/// `r cos θ + √(l² − r² sin² θ)` but for the gap, which falls with the penalty.
+/// PJ-12. A slider-crank: the loop is closed between rod and slider, and the slider is at `r cos θ + √(l² − r² sin² θ)`, apart from the
+/// gap, which falls as the penalty stiffness rises.
 #[test]
 fn pj12_a_slider_crank_follows_its_kinematics() {
     let (crank_m, rod_m, rate_rad_s) = (0.2, 0.5, 6.0);
     let light = |name: &str| Body::rigid(name).inertia(0.5, [0.0; 3], Matrix3::identity() * 0.01);
     let mut gaps = Vec::new();
     for stiffness_n_m in [1e5, 1e6] {
-        // positive angles about −y turn x towards z
+        // positive angles about −y rotate x towards z
         let turn = |start: f64| OneFreedom { start_angle_rad: start, ..OneFreedom::about(-Vector3::y()) };
         let crank =
             Joint::revolute("crank", -Vector3::y()).prescribed(Motion::Polynomial(vec![0.0, 0.0, 0.5 * rate_rad_s]));
@@ -420,7 +422,7 @@ fn pj12_a_slider_crank_follows_its_kinematics() {
             gap_m = gap_m.max(plant.outputs().loops()[0].gap_m.norm());
         }
         println!("PJ-12 {stiffness_n_m:.0e} N/m: gap {gap_m:.1e} m, piston misses {miss_m:.1e} m");
-        // the gap stands across the rod by tan of its angle, at most r/√(l² − r²), more than along it
+        // the gap normal to the rod is larger than that along it, by at most r/√(l² − r²), the tangent of the rod's angle
         assert!(miss_m < 2.0 * gap_m && gap_m < 200.0 / stiffness_n_m, "{miss_m:e} m, gap {gap_m:e} m");
         gaps.push(gap_m);
     }
@@ -428,8 +430,8 @@ fn pj12_a_slider_crank_follows_its_kinematics() {
     assert!((8.0..12.0).contains(&ratio), "ten times the penalty divides the gap by {ratio:.2}");
 }
 
-/// PJ-13. In equilibrium the spring carries the weight: `s = m g sin α/k`; a latch in between catches the block; a prismatic joint that
-/// nothing holds has no equilibrium, which is an error.
+/// PJ-13. In equilibrium the spring carries the weight: `s = m g sin α/k`; a latch before this position catches the block; a free prismatic
+/// joint without restraint has no equilibrium, which is an error.
 #[test]
 fn pj13_a_block_comes_to_rest_on_its_spring() {
     let build = |joint: JointBuilder| {
@@ -455,7 +457,7 @@ fn pj13_a_block_comes_to_rest_on_its_spring() {
     assert!(refused.contains("slide"), "{refused}");
 }
 
-/// PJ-14. The same machine from a file and in code, field by field: all keys of a prismatic joint.
+/// PJ-14. The same machine from a file and built in code, field by field: all keys of a prismatic joint.
 #[test]
 fn pj14_the_file_says_what_the_builder_says() {
     let text = include_str!("slides.toml");
@@ -499,9 +501,8 @@ fn pj14_the_file_says_what_the_builder_says() {
     coast(&mut plant, 0.3);
 }
 
-/// PJ-15. One flow in two descriptions: a wing that a slide carries upstream at 1 m/s in a wind of 10 m/s, and the same wing
-/// on a slide at rest in 11 m/s, unfold alike, with strips and with a lattice. Without mass damping, which acts
-/// relative to the root.
+/// PJ-15. One flow in two descriptions: a wing moved upstream at 1 m/s by a prismatic joint in a wind of 10 m/s, and the same wing on a
+/// fixed prismatic joint in 11 m/s, unfold equally, with strips and with a lattice. Without mass damping, which acts relative to the root.
 #[test]
 fn pj15_a_slide_through_the_air_is_wind() {
     let shipped = include_str!("../../../examples/models/folding_wing_in_tunnel.toml");
@@ -529,15 +530,15 @@ fn pj15_a_slide_through_the_air_is_wind() {
             (plant.outputs().joints()[1].angle_rad, plant.outputs().air_total().force_n)
         });
         println!("PJ-15 {air:?}: {:.1e} rad, {:.1e} N apart", carried.0 - blown.0, (carried.1 - blown.1).norm());
-        // the same numbers but for the round-off of places that lie 1 cm apart, over eight aerodynamic steps
+        // equal results except for the round-off of positions that differ by 1 cm, over eight aerodynamic steps
         agree("PJ-15 angle in rad", (carried.0 - blown.0).abs(), 1e-14);
         agree("PJ-15 force in N", (carried.1 - blown.1).norm(), 1e-12);
         assert!(carried.1.norm() > 0.05, "the air acts: {carried:?}");
     }
 }
 
-/// PJ-16. What a free slide carries along itself is what pushes on it, at every communication point inside of long internal
-/// steps: a beam across its rail, on a spring and under an external force.
+/// PJ-16. Along a free prismatic joint, the joint force equals the applied force at every communication point inside long internal steps: a
+/// beam normal to its rail, on a spring and under an external force.
 #[test]
 fn pj16_a_slide_carries_along_itself_what_pushes_on_it() {
     let joint = Joint::prismatic("slide", Vector3::z()).spring(spring(50.0, 0.3)).start_position_m(0.1);

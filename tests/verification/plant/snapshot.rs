@@ -1,4 +1,4 @@
-//! Going back, going on elsewhere, and repeating: to the bit.
+//! Rollback, continuation in another plant, and repetition: bit-identical.
 
 use crate::plant::machines::*;
 use foldwing::config;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 const METHODS: [Method; 5] =
     [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2, Method::GeneralizedAlpha];
 
-/// Outputs of some steps from the present on, the torque changing at every third.
+/// Outputs of some steps from the present on, with a torque that changes at every third step.
 fn steps(plant: &mut Plant, count: usize) -> Vec<Outputs> {
     let begin_s = plant.time_s();
     (1..=count)
@@ -25,9 +25,9 @@ fn steps(plant: &mut Plant, count: usize) -> Vec<Outputs> {
         .collect()
 }
 
-/// P-90. Steps taken again from a snapshot give the same bits, across the latch, for every method.
+/// P-90. Steps repeated from a snapshot are bit-identical, across the latch, for every method.
 ///
-/// The snapshot is taken in the middle of an internal step: the integrator has run ahead.
+/// The snapshot is taken in the middle of an internal step: the integrator is ahead of the communication point.
 #[test]
 fn p90_restored_steps_repeat_to_the_bit() {
     for method in METHODS {
@@ -45,7 +45,7 @@ fn p90_restored_steps_repeat_to_the_bit() {
     }
 }
 
-/// P-91. A serialised snapshot goes on in a fresh plant to the bit.
+/// P-91. A serialised snapshot continues bit-identically in a new plant.
 #[test]
 fn p91_serialised_snapshot_continues_elsewhere() {
     for method in METHODS {
@@ -62,9 +62,9 @@ fn p91_serialised_snapshot_continues_elsewhere() {
     }
 }
 
-/// P-92. The snapshot of another model is refused and leaves the plant as it was.
+/// P-92. The snapshot of another model is rejected and leaves the plant unchanged.
 ///
-/// The last two have the same joints, bodies and stations and differ in the mesh only, which used to panic.
+/// The last two have the same joints, bodies and stations and differ only in the mesh, which used to panic.
 #[test]
 fn p92_snapshot_of_another_model_is_refused() {
     let mut plant = start(default_wing(1e-4));
@@ -84,8 +84,8 @@ fn p92_snapshot_of_another_model_is_refused() {
     coast(&mut plant, 0.02);
 }
 
-/// P-99. A state whose parameters no importer could set is refused and changes nothing. A stiffness factor of −1 in the
-/// bytes of a state used to be taken, and reading the gauges then broke the instance down.
+/// P-99. A state with parameter values that no importer could set is rejected and changes nothing. A stiffness factor of −1 in the bytes of
+/// a state used to be accepted, and the instance then failed when gauges were read.
 #[test]
 fn p99_parameters_that_cannot_be_set_are_refused_in_a_state() {
     let mut plant = start(default_wing(1e-4));
@@ -115,7 +115,7 @@ fn p99_parameters_that_cannot_be_set_are_refused_in_a_state() {
     plant.restore(&good).expect("the state itself");
 }
 
-/// P-93. Repeated runs, initialising again, and two plants stepped in turn give the same bits as one alone.
+/// P-93. Repeated runs, runs after another initialisation, and two plants stepped alternately are bit-identical to a single run.
 #[test]
 fn p93_runs_repeat_to_the_bit() {
     let mut alone = start(default_wing(1e-4));
@@ -137,8 +137,8 @@ fn p93_runs_repeat_to_the_bit() {
     assert!(interleaved == expected, "interleaved with another plant: differs");
 }
 
-/// P-94. A snapshot with forged bytes is refused or gives finite numbers: NaN and 1e300 in the place of every eight bytes,
-/// with and without joints of several freedoms. A refusal leaves the plant as it was.
+/// P-94. A snapshot with corrupted bytes is rejected or gives finite numbers: NaN and 1e300 in place of every eight bytes, with and without
+/// joints of several degrees of freedom. A rejected snapshot leaves the plant unchanged.
 #[test]
 fn p94_forged_snapshots_give_no_nan() {
     for name in ["folding_wing", "flying_wing", "double_pendulum"] {
@@ -181,8 +181,8 @@ fn p94_forged_snapshots_give_no_nan() {
     }
 }
 
-/// P-124. A step that fails while inputs run with rates leaves nothing behind: inputs stay where the rates of the step
-/// before have led, and the run goes on as one in which nothing has failed, to the bit.
+/// P-124. A failed step with input rates has no after-effects: the inputs keep the values reached at the end of the previous step, and the
+/// run continues bit-identically to one without the failed step.
 #[test]
 fn p124_a_failed_step_with_input_rates_leaves_nothing_behind() {
     let ramp = |plant: &mut Plant, end_s: f64| {

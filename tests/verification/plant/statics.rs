@@ -1,4 +1,4 @@
-//! Static answers that remain after the motion has died away.
+//! Static results that remain after the motion has decayed.
 
 use crate::plant::machines::*;
 use crate::plant::rod::{Joint, Load, Rod, Segment};
@@ -7,7 +7,7 @@ use foldwing::machine::{ElementKind, Gauge, Latch, Machine};
 use foldwing::plant::Plant;
 use nalgebra::Vector3;
 
-/// A clamped blade of 0.3 m with the wing's section, axially stiff, overdamped, one station at its free end.
+/// A clamped blade of 0.3 m with the wing's section, axially stiff, overdamped, with one station at its free end.
 fn blade(frame: LoadFrame) -> Machine {
     let mut section = wing_section();
     section.stiffness[(0, 0)] = 1e9;
@@ -15,7 +15,8 @@ fn blade(frame: LoadFrame) -> Machine {
     machine([(blade.load_station_positions_m([0.3]).load_frame(frame), clamped())])
 }
 
-/// Deflection, shortening (both over the length) and tip angle under `lambda = P L²/EI` across, once at rest.
+/// Deflection and shortening (both divided by the length) and tip angle under a transverse force `lambda = P L²/EI`, after the motion has
+/// decayed.
 fn bent(frame: LoadFrame, lambda: f64) -> [f64; 3] {
     let machine = blade(frame);
     let stiffness_n_m2 = machine.bodies[0].section.at(0.0).stiffness[(2, 2)];
@@ -28,9 +29,9 @@ fn bent(frame: LoadFrame, lambda: f64) -> [f64; 3] {
     [tip.position_m.z / 0.3, 1.0 - tip.position_m.x / 0.3, axis.z.atan2(axis.x)]
 }
 
-/// P-70. A dead force across the free end: the elastica, `λ` up to 5 (elliptic integrals, 1e-9).
+/// P-70. A transverse dead force at the free end: the elastica, `λ` up to 5 (elliptic integrals, 1e-9).
 ///
-/// 8 pairs: 5e-6 is the engine's static target; the motion decays at 30/s or faster, e⁻³⁶ at 1.2 s.
+/// 8 pairs: 5e-6 is the engine's static target; the motion decays at 30 1/s or faster, e⁻³⁶ at 1.2 s.
 #[test]
 fn p70_dead_force_at_the_free_end_is_the_elastica() {
     for row in expected("static.elastica_dead")["rows"].as_array().expect("rows") {
@@ -45,9 +46,9 @@ fn p70_dead_force_at_the_free_end_is_the_elastica() {
     }
 }
 
-/// P-71. A follower force across the free end, `p` = 1 and 3 (shooting, 1e-7), and 5 by the test's own shooting.
+/// P-71. A transverse follower force at the free end, `p` = 1 and 3 (shooting, 1e-7), and 5 by the shooting solver of these tests.
 ///
-/// Tolerance 2e-5: follower errors are some four times the dead ones (measured on constant elements as well).
+/// Tolerance 2e-5: errors under follower forces are about four times those under dead forces (measured on constant elements as well).
 #[test]
 fn p71_follower_force_at_the_free_end_is_the_elastica() {
     let reference = expected("static.elastica_follower");
@@ -72,7 +73,7 @@ fn p71_follower_force_at_the_free_end_is_the_elastica() {
     assert!(errors.iter().all(|error| error.abs() < 4e-5), "follower p = 5: errors {errors:?} of L");
 }
 
-/// The latched wing, four pairs and four stations per body, overdamped; dead loads inside, follower loads outside.
+/// The latched wing, four stations per body, overdamped; dead loads on the inner body, follower loads on the outer.
 fn latched_wing(pairs: usize) -> Machine {
     let mut machine = default_wing(1e-7);
     let hinge = hinge_of(&mut machine, 1);
@@ -125,11 +126,11 @@ fn at_rest(machine: Machine) -> Plant {
     plant
 }
 
-/// P-72. Forces and moments at all eight stations of the latched wing with gravity, once at rest, against an
-/// independent shooting solution of the rod's equations: stations, root reaction, fold angle, strains at two gauges.
+/// P-72. Forces and moments at all eight stations of the latched wing with gravity, after the motion has decayed, against an independent
+/// shooting solution of the rod's equations: stations, root reaction, fold angle, strains at two gauges.
 ///
-/// Concentrated loads inside a pair are third order or less: limits follow the measured figures at 4 pairs, and 8 pairs
-/// must halve the error at least twice.
+/// Concentrated loads inside a pair reduce the order to three or less: the limits follow measured errors at 4 pairs, and 8 pairs must at
+/// least halve the error.
 #[test]
 fn p72_station_loads_bend_the_latched_wing_to_the_static_answer() {
     let solution = independent(&latched_wing(4)).solve();

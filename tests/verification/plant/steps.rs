@@ -1,10 +1,10 @@
-//! The answer against communication steps, start times and tolerances.
+//! Results as functions of communication steps, start times and tolerances.
 
 use crate::plant::machines::*;
 use foldwing::machine::{ElementKind, Method};
 use foldwing::plant::{Plant, Statistics};
 
-/// Communication steps to a little beyond the latch from `start_s`; latch time counted from the start.
+/// Simulates in communication steps to slightly beyond the latch, from `start_s`; returns the latch time since the start.
 fn latch_time_s(start_s: f64, step_s: f64, before: impl FnMut(&mut Plant)) -> f64 {
     let mut plant = start_at(default_wing(1e-5), start_s);
     let steps = (0.13 / step_s).ceil();
@@ -15,7 +15,7 @@ fn latch_time_s(start_s: f64, step_s: f64, before: impl FnMut(&mut Plant)) -> f6
 /// P-20. With constant inputs the communication step and the start time do not change the latch time.
 ///
 /// The integrator takes the same steps for any communication steps: only the rounding of `start + t` differs (1e-13 s at a start of 1000 s,
-/// grown by the motion).
+/// amplified by the motion).
 #[test]
 fn p20_latch_time_is_independent_of_the_communication_step() {
     let reference_s = latch_time_s(0.0, 1e-3, |_| {});
@@ -28,8 +28,8 @@ fn p20_latch_time_is_independent_of_the_communication_step() {
     }
 }
 
-/// P-21. With an input that changes at every step, so little that it means nothing, the integrator is cut at every
-/// communication point; the latch time stays within the integrator's own error at this tolerance.
+/// P-21. With an input that changes negligibly at every step, the integrator stops at every communication point; the latch time stays
+/// within the integrator's error at this tolerance.
 #[test]
 fn p21_changing_inputs_leave_the_latch_time() {
     let reference_s = latch_time_s(0.0, 1e-3, |_| {});
@@ -44,10 +44,10 @@ fn p21_changing_inputs_leave_the_latch_time() {
     }
 }
 
-/// P-22. The latch time converges with the tolerance, and the table of what that costs.
+/// P-22. The latch time converges with the tolerance; prints a table of the cost.
 ///
-/// Reference: ESDIRK4 at 1e-9 on the same mesh. For the default method a thousandth of the tolerance must bring at
-/// least a tenth of the error (errors are not monotone: the tolerance bounds the step's error, not the run's).
+/// Reference: ESDIRK4 at 1e-9 on the same mesh. For the default method, reducing the tolerance a thousandfold must reduce the error at
+/// least tenfold (errors are not monotone: the tolerance bounds the step's error, not the run's).
 #[test]
 fn p22_latch_time_converges_with_tolerance() {
     let run = |method: Method, tolerance: f64| -> (f64, f64, Statistics) {
@@ -78,8 +78,8 @@ fn p22_latch_time_converges_with_tolerance() {
     }
 }
 
-/// P-131. If Newton's iteration determines the length of the steps, the run prints a note with the remedy: a thin, stiff rod with a bob on
-/// a ball joint. Before, a thousand failed steps were a number in the summary. There is no note for the shipped wing.
+/// P-131. If the convergence of Newton's iteration limits the step length, the run prints a note with the remedy: a thin, stiff rod with a
+/// bob on a ball joint. Before, a thousand failed steps were only a number in the summary. There is no note for the shipped wing.
 #[test]
 fn p131_steps_that_newton_decides_on_are_told() {
     let statistics = |text: &str| {

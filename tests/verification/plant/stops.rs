@@ -1,4 +1,4 @@
-//! EndStops at the ends of a joint's way: impacts in closed form, energies, rest, refusals.
+//! End stops at the ends of a joint's range: impacts in closed form, energies, equilibrium, rejected values.
 
 use crate::agreement::agree;
 use crate::plant::machines::*;
@@ -15,7 +15,7 @@ const LOWER_RAD: f64 = -0.4;
 const UPPER_RAD: f64 = 0.7;
 const RATE_RAD_S: f64 = 3.0;
 
-/// EndStops with a share of critical damping.
+/// End stops with a fraction of critical damping.
 fn stops(ratio: f64) -> EndStops {
     EndStops {
         lower_rad: Some(LOWER_RAD),
@@ -33,8 +33,8 @@ fn rotor(change: impl Fn(JointBuilder) -> JointBuilder) -> Machine {
     machine
 }
 
-/// Angle and rate after `time_s` of flights and contacts from angle 0, in closed form: a contact ends where spring and damper
-/// together stop pushing, at `ω_d t = π − 2 asin ζ`, with `exp(−ζ/√(1 − ζ²) (π − 2 asin ζ))` of the speed.
+/// Angle and rate after `time_s` of free flights and contacts starting at angle 0, in closed form: a contact ends when the sum of spring
+/// and damper force vanishes, at `ω_d t = π − 2 asin ζ`, with `exp(−ζ/√(1 − ζ²) (π − 2 asin ζ))` of the initial speed.
 fn bounced(ratio: f64, mut time_s: f64) -> (f64, f64, usize) {
     let (mut angle_rad, mut rate_rad_s, mut impacts) = (0.0, RATE_RAD_S, 0);
     let damped_rad_s = FREQUENCY_RAD_S * (1.0 - ratio * ratio).sqrt();
@@ -61,7 +61,7 @@ fn bounced(ratio: f64, mut time_s: f64) -> (f64, f64, usize) {
     }
 }
 
-/// Largest errors of angle and rate, and of the energy account in J, over flights and contacts at a tolerance.
+/// Largest errors of angle and rate, and of the energy balance in J, over free flights and contacts at a tolerance.
 fn misses(ratio: f64, end_s: f64, steps: u32, tolerance: f64) -> [f64; 3] {
     let mut machine = rotor(|joint| joint.end_stops(stops(ratio)).start_rate_rad_s(RATE_RAD_S));
     machine.solver.tolerance = tolerance;
@@ -83,23 +83,23 @@ fn misses(ratio: f64, end_s: f64, steps: u32, tolerance: f64) -> [f64; 3] {
     worst
 }
 
-/// ST-01. A rotor flies to and fro between its stops: angle and rate through impacts on either side, with dampers of 0, 5, 40 % of
-/// critical damping and communication steps of any length; the energy account closes. Errors of the angle fall with the tolerance.
+/// ST-01. A rotor moves to and fro between its stops: angle and rate through impacts on either side, with dampers of 0, 5, 40 % of critical
+/// damping and communication steps of any length; the energy balance closes. Errors of the angle fall with the tolerance.
 #[test]
 fn st01_impacts_follow_the_closed_form() {
     for (ratio, end_s) in [(0.0, 3.0), (0.05, 3.0), (0.4, 4.0)] {
         for steps in [3000, 37] {
             let [coarse, fine] = [1e-9, 1e-11].map(|tolerance| misses(ratio, end_s, steps, tolerance));
             println!("ST-01 {ratio}, {steps} steps: {coarse:?}, {fine:?} rad, rad/s, J of 0.09 J");
-            // errors of some thousand steps of 1e-11 each; those in the rate are larger by the frequency of the contact
+            // about a thousand steps with errors of 1e-11 each; errors of the rate are larger by the frequency of the contact
             assert!(fine[0] < 1e-6 && fine[1] < 1e-4 && fine[2] < 1e-7, "{fine:?}");
             assert!(fine[0] < 0.1 * coarse[0], "{coarse:?} {fine:?}");
         }
     }
 }
 
-/// ST-02. Pressed on its stop from the start, a rotor is pushed out with the energy stored; moving out fast it is not pulled
-/// back, and what the stop stored is dissipated.
+/// ST-02. A rotor that starts inside its stop is pushed out by the energy stored there; if it moves out faster than the stop can follow,
+/// the stop does not pull it back, and the stored energy is dissipated.
 #[test]
 fn st02_starts_beyond_an_end() {
     let depth_rad = 0.01;
@@ -131,8 +131,8 @@ fn st02_starts_beyond_an_end() {
     }
 }
 
-/// ST-03. A motor whose command lies beyond an end rests on the stop, in statics and in time, either way; the mode about it knows
-/// the stop.
+/// ST-03. A motor with a command beyond an end presses the joint on its stop, in the static analysis and in a simulation, on either side;
+/// the stop's stiffness enters the mode about this equilibrium.
 #[test]
 fn st03_rests_on_a_stop() {
     for (command_rad, end_rad) in [(-1.5, LOWER_RAD), (1.5, UPPER_RAD)] {
@@ -152,7 +152,7 @@ fn st03_rests_on_a_stop() {
     }
 }
 
-/// ST-04. A snapshot in contact brings back the run to the bit.
+/// ST-04. A run from a snapshot taken in contact is bit-identical.
 #[test]
 fn st04_contact_survives_a_rollback() {
     let mut plant = start(rotor(|joint| joint.end_stops(stops(0.05)).start_rate_rad_s(RATE_RAD_S)));
@@ -182,13 +182,13 @@ fn st06_a_start_at_an_end_moves_into_the_stop() {
         let (joint, energy) = (plant.outputs().joints()[0], plant.outputs().energy());
         let depth_rad = match ratio == 0.0 {
             true => 0.0,
-            // where spring and damper together stop pushing
+            // instant at which the sum of spring and damper force vanishes
             false => -2.0 * ratio / FREQUENCY_RAD_S * rate_rad_s,
         };
         let angle_rad = UPPER_RAD + depth_rad + 0.02 * rate_rad_s;
         let errors = [joint.angle_rad - angle_rad, joint.rate_rad_s - rate_rad_s, energy.work];
         println!("ST-06 ζ = {ratio}: {errors:?}");
-        // the tolerance of 1e-10 in each of some hundred steps; rates are the stop's frequency times more
+        // the tolerance of 1e-10 in each of a few hundred steps; errors of rates are larger by the frequency of the stop
         agree("ST-06 angle in rad", errors[0].abs(), 1e-7);
         agree("ST-06 rate in rad/s", errors[1].abs(), 1e-5);
         assert!(errors[2].abs() < 1e-16, "round-off of half a joule: {errors:?}");
@@ -212,7 +212,7 @@ fn stops_that_cannot_be_are_refused() {
     assert!(refused(|stops| stops.upper_rad = Some(f64::NAN)).contains("upper_rad"));
 }
 
-/// End stops in code are those of a file, for both kinds of joint.
+/// End stops defined in code equal those in a file, for both kinds of joint.
 #[test]
 fn st05_stops_of_a_file_are_those_of_code() {
     let text = |joint: &str| {
@@ -260,8 +260,9 @@ fn st05_stops_of_a_file_are_those_of_code() {
     }
 }
 
-/// ST-07. A slide that leaves its stop faster than the stop follows, and is pushed back before it is free: in free flight under the force
-/// alone until spring and damper push again, then critically damped about the new rest. Closed form to what steps of this tolerance leave.
+/// ST-07. A prismatic joint that leaves its stop faster than the stop follows, and is pushed back before it is clear of it: free flight
+/// under the force alone until the sum of spring and damper force acts again, then critically damped motion about the new equilibrium.
+/// Agrees with the closed form within the error of steps at this tolerance.
 #[test]
 fn st07_a_leaving_joint_is_pushed_back() {
     let text = "name = 'S'\n[rigid_body.block]\nmass_kg = 1.0\ninertia_kg_m2 = [0.01, 0.01, 0.01, 0.0, 0.0, 0.0]\n\

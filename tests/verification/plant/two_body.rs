@@ -24,7 +24,7 @@ fn two_bodies(kind: ElementKind, count: usize) -> Machine {
     machine
 }
 
-/// `√(Σ Z²/M)` of the free end at t = 0.01 … 5 s, and the path at whole half seconds.
+/// `√(Σ Z²/M)` of the free end at t = 0.01 … 5 s, and its positions every half second.
 fn rms_m(machine: Machine) -> (f64, Vec<Vector3<f64>>) {
     let mut plant = start(machine);
     let (mut sum, mut step, mut path) = (0.0, 0, Vec::new());

@@ -1,7 +1,7 @@
 //! Rotors in hover and in slow axial flight against closed forms: coning, flap damping, response of the thrust to a step of pitch.
 //!
-//! One thin blade of constant chord, which begins at the shaft's axis and represents two, without losses, swirl and drag; the lift is
-//! proportional to the angle of attack at all angles. Angles are small, so the linear theory holds to 1e-4.
+//! One thin blade of constant chord, which begins at the shaft's axis and represents two blades, without tip loss, swirl and drag; the lift
+//! is proportional to the angle of attack at all angles. Angles are small, so the linear theory holds to 1e-4.
 
 use crate::agreement::agree;
 use crate::plant::machines::start;
@@ -17,24 +17,24 @@ const SPEED_RAD_S: f64 = 40.0;
 const DENSITY_KG_M3: f64 = 1.225;
 const SLOPE: f64 = TAU;
 const BLADES: f64 = 2.0;
-/// Strips; the midpoint rule is off by 1/(2 n²).
+/// Number of strips; the error of the midpoint rule is 1/(2 n²).
 const STRIPS: usize = 100;
 
-/// `σ a`, the solidity `B c/(π R)` times the slope of the lift.
+/// `σ a`, the solidity `B c/(π R)` times the lift slope.
 fn loading() -> f64 {
     BLADES * CHORD_M / (PI * RADIUS_M) * SLOPE
 }
 
-/// A thin blade in its air.
+/// A thin blade and its aerodynamic parameters.
 struct Blade<'a> {
-    /// Lock number `ρ a c R⁴/I` and flap frequency per turn.
+    /// Lock number `ρ a c R⁴/I`, and flap frequency per revolution.
     lock: f64,
     nu: f64,
-    /// Pitch in rad over the share of the radius.
+    /// Pitch in rad as a function of the radius divided by the tip radius.
     pitch_rad: &'a dyn Fn(f64) -> f64,
-    /// Air through the disc against the thrust, over the speed of the tip.
+    /// Axial velocity through the disc, opposite to the thrust, divided by the tip speed.
     climb: f64,
-    /// Time constant of the inflow in s; `None`: the momentum balance.
+    /// Time constant of the inflow in s; `None`: quasi-steady momentum balance.
     lag_s: Option<f64>,
     /// The induced velocity is that of the steady rotor at the start, or zero.
     established: bool,
@@ -128,7 +128,7 @@ step_s = 0.01
 
 const FLAP: &str = "axis = [1.0, 0.0, 0.0]\n[joint.blade.spring]\nstiffness_N_m_rad = SPRING";
 
-/// Steady coning in rad, after the swing of the start is gone: mean of some swings, and by how much it still moves.
+/// Steady coning in rad after the initial oscillation has decayed: mean over some periods, and remaining amplitude.
 fn coning_rad(machine: Machine) -> [f64; 2] {
     let mut plant = start(machine);
     let (mut low, mut high, mut mean) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
@@ -140,8 +140,8 @@ fn coning_rad(machine: Machine) -> [f64; 2] {
     [mean, high - low]
 }
 
-/// RT-11. Coning `β0 = (γ/ν²)(θ/8 − λ/6)` at a given uniform inflow: air through the disc, and a lag of the induced velocity so long that it
-/// stays away.
+/// RT-11. Coning `β0 = (γ/ν²)(θ/8 − λ/6)` at a given uniform inflow: axial velocity through the disc, and a lag so long that the induced
+/// velocity stays zero.
 #[test]
 fn rt11_coning_at_a_uniform_inflow() {
     let mut worst = 0.0f64;
@@ -170,18 +170,19 @@ fn rt11_coning_at_a_uniform_inflow() {
     assert!(worst < 1e-3, "{worst:e}");
 }
 
-/// Inflow ratio of blade elements in hover: `λ = (σa/16)(√(1 + 32 θ r/(σa)) − 1)`, `θ r` of constant pitch or of ideal twist.
+/// Inflow ratio of blade-element momentum theory in hover: `λ = (σa/16)(√(1 + 32 θ r/(σa)) − 1)`, with `θ r` for constant pitch or ideal
+/// twist.
 fn hover_inflow(pitch_times_share: f64) -> f64 {
     loading() / 16.0 * ((1.0 + 32.0 * pitch_times_share / loading()).sqrt() - 1.0)
 }
 
-/// RT-12. Coning in hover, where momentum theory gives the inflow: uniform for ideal twist `θt R/r`, `β0 = (γ/ν²)(θt − λ)/6`; of constant
-/// pitch the inflow of each annulus, `β0 = (γ/ν²)(θ/8 − ½ ∫ λ r² dr)`. By the lag and by the momentum balance.
+/// RT-12. Coning in hover, where momentum theory gives the inflow: uniform for ideal twist `θt R/r`, `β0 = (γ/ν²)(θt − λ)/6`; for constant
+/// pitch the inflow of each annulus, `β0 = (γ/ν²)(θ/8 − ½ ∫ λ r² dr)`. With the lag and with the quasi-steady momentum balance.
 #[test]
 fn rt12_coning_in_hover() {
     let (lock, nu) = (8.0, 1.1);
     let tip_rad = 1f64.to_radians();
-    // at the shaft the angles of ideal twist are not small; a twentieth of the radius makes 1e-5 of the flap moment
+    // near the shaft the angles of ideal twist are not small; the inner twentieth of the radius contributes 1e-5 of the flap moment
     let twisted = move |share: f64| tip_rad / share.max(0.05);
     let constant = move |_: f64| tip_rad;
     let count = 2000;
@@ -200,11 +201,13 @@ fn rt12_coning_in_hover() {
                 Blade { lock, nu, pitch_rad: pitch, climb: 0.0, lag_s, established: true, step_s: 5e-3, joint: FLAP };
             let [found, moves] = coning_rad(blade.machine());
             println!("{name}, lag {lag_s:?}: {found:.7} rad, closed form {expected:.7}, moves by {moves:.1e}");
-            // by the balance it goes on: in still air an annulus has two states, and the sign of the flap rate chooses
+            // with the momentum balance the motion persists: in still air an annulus has two solutions, and the sign of the flap rate
+            // selects one
             assert!(moves < if lag_s.is_some() { 1e-7 } else { 5e-3 * expected }, "{name}: {moves:e}");
             let miss = (found / expected - 1.0).abs();
             worst = worst.max(miss);
-            // twice the error of 100 cells and of angles that are small; a mean over a part of a swing lies within half of it
+            // twice the error of 100 cells and of the small-angle assumption; a mean over part of a period has an error of at most half the
+            // amplitude
             match lag_s {
                 Some(_) => agree("RT-12 with lag", miss, 4e-4),
                 None => agree("RT-12 by the balance", miss, 4e-4 + 0.5 * moves / expected),
@@ -214,8 +217,8 @@ fn rt12_coning_in_hover() {
     println!("RT-12: {worst:.1e}");
 }
 
-/// RT-13. Flap damping `γ/(16 ν)` of a blade in its own frequency, without a response of the inflow: roots of the linear model, and the
-/// oscillation in time after a start next to the steady cone.
+/// RT-13. Flap damping `γ/(16 ν)` relative to the blade's own frequency, without a response of the inflow: roots of the linear model, and
+/// the oscillation in a simulation started next to the steady cone.
 #[test]
 fn rt13_flap_damping() {
     let mut worst = [0.0f64; 2];
@@ -242,7 +245,7 @@ fn rt13_flap_damping() {
         let root = modes.iter().map(|mode| mode.eigenvalue_1_s).find(|z| z.im.abs() > 0.1).expect("a swing");
         println!("γ {lock} ν {nu}: {root:.4}, closed form {:.4} {swing:.4}", -damping);
         worst[0] = worst[0].max((root.re + damping).abs() / natural).max((root.im.abs() - swing).abs() / natural);
-        // in time
+        // simulation
         let off_rad = 0.01;
         let joint = machine.bodies.iter_mut().find(|body| body.joint.name == "blade").expect("a blade");
         let foldwing::machine::JointKind::Revolute(flap) = &mut joint.joint.kind else { panic!("a hinge") };
@@ -261,8 +264,8 @@ fn rt13_flap_damping() {
     assert!(worst[0] < 1e-3 && worst[1] < 1e-3, "{worst:?}");
 }
 
-/// RT-14. Thrust after a step of pitch in hover: with `τ = (8/3π)/(4 λ0 Ω)`, the apparent mass of the air at a disc (`⅔ · 4 ρ R³`) over its
-/// momentum, the lag gives the response of Pitt and Peters' uniform state, `(8/3π) λ'/Ω + 2 λ² = C_T`, NOTATION eq. (B29).
+/// RT-14. Thrust after a step of pitch in hover: with `τ = (8/3π)/(4 λ0 Ω)`, the apparent mass of a disc (`⅔ · 4 ρ R³`) divided by the mass
+/// flow, the lag gives the response of the uniform state of Pitt and Peters, `(8/3π) λ'/Ω + 2 λ² = C_T`, NOTATION eq. (B29).
 #[test]
 fn rt14_a_step_of_pitch_in_hover() {
     let tip_rad = 0.5f64.to_radians();
@@ -270,9 +273,9 @@ fn rt14_a_step_of_pitch_in_hover() {
     let apparent = 8.0 / (3.0 * PI);
     let lag_s = apparent / (4.0 * inflow * SPEED_RAD_S);
     let scale_n = DENSITY_KG_M3 * PI * RADIUS_M.powi(4) * SPEED_RAD_S.powi(2);
-    // small: the uniform state's time constant follows its inflow, the lag's does not
+    // small: the time constant of the uniform state depends on its inflow, that of the lag does not
     let step_rad = 0.0005f64.to_radians();
-    // stiff: the pitch is there after a tenth of a millisecond
+    // stiff: the pitch is reached after a tenth of a millisecond
     let joint = "axis = [0.0, 1.0, 0.0]\n[joint.blade.motor]\nstiffness_N_m_rad = 1e8\ndamping_N_m_s_rad = 1e4\ninertia_kg_m2 = 0.1";
     let blade = Blade {
         lock: 8.0,
@@ -290,7 +293,7 @@ fn rt14_a_step_of_pitch_in_hover() {
     assert!((steady_n / expected_n - 1.0).abs() < 1e-3, "{steady_n} {expected_n}");
     plant.inputs_mut().joints_mut()[1].command_rad = step_rad;
     let jump_n = scale_n * loading() / 6.0 * step_rad;
-    // the uniform state by Runge-Kutta
+    // the uniform state by Runge–Kutta
     let thrust = |lambda: f64| loading() / 2.0 * (0.5 * (tip_rad - lambda) + step_rad / 3.0);
     let rate = |lambda: f64| SPEED_RAD_S / apparent * (thrust(lambda) - 2.0 * lambda * lambda.abs());
     let (mut lambda, mut worst, mut least) = (inflow, 0.0f64, f64::INFINITY);
@@ -313,8 +316,8 @@ fn rt14_a_step_of_pitch_in_hover() {
     agree("RT-14", worst, 1e-3);
 }
 
-/// RT-15. Momentum theory of an annulus to a thrust coefficient of 0.96, Glauert's line to 2, hover: against `4a(1 − a)` solved the other way, and
-/// the line through (0.96, 0.4) and (2, 0.92).
+/// RT-15. Momentum theory of an annulus up to a thrust coefficient of 0.96, Glauert's line up to 2, and hover: against the inverse of `4a(1
+/// − a)`, and the line through (0.96, 0.4) and (2, 0.92).
 #[test]
 fn rt15_momentum_theory_at_all_loads() {
     let wind_m_s = 7.0;

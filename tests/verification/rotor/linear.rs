@@ -1,7 +1,7 @@
-//! Rotor aerodynamics in linear models: responses to a bump of the wind compared with those of the nonlinear machine in time, exponents
-//! with Floquet's, about operating points in attached flow, near stall, under heavy load, parked and in yaw.
+//! Rotor aerodynamics in linear models: responses to a pulse of the wind compared with simulations of the nonlinear machine, exponents
+//! compared with Floquet exponents, about operating points in attached flow, near stall, under heavy load, parked and in yaw.
 //!
-//! A rigid blade on a damped flap hinge represents three. Polars are coarse on purpose: within a row the machine is smooth.
+//! A rigid blade on a damped flap hinge represents three. Polars are deliberately coarse: between two rows the machine is smooth.
 
 use crate::whole::is_whole;
 use foldwing::config;
@@ -16,21 +16,22 @@ use std::sync::Arc;
 
 /// Radius in m.
 const RADIUS_M: f64 = 6.0;
-/// Time after which the start has died down: the slowest wake, of the heavily loaded rotor, keeps 1e-4 of the little that the flap has moved it.
+/// Time after which initial transients have decayed: the slowest wake, of the heavily loaded rotor, retains 1e-4 of its small effect on the
+/// flap angle.
 const SETTLED_S: f64 = 24.0;
-/// Samples of a record in s, and its length.
+/// Sampling interval of a record in s, and its duration.
 const SAMPLE_S: f64 = 4e-3;
 const END_S: f64 = 0.2;
 const OUTPUTS: [&str; 3] = ["flap.angle", "rotor.thrust", "rotor.torque"];
 
-/// A point of operation.
+/// An operating point.
 #[derive(Clone)]
 struct Point {
     name: &'static str,
     wind_m_s: [f64; 3],
     speed_rad_s: f64,
     pitch_deg: f64,
-    /// Options of the air.
+    /// Aerodynamic options.
     air: String,
 }
 
@@ -122,7 +123,7 @@ step_s = {SAMPLE_S}
         model.unwrap_or_else(|error| panic!("{}: {error}", self.name))
     }
 
-    /// Outputs at the samples less those without a bump of the wind along the shaft.
+    /// Outputs at the samples minus those without a pulse of the wind along the shaft.
     fn marched(&self, step_s: f64, size_m_s: f64, settled_s: f64, end_s: f64) -> Vec<[f64; 3]> {
         let run = |size_m_s: f64| {
             let mut plant = self.settled(step_s, settled_s);
@@ -143,7 +144,8 @@ step_s = {SAMPLE_S}
         run(size_m_s).iter().zip(&run(0.0)).map(less).collect()
     }
 
-    /// Largest difference between the linear model and the march carried on to steps of no length, over the largest value, by output.
+    /// Largest difference between the linear model and the simulation extrapolated to zero step, relative to the largest value, for each
+    /// output.
     fn miss(&self, model: &LinearModel, size_m_s: f64, settled_s: f64, end_s: f64) -> [f64; 3] {
         let runs = [1, 2].map(|parts| self.marched(SAMPLE_S / f64::from(parts), size_m_s, settled_s, end_s));
         let expected = linear(model, size_m_s, end_s);
@@ -158,7 +160,7 @@ step_s = {SAMPLE_S}
     }
 }
 
-/// In three digits.
+/// Numbers formatted with three digits.
 fn told(numbers: &[f64; 3]) -> String {
     format!("{:.2e} {:.2e} {:.2e}", numbers[0], numbers[1], numbers[2])
 }
@@ -169,7 +171,7 @@ fn bump(sample: u32, samples: u32) -> f64 {
     if phase < 1.0 { 0.5 * (1.0 - (TAU * phase).cos()) } else { 0.0 }
 }
 
-/// The same of the linear model, by the trapezoidal rule in steps of 1/40 of the samples.
+/// Outputs of the linear model at the samples, by the trapezoidal rule in steps of 1/40 of the samples.
 fn linear(model: &LinearModel, size_m_s: f64, end_s: f64) -> Vec<[f64; 3]> {
     let m = &model.matrices;
     let (n, parts, samples) = (m.a.nrows(), 40, (end_s / SAMPLE_S).round() as u32);
@@ -207,9 +209,9 @@ fn points(air: &str) -> Vec<Point> {
     ]
 }
 
-/// WT-76. A small bump of the wind moves the linear model as the machine: flap angle, thrust and torque. Marches are carried on to steps of
-/// no length by their second order, which leaves 3e-4 of the
-/// largest value of the flap angle (steps of 4 and 2 ms beside 0.1 s of the bump), less of the loads. Short: with both lags and with none.
+/// WT-76. A small pulse of the wind gives the same response in the linear model as in the machine: flap angle, thrust and torque.
+/// Simulations are extrapolated to zero step by their second order, which leaves 3e-4 of the largest value of the flap angle (steps of 4
+/// and 2 ms for a pulse of 0.1 s), less for the loads. Short studies: with both lags and with none.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn wt76_small_bumps_of_the_wind() {
@@ -225,7 +227,7 @@ fn wt76_small_bumps_of_the_wind() {
     }
 }
 
-/// WT-77. The linear answer is the first term: what it misses grows with the square of the bump. Within one row of the polars.
+/// WT-77. The linear response is the first-order term: its error grows with the square of the pulse. Within one row interval of the polars.
 #[test]
 fn wt77_the_rest_is_of_second_order() {
     let point = &points(&format!("{INFLOW}{STALL}"))[0];
@@ -233,13 +235,14 @@ fn wt77_the_rest_is_of_second_order() {
     let [small, large] = [0.04, 0.08].map(|size_m_s| point.miss(&model, size_m_s, SETTLED_S, END_S));
     println!("WT-77: of 0.04 m/s {}, of 0.08 m/s {}", told(&small), told(&large));
     for (small, large) in small.iter().zip(&large) {
-        // relative to the answer: half at half the size; what steps leave, 1e-5, is beside it
+        // relative to the response: half at half the amplitude; the discretisation error, 1e-5, is negligible
         assert!((1.8..2.2).contains(&(large / small)), "{small:e} {large:e}");
     }
 }
 
-/// WT-78. Exponents of the linear model against Floquet's, which come from marches of a turn (L32) to (L35): every mode that a turn leaves
-/// more than 1e-3 of, in steps of 1/240 and 1/480 of a turn carried on to none. Multipliers by differences are good to 1e-7 of 1e-2.
+/// WT-78. Exponents of the linear model against Floquet exponents, which come from simulations of one revolution (L32) to (L35): every mode
+/// of which one revolution leaves more than 1e-3, in steps of 1/240 and 1/480 of a revolution, extrapolated to zero step. Multipliers by
+/// differences have an error of 1e-7 for differences of 1e-2.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn wt78_exponents_are_floquets() {
@@ -274,7 +277,8 @@ fn wt78_exponents_are_floquets() {
     }
 }
 
-/// WT-79. In yaw the linear model is that of one azimuth: what it misses falls as the record gets shorter, with the angle that the rotor turns.
+/// WT-79. In yaw the linear model is that of one azimuth: its error decreases for shorter records, with the angle through which the rotor
+/// turns.
 #[test]
 fn wt79_yaw_at_one_azimuth() {
     let air = format!("{INFLOW}{STALL}skewed_wake = true\n");
@@ -282,13 +286,13 @@ fn wt79_yaw_at_one_azimuth() {
     let model = point.linear(SETTLED_S);
     let [long, short] = [0.4, 0.2].map(|end_s| point.miss(&model, 1e-3, SETTLED_S, end_s));
     println!("WT-79: over 0.4 s {}, over 0.2 s {}", told(&long), told(&short));
-    // thrust and torque; of the flap angle steps leave as much
+    // thrust and torque; for the flap angle the discretisation error is as large
     for (long, short) in long.iter().zip(&short).skip(1) {
         assert!(*short < 5e-3 && (1.8..2.2).contains(&(long / short)), "{long:e} {short:e}");
     }
 }
 
-/// WT-80. Random machines in axial wind: any pitch, speed, options. Short: six.
+/// WT-80. Random machines in axial wind: any pitch, speed, options. Short studies: six.
 #[test]
 fn wt80_random_machines() {
     let mut seed = 0x2545_f491_4f6c_dd1d_u64;
@@ -337,7 +341,8 @@ fn wt80_random_machines() {
     assert!(worst < 1e-3, "{worst:e}");
 }
 
-/// WT-81. Where the momentum balance jumps there is no linear model: refused with the station. The place of the jump by bisection.
+/// WT-81. Where the momentum balance has a jump there is no linear model: rejected with the station. The position of the jump is found by
+/// bisection.
 #[test]
 fn wt81_a_jump_is_refused_by_name() {
     let of = |wind_m_s: f64| {
@@ -353,7 +358,7 @@ fn wt81_a_jump_is_refused_by_name() {
     for _ in 0..45 {
         let middle = 0.5 * (low.0 + high.0);
         let middle = (middle, thrust_n(middle));
-        // the half with the steeper change keeps the jump
+        // the half with the steeper change contains the jump
         if (middle.1 - low.1).abs() > (high.1 - middle.1).abs() { high = middle } else { low = middle }
     }
     println!("WT-81: at {:.9} m/s {:.3} N, at {:.9} m/s {:.3} N", low.0, low.1, high.0, high.1);

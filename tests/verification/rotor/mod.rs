@@ -1,4 +1,4 @@
-//! Air of rotors: RT-01 and following. Reference numbers: `tests/reference/turbine`.
+//! Aerodynamics of rotors: RT-01 and following. Reference numbers: `tests/reference/turbine`.
 
 mod hover;
 mod linear;
@@ -32,7 +32,7 @@ pub(crate) fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column}: {}", row[column]))
 }
 
-/// A section's polar by the reader of the product.
+/// A section's polar, read by the product.
 pub(crate) fn polar(section: &str) -> Polar {
     foldwing::config::read_polars(&reference(&format!("polars/{section}.csv"))).unwrap().remove(0).polar
 }

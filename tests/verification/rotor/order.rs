@@ -1,16 +1,16 @@
-//! Order of a rotor's air in the aerodynamic step: wake and sections with their lags, apart and together, on a rotor that speeds up in a
-//! wind from the side.
+//! Order of rotor aerodynamics in the aerodynamic step: wake and sections with their lags, separately and together, on an accelerating
+//! rotor in a wind from the side.
 
 use foldwing::config;
 use foldwing::plant::Plant;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// Length of the run in s: three quarters of a turn, ten times the slowest lag of the sections, half of that of the wake.
+/// Duration of the run in s: three quarters of a revolution, ten times the slowest lag of the sections, half of that of the wake.
 const END_S: f64 = 0.32;
 
-/// A rigid blade on a flap hinge that stands for three, a shaft that the wind speeds up by a third. The polar is smooth from attached flow
-/// to deep stall, its rows 1° apart: at 14 m/s, 9 rad/s the sections are on both sides of the largest lift.
+/// A rigid blade on a flap hinge that represents three, and a shaft accelerated by a third by the wind. The polar is smooth from attached
+/// flow to deep stall, with rows 1° apart: at 14 m/s and 9 rad/s the sections are on both sides of maximum lift.
 fn model(air: &str, step_s: f64) -> String {
     let mut rows = String::new();
     for degree in -180..=180 {
@@ -71,7 +71,7 @@ tolerance = 1e-9
     )
 }
 
-/// Flap angle, speed of the shaft, thrust and torque at the end.
+/// Flap angle, shaft speed, thrust and torque at the end.
 fn end(air: &str, step_s: f64) -> [f64; 4] {
     let machine = config::parse(&model(air, step_s), "rotor.toml").unwrap_or_else(|error| panic!("{error}"));
     let mut plant = Plant::new(Arc::new(machine));
@@ -82,15 +82,16 @@ fn end(air: &str, step_s: f64) -> [f64; 4] {
     [joints[1].angle_rad, joints[0].rate_rad_s, rotor.thrust_n, rotor.torque_n_m]
 }
 
-/// RT-19. Second order in the aerodynamic step with every lag of the air, alone and together, in an established flow and in one that sets
-/// in: loads run linearly over a step, every lag is exact for that, and its time constant is the mean of those at the ends of the step.
+/// RT-19. Second order in the aerodynamic step with every aerodynamic lag, separately and together, for a steady and an impulsive start:
+/// loads are linear over a step, every lag is integrated exactly for such loads, and its time constant is the mean of those at the ends of
+/// the step.
 #[test]
 fn rt19_order_in_the_aerodynamic_step_is_two() {
     let both = "dynamic_inflow = true\ndynamic_stall = true\nskewed_wake = true\n";
     let sets_in = format!("{both}steady_initial_flow = false\n");
     for air in ["", "dynamic_inflow = true\nsteady_initial_flow = false\n", "dynamic_stall = true\n", both, &sets_in] {
         let ends = [4e-3, 2e-3, 1e-3, 5e-4].map(|step_s| end(air, step_s));
-        // all outputs together, each over its size: one alone may pass through an error of zero
+        // all outputs together, each relative to its magnitude: the error of a single one may pass through zero
         let change = |pair: &[[f64; 4]]| -> f64 {
             (0..4).map(|k| ((pair[0][k] - pair[1][k]) / pair[1][k]).powi(2)).sum::<f64>().sqrt()
         };

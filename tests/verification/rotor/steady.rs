@@ -3,9 +3,9 @@
 use super::{nrel_5mw, number, reference, table};
 use foldwing::aero::rotor::induction::EndRule;
 
-/// RT-01: power, thrust and induction at OpenFAST's stiff operating points, with AeroDyn's rule for the ends.
+/// RT-01: power, thrust and induction at OpenFAST's operating points with a stiff rotor, with AeroDyn's formula for the end losses.
 ///
-/// Tolerances are those of the reference: its own residual ends at 5e-10 in the flow angle, outputs have 8 digits.
+/// Tolerances are those of the reference: its solver ends at a residual of 5e-10 in the flow angle, and outputs have 8 digits.
 #[test]
 fn stiff_rotor_is_openfasts_with_its_end_rule() {
     let rotor = nrel_5mw(EndRule::Stopped);

@@ -1,4 +1,4 @@
-//! A rotor inside a machine: stiff blades on a shaft that is held at constant speed, with `model = "bem"`.
+//! A rotor in a machine: stiff blades on a shaft at constant speed, with `model = "bem"`.
 
 use super::{nrel_5mw, number, reference, table};
 use crate::counting_allocator::allocations;
@@ -11,8 +11,8 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// A model file of the NREL 5 MW rotor with beams `stiffness` times as stiff as a steel tube of 2 m for blades. The shaft
-/// runs at a speed that is given; the blades are clamped to the hub, the pitch is in their incidence.
+/// A model file of the NREL 5 MW rotor with beams `stiffness` times as stiff as a steel tube of 2 m for blades. The shaft runs at a given
+/// speed; the blades are clamped to the hub, and the pitch is part of their incidence.
 fn model(wind: &str, speed_rad_s: f64, pitch_deg: f64, air: &str, tables: &str) -> String {
     let blade = table(&reference("nrel5mw_blade.csv"));
     let stations: Vec<f64> = blade.iter().map(|row| number(row, "span_m")).collect();
@@ -32,11 +32,11 @@ fn model(wind: &str, speed_rad_s: f64, pitch_deg: f64, air: &str, tables: &str) 
     );
     for k in 0..3 {
         let angle = TAU * f64::from(k) / 3.0;
-        // the body's x along the blade, its y towards the leading edge (where the blade goes), its z downwind
+        // the body's x along the blade, its y towards the leading edge (direction of rotation), its z downwind
         let (sine, cosine) = angle.sin_cos();
         let along_blade = Vector3::new(0.0, -sine, cosine);
         let axes = Matrix3::from_columns(&[along_blade, Vector3::x().cross(&along_blade), Vector3::x()]);
-        // by a quaternion: blade 0 is turned by half a turn, where a matrix does not tell its axis
+        // by a quaternion: blade 0 is rotated by 180 degrees, where a matrix does not determine the sign of its axis
         let turned = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
         let mount = turned.scaled_axis() * (180.0 / PI);
         let apex = along_blade * 1.5;
@@ -69,7 +69,7 @@ fn machine(text: String) -> Machine {
     foldwing::config::parse(&text, "rotor.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Aerodynamic loads after a time of rotation.
+/// Aerodynamic loads after rotating for a time.
 fn turned(text: String, time_s: f64) -> RotorLoads {
     let mut plant = Plant::new(Arc::new(machine(text)));
     plant.initialize(0.0).unwrap();
@@ -77,8 +77,8 @@ fn turned(text: String, time_s: f64) -> RotorLoads {
     plant.outputs().rotor()[0]
 }
 
-/// RT-02: the same operating points in a machine whose blades turn: coefficients of OpenFAST to 1e-5, with its end rule. Blades
-/// are 1e5 times as stiff as steel, the shaft turns at constant speed, steps are 20 ms.
+/// RT-02: the operating points of RT-01 in a machine with rotating blades: coefficients of OpenFAST to 1e-5, with its end-loss formula.
+/// Blades are 1e5 times as stiff as steel, the shaft rotates at constant speed, steps are 20 ms.
 #[test]
 fn turning_rotor_has_the_steady_coefficients() {
     let rows = table(&reference("openfast_aeromap_stiff.csv"));
@@ -96,7 +96,7 @@ fn turning_rotor_has_the_steady_coefficients() {
     }
 }
 
-/// Without the rule the ends carry nothing, in the machine as in the steady rotor.
+/// Without that end-loss formula the blade ends carry no load, in the machine as in the steady rotor.
 #[test]
 fn ends_without_load_are_those_of_the_steady_rotor() {
     let (wind_m_s, speed_rad_s) = (8.0, 9.1311 * PI / 30.0);
@@ -107,9 +107,9 @@ fn ends_without_load_are_those_of_the_steady_rotor() {
     approx::assert_relative_eq!(got.power_w, expected.power_w, max_relative = 1e-5);
 }
 
-/// RT-16: the same rotor with dynamic stall, whose steady sections have the static polar: thrust, torque and the bending moments at the
-/// blades' roots from light load to stall, and at the pitch that holds rated power at 12 m/s. 1e-9: an established flow starts in the
-/// steady state, which the marched induction keeps.
+/// RT-16: the same rotor with dynamic stall, which in steady flow reduces to the static polar: thrust, torque and the bending moments at
+/// the blades' roots from light load to stall, and at the pitch that holds rated power at 12 m/s. 1e-9: a steady-flow start begins in the
+/// steady state, which the induction of the simulation keeps.
 #[test]
 fn dynamic_stall_leaves_the_steady_rotor() {
     for (wind, speed_rad_s, pitch_deg) in [
@@ -140,13 +140,13 @@ fn dynamic_stall_leaves_the_steady_rotor() {
             root.norm()
         );
         assert!(miss.iter().all(|miss| *miss < 1e-9), "{wind}: {miss:?}");
-        // a blade bends downwind by a third to a half of the thrust at two thirds of its length and more
+        // the downwind bending moment of a blade is a third to a half of the thrust times two thirds of its length or more
         assert!(root.norm() > 0.2 * plain.thrust_n * 61.5, "{wind}: {root}");
     }
 }
 
-/// RT-20. The mean induction of a rotor: the axial induced velocities of the annuli over their winds, each by its radius, of the independent
-/// steady rotor; nodes with complete loss have none.
+/// RT-20. The mean induction of a rotor: radius-weighted sum of the axial induced velocities of the annuli divided by that of their wind
+/// speeds, from the independent steady rotor; nodes with complete end loss are excluded.
 #[test]
 fn mean_induction_is_that_of_the_annuli() {
     let (wind_m_s, speed_rad_s) = (8.0, 9.1311 * PI / 30.0);
@@ -160,16 +160,16 @@ fn mean_induction_is_that_of_the_annuli() {
     // 1e-7: deflections of stiff blades
     approx::assert_relative_eq!(found.induction, weighted / weights, max_relative = 1e-7);
     assert!((0.2..0.4).contains(&found.induction), "{found:?}");
-    // a mean by the radius, not of the factors: they fall towards the root
+    // a radius-weighted mean, not a mean of the induction factors: these fall towards the root
     let factors = inner.clone().map(|i| nodes[i].axial_induction).sum::<f64>() / inner.len() as f64;
     assert!((found.induction / factors - 1.0).abs() > 0.01, "{factors}");
-    // dynamic inflow that has settled has the same, but for the blades' deflections, which it follows with a lag
+    // settled dynamic inflow gives the same, apart from the blades' deflections, which it follows with a lag
     let lagged = turned(model("[8, 0, 0]", speed_rad_s, 0.0, "step_s = 0.02\ndynamic_inflow = true\n", ""), 0.1);
     println!("with dynamic inflow {:.9}", lagged.induction);
     approx::assert_relative_eq!(lagged.induction, found.induction, max_relative = 1e-7);
 }
 
-/// RT-05: the rotor goes on from a snapshot bit for bit, with all memory there is.
+/// RT-05: the rotor continues from a snapshot bit-identically, with all its lag states.
 #[test]
 fn snapshots_hold_wake_and_stall() {
     let air =
@@ -187,12 +187,12 @@ fn snapshots_hold_wake_and_stall() {
     other.restore(&snapshot).unwrap();
     other.step(0.9).unwrap();
     assert_eq!(other.outputs().values(), expected);
-    // a wake that sets in slows the wind more and more
+    // after an impulsive start the wake slows the wind more and more
     let end_n = plant.outputs().rotor()[0].thrust_n;
     assert!(end_n < start_n, "{start_n} {end_n}");
 }
 
-/// RT-06: states that a turbine meets away from its operating points: finite loads of the right sign.
+/// RT-06: states of a turbine away from its operating points: finite loads of the right sign.
 #[test]
 fn rotor_meets_any_wind() {
     let loads = |wind: &str, speed_rad_s: f64, pitch_deg: f64| {
@@ -202,16 +202,16 @@ fn rotor_meets_any_wind() {
         assert!(numbers.iter().all(|number| number.is_finite()), "{wind} {speed_rad_s} {pitch_deg}: {got:?}");
         got
     };
-    // no air moves, nothing turns
+    // no wind, no rotation
     let still = loads("[0, 0, 0]", 0.0, 0.0);
     assert_eq!((still.thrust_n, still.torque_n_m, still.power_coefficient), (0.0, 0.0, 0.0));
-    // in still air it is a propeller that is braked
+    // in still air it is a propeller that the air decelerates
     let fan = loads("[0, 0, 0]", 1.0, 0.0);
     assert!(fan.torque_n_m < 0.0 && fan.thrust_coefficient == 0.0, "{fan:?}");
     // parked across a storm: pushed downwind; feathered: hardly
     let (parked, feathered) = (loads("[50, 0, 0]", 0.0, 0.0), loads("[50, 0, 0]", 0.0, 90.0));
     assert!(parked.thrust_n > 5e5 && feathered.thrust_n.abs() < 0.1 * parked.thrust_n, "{parked:?} {feathered:?}");
-    // wind from behind, from the side, and turning the wrong way
+    // wind from behind, from the side, and reversed rotation
     assert!(loads("[-8, 0, 0]", 0.95, 0.0).thrust_n < 0.0);
     assert!(loads("[0, 12, 0]", 0.95, 0.0).torque_n_m < 0.0);
     assert!(loads("[8, 0, 0]", -0.95, 0.0).power_w < 0.0);
@@ -219,7 +219,7 @@ fn rotor_meets_any_wind() {
     assert!(loads("[80, 0, 0]", 0.95, 0.0).thrust_n > 1e6);
 }
 
-/// RT-17: coefficients refer to the wind along the shaft, and are 0 where there is next to none: wind from the side.
+/// RT-17: coefficients refer to the wind along the shaft, and are 0 where this is negligible: wind from the side.
 #[test]
 fn coefficients_are_zero_in_a_wind_from_the_side() {
     let at = |yaw_deg: f64| {
@@ -232,15 +232,15 @@ fn coefficients_are_zero_in_a_wind_from_the_side() {
     let side = at(90.0);
     assert_eq!(of(&side), [0.0; 4], "{side:?}");
     assert!(side.thrust_n != 0.0 && side.torque_n_m != 0.0);
-    // the wind along the shaft just below and just above a hundredth of the speed of the tips, hypot(63, 12) m/s
+    // the wind along the shaft just below and just above a hundredth of the tip speed, hypot(63, 12) m/s
     let (below, above) = (at(86.95), at(86.9));
     assert!(of(&below) == [0.0; 4] && of(&above).iter().all(|value| *value != 0.0), "{below:?} {above:?}");
     let pressure_n = 0.5 * 1.225 * PI * 62.9999f64.powi(2) * above.wind_m_s.powi(2);
     approx::assert_relative_eq!(above.thrust_coefficient, above.thrust_n / pressure_n, max_relative = 1e-6);
 }
 
-/// RT-18: pitching moment at the root of a blade: that of the polars at the angles and speeds behind the induction, straight lines between the
-/// stations, from the independent steady rotor. The quarter chord is the blade's axis, so that forces have no moment about it.
+/// RT-18: pitching moment at the root of a blade: moments of the polars at the angles and speeds that include the induction, linear between
+/// the stations, from the independent steady rotor. The quarter chord is the blade's axis, so forces have no moment about it.
 #[test]
 fn pitching_moment_is_that_of_the_sections_behind_the_induction() {
     let (wind_m_s, speed_rad_s) = (8.0, 9.1311 * PI / 30.0);
@@ -265,16 +265,16 @@ fn pitching_moment_is_that_of_the_sections_behind_the_induction() {
     plant.step(0.1).unwrap();
     let found = plant.outputs().internal_loads()[0].moment_n_m.x;
     println!("pitching moment at the root: {found:.3} N·m, of the sections {expected:.3}");
-    // the blade's x is its axis, y towards the leading edge: nose up turns about it.
-    // 1e-6: deflections of stiff blades, whose forces then have arms
+    // the blade's x is its axis, y points to the leading edge: nose-up is a rotation about x. 1e-6: deflections of stiff blades, whose
+    // forces then have lever arms
     assert!(expected < -1e4 && (found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
 }
 
-/// RT-07: a rotor that turns the other way, seen in a mirror, is the same.
+/// RT-07: a rotor with reversed rotation is the mirror image.
 #[test]
 fn counter_clockwise_rotor_is_the_mirror_image() {
     let clockwise = model("[9, 2, 1]", 1.0, 3.0, "step_s = 0.05\nskewed_wake = true\n", "");
-    // mirror at y = 0: blades at opposite azimuths, leading edges and speed the other way
+    // mirrored at y = 0: blades at opposite azimuths, leading edges and speed reversed
     let mirrored = clockwise
         .replace("wind_m_s = [9, 2, 1]", "wind_m_s = [9, -2, 1]\nrotation_direction = \"counter_clockwise\"")
         .replace("elastic_axis_fraction", "leading_edge = \"-y\"\nelastic_axis_fraction")
@@ -288,7 +288,7 @@ fn counter_clockwise_rotor_is_the_mirror_image() {
     }
 }
 
-/// RT-08: fields of wind: shear alone leaves the mean, a table adds, turbulence is felt and repeats with its seed.
+/// RT-08: wind fields: shear alone does not change the mean, a table is added, turbulence affects the loads and is repeatable for a seed.
 #[test]
 fn fields_reach_the_blades() {
     let wind = "[wind]\nreference_height_m = 90.0\nground_m = [0, 0, -90]\n";
@@ -321,13 +321,13 @@ fn fields_reach_the_blades() {
             "step_s = 0.05\n",
             "[tower]\nbase_m = [5, 0, -90]\nrows = [[0, 6, 1], [87, 4, 1]]\nshadow = \"powles\"\n",
         ),
-        2.0 * PI / 3.0 * 0.5, // a blade is in front of it
+        2.0 * PI / 3.0 * 0.5, // a blade is in front of the tower
     );
     let free = turned(model("[10, 0, 0]", 1.0, 0.0, "step_s = 0.05\n", ""), 2.0 * PI / 3.0 * 0.5);
     assert!(towered.thrust_n < free.thrust_n, "{} {}", towered.thrust_n, free.thrust_n);
 }
 
-/// RT-09: what a file gets wrong is refused with key and line.
+/// RT-09: errors in a model file are rejected with key and line.
 #[test]
 fn faulty_rotors_are_refused_by_name() {
     let sound = model("[8, 0, 0]", 1.0, 0.0, "", "");
@@ -377,7 +377,7 @@ fn faulty_rotors_are_refused_by_name() {
     assert_eq!(extended, "nothing refused");
 }
 
-/// RT-10: steps of a rotor with all that it can remember allocate nothing.
+/// RT-10: steps of a rotor with all kinds of lag states allocate no memory.
 #[test]
 fn steps_do_not_allocate() {
     let air = "step_s = 0.05\ndynamic_inflow = true\ndynamic_stall = true\nskewed_wake = true\n";
@@ -392,7 +392,8 @@ fn steps_do_not_allocate() {
     assert_eq!(allocations(), before);
 }
 
-/// A rotor of three blades from which one is missing is refused by name; so is one with a blade off its place.
+/// A rotor of three blades with one blade missing is rejected with an error that gives the cause; so is one with a blade at a wrong
+/// azimuth.
 #[test]
 fn rotor_with_a_blade_missing_is_refused() {
     let whole = model("[8, 0, 0]", 1.0, 0.0, "step_s = 0.02\n", "");
@@ -405,7 +406,7 @@ fn rotor_with_a_blade_missing_is_refused() {
     for word in ["blade1 120.0 deg from blade0 about the shaft", "180.0 deg apart as there are 2", "is one missing"] {
         assert!(told.contains(word), "{word:?} is missing in {told}");
     }
-    // a second rotor, or a wing beside one
+    // a second rotor, or a wing in addition to a rotor
     let other = "[joint.other]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n[body.wing]\nlength_m = 5.0\nelements = 1\n\
         section = \"tube\"\n[surface.wing]\nbody = \"wing\"\nelastic_axis_fraction = 0.25\nstations_m = [0.0, 5.0]\n\
         polars = [\"cylinder1\", \"cylinder1\"]\nchord_m = 1.0\n";

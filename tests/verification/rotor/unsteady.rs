@@ -1,4 +1,4 @@
-//! Dynamic stall against OpenFAST's driver for unsteady airfoils.
+//! Dynamic stall against OpenFAST's driver for unsteady aerofoils.
 
 use super::{number, polar, reference, table};
 use crate::trees::Random;
@@ -8,9 +8,9 @@ use std::f64::consts::{PI, TAU};
 
 /// RT-03: DU21-A17 pitching about mid-chord by 5° about 5°, 10° and 15°, OpenFAST's `UA_Mod` 4 (the same four equations).
 ///
-/// 2 % of the loop's range for lift and drag, 2 % for the moment: ours takes the steepest line of the polar as attached lift,
-/// OpenFAST the parameters of the deck, which do not fit its polars (OpenFAST/r-test issue 20). A slope of 7.0 or 7.8 1/rad
-/// instead of 7.385 makes 2.3 % or 1.4 %.
+/// 2 % of the loop's range for lift and drag, 2 % for the moment: Foldwing takes the steepest line of the polar as attached lift, OpenFAST
+/// the parameters of the deck, which do not fit its polars (OpenFAST/r-test issue 20). A slope of 7.0 or 7.8 1/rad instead of 7.385 gives
+/// differences of 2.3 % or 1.4 %.
 #[test]
 fn dynamic_stall_loops_are_openfasts() {
     let split = SplitPolar::new(polar("du21_a17")).unwrap();
@@ -22,7 +22,7 @@ fn dynamic_stall_loops_are_openfasts() {
                 let phase = TAU * step as f64 / steps as f64;
                 let angle_rad = f64::to_radians(mean_deg + 5.0 * phase.sin());
                 let pitch_rate_rad_s = 5f64.to_radians() * TAU * frequency_hz * phase.cos();
-                // the quarter chord is a quarter of a chord ahead of the axis: it rises where the section pitches up
+                // the quarter chord is a quarter of the chord ahead of the axis: it moves up when the section pitches up
                 let across_m_s = wind_m_s * angle_rad.sin() - 0.25 * chord_m * pitch_rate_rad_s;
                 let along_m_s = wind_m_s * angle_rad.cos();
                 StallInflow {
@@ -69,7 +69,8 @@ fn dynamic_stall_loops_are_openfasts() {
     }
 }
 
-/// Rows at random angles all round with random coefficients: lift that falls where it should rise, stalls twice, lies on one side of zero.
+/// Rows at random angles over the full circle with random coefficients: lift that falls where it should rise, stalls twice, or does not
+/// change sign.
 fn random_polar(random: &mut Random) -> Polar {
     let mut angles_rad: Vec<f64> = (0..30).map(|_| PI * random.symmetric()).collect();
     angles_rad.extend((0..20).map(|_| 0.6 * random.symmetric()));
@@ -85,9 +86,9 @@ fn random_polar(random: &mut Random) -> Polar {
     Polar { rows: rows.collect() }
 }
 
-/// RT-16: a section in a constant inflow has the coefficients of its static polar, attached or in stall, at once and after a march from
-/// another inflow; polars of the 5 MW turbine and random ones. Allowed are the last bits, and after the march what is left of the slowest
-/// lag over 200 semi-chords, `exp(-0.14 · 200)`, over the size of the coefficients.
+/// RT-16: a section in a constant inflow has the coefficients of its static polar, attached or in stall, at once and after a transition
+/// from another inflow; polars of the 5 MW turbine and random ones. The allowed difference is the last bits and, after the transition, the
+/// remainder of the slowest lag over 200 semi-chords, `exp(-0.14 · 200)`, relative to the magnitude of the coefficients.
 #[test]
 fn steady_coefficients_are_those_of_the_static_polar() {
     let mut random = Random::new(16);

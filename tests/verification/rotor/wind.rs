@@ -1,4 +1,4 @@
-//! Fields of wind as another program writes them.
+//! Wind fields written by another program.
 
 use super::{number, reference, table};
 use foldwing::aero::rotor::turbulence_box::TurbulenceBox;
@@ -8,8 +8,8 @@ fn bytes(name: &str) -> Vec<u8> {
     std::fs::read(format!("{}/tests/reference/turbine/wind/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
-/// Largest difference from what pyTurbSim was given, component by component in m/s. Its `.bts` writer overflows at the largest
-/// value of a component (65536 steps for 65535 numbers): that one value is left out.
+/// Largest difference from the input of pyTurbSim, component by component, in m/s. Its `.bts` writer overflows at the largest value of a
+/// component (65536 levels for 65535 numbers): this one value is excluded.
 fn difference_m_s(grid: &TurbulenceBox) -> [f64; 3] {
     let rows = table(&reference("wind/pyturbsim.csv"));
     assert_eq!(rows.len(), grid.velocity_m_s.len());
@@ -25,8 +25,8 @@ fn difference_m_s(grid: &TurbulenceBox) -> [f64; 3] {
     })
 }
 
-/// RT-04: the bytes of pyTurbSim's two writers, of one field. Tolerances: a step of their 16-bit numbers, which they cut off
-/// instead of rounding.
+/// RT-04: the files of pyTurbSim's two writers for one field. Tolerances: one level of their 16-bit numbers, which they truncate instead of
+/// rounding.
 #[test]
 fn fields_of_another_program_are_read() {
     let turbsim = read_turbsim(&bytes("pyturbsim.bts")).unwrap();
@@ -38,20 +38,20 @@ fn fields_of_another_program_are_read() {
         [5.0, 6.0, 0.25, 80.0, 11.0]
     );
     let error = difference_m_s(&turbsim);
-    assert!(error.iter().all(|error| *error < 2e-4), "{error:?}"); // a range of 9 m/s in 65536 steps: 1.4e-4
+    assert!(error.iter().all(|error| *error < 2e-4), "{error:?}"); // a range of 9 m/s in 65536 levels: 1.4e-4
 
     let settings = BladedSettings { middle_height_m: 89.0, from_port: true };
     let bladed = read_bladed(&bytes("pyturbsim.wnd"), settings).unwrap();
     assert_eq!((bladed.across, bladed.upward, bladed.planes, bladed.bottom_m), (3, 4, 16, 80.0));
     approx::assert_relative_eq!(bladed.plane_interval_s, 0.25, max_relative = 1e-6);
     let error = difference_m_s(&bladed);
-    assert!(error.iter().all(|error| *error < 3e-3), "{error:?}"); // a thousandth of a deviation of up to 2 m/s
+    assert!(error.iter().all(|error| *error < 3e-3), "{error:?}"); // a thousandth of a standard deviation of up to 2 m/s
 
     let wrong = read_bladed(&bytes("pyturbsim.wnd"), BladedSettings { from_port: false, ..settings }).unwrap();
     assert!(difference_m_s(&wrong)[0] > 1.0, "points across run the other way");
 }
 
-/// Every cut of either file is refused by name, before anything is taken from it.
+/// Truncation of either file at any point is reported as such before any of its data are used.
 #[test]
 fn fields_cut_short_are_refused() {
     let settings = BladedSettings { middle_height_m: 89.0, from_port: true };

@@ -1,5 +1,5 @@
-//! Beams that deform in shear, from model files: statics, frequencies and large motion against independent solutions, whose numbers are in
-//! `tests/reference/shear`. Case numbers SH-xx.
+//! Beams with shear deformation, from model files: statics, frequencies and large motion against independent solutions, whose numbers are
+//! in `tests/reference/shear`. Case numbers SH-xx.
 
 mod motion;
 mod section_files;

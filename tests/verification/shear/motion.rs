@@ -24,7 +24,8 @@ fn pendulum(pairs: usize) -> String {
     )
 }
 
-/// Largest distance of the tip from the known one over 1 s, and the largest error of the energy account over the largest kinetic energy.
+/// Largest distance of the tip from the reference over 1 s, and the largest error of the energy balance relative to the largest kinetic
+/// energy.
 fn deviation(text: &str) -> (f64, f64) {
     let rows = include_str!("../../reference/shear/thick_pendulum_exudyn.csv").lines().skip(1);
     let rows: Vec<[f64; 3]> = rows
@@ -48,8 +49,8 @@ fn deviation(text: &str) -> (f64, f64) {
     (worst, unbalanced / kinetic)
 }
 
-/// SH-20. Four pairs follow 64 geometrically exact elements within 1 mm over 1 s (the reference's own error is 0.1 mm); without shear the tip
-/// is 5 mm off. The energy account closes to 1e-6 of the largest kinetic energy.
+/// SH-20. Four pairs follow 64 geometrically exact elements within 1 mm over 1 s (the error of the reference is 0.1 mm); without shear the
+/// tip is 5 mm off. The energy balance closes to 1e-6 of the largest kinetic energy.
 #[test]
 fn sh20_thick_pendulum() {
     let text = pendulum(4);

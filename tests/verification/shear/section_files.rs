@@ -1,4 +1,4 @@
-//! SH-30 to SH-37: files of section programs. Those in `tests/reference/section_files` have the origin stated there; others are written
+//! SH-30 to SH-37: files of section programs. The origin of those in `tests/reference/section_files` is stated there; others are written
 //! here from the documented format.
 
 use crate::statics::machines::{machine, plant};
@@ -33,14 +33,14 @@ fn cantilever(table: &StationTable, shear: bool) -> String {
     )
 }
 
-/// The stiffness with shear of the body, in the order `(εx, γy, γz, κx, κy, κz)`.
+/// The stiffness matrix of the body with shear, in the order `(εx, γy, γz, κx, κy, κz)`.
 fn whole(table: &StationTable) -> Matrix6<f64> {
     let own = machine(&cantilever(table, true)).bodies[0].section.at(0.0).shear.expect("with shear");
     let order = [0, 4, 5, 1, 2, 3];
     Matrix6::from_fn(|row, column| own[(order[row], order[column])])
 }
 
-/// The stiffness of `(εx, κx, κy, κz)` in the columns.
+/// The stiffness matrix of `(εx, κx, κy, κz)` from the columns.
 fn condensed(table: &StationTable, station: usize) -> Matrix4<f64> {
     let own = ["axial_stiffness_N", "torsional_rigidity_N_m2", "flap_stiffness_N_m2", "edge_stiffness_N_m2"];
     let mut matrix = Matrix4::from_fn(|i, j| if i == j { at(table, own[i], station) } else { 0.0 });
@@ -57,7 +57,7 @@ fn condensed(table: &StationTable, station: usize) -> Matrix4<f64> {
     matrix
 }
 
-/// Numbers of so many rows of a text, from the second one after a title on.
+/// Numbers in a given count of rows of a text, starting with the second row after a title.
 fn printed(text: &str, title: &str, rows: usize) -> Vec<f64> {
     let lines = text.lines().skip_while(|line| !line.trim_start().starts_with(title)).skip(3).take(rows);
     lines.flat_map(|line| line.split_whitespace().map(|word| word.parse().expect("a number"))).collect()
@@ -67,8 +67,8 @@ fn close(found: f64, known: f64, tolerance: f64, scale: f64, what: &str) {
     assert!((found - known).abs() <= tolerance * scale, "{what}: {found} instead of {known}");
 }
 
-/// SH-30. VABS: the matrix is that of its output, and condensed it is the classical one of the same output to its eleven digits. Moments of mass
-/// and tension centre of a section far from its origin are those that VABS prints beside the matrices.
+/// SH-30. VABS: the matrix is that of its output, and condensed it is the classical one of the same output to its eleven digits. Mass
+/// moments and tension centre of a section far from its origin agree with the values that VABS prints next to the matrices.
 #[test]
 fn sh30_vabs() {
     let table = read(VABS);
@@ -91,7 +91,7 @@ fn sh30_vabs() {
         ("second_moment_zz_kg_m", 4, 4, 1.0),
         ("second_moment_yz_kg_m", 4, 5, -1.0),
     ] {
-        // differences of numbers of ten digits ten times as large
+        // differences of ten-digit numbers ten times as large
         close(at(&table, name, 0), sign * centred[(row, column)], 1e-8, centred[(5, 5)], name);
     }
     let centre = printed(CLASSICAL, "The Mass Center", 1);
@@ -107,8 +107,9 @@ fn sh30_vabs() {
     assert!(refused.contains("body.blade.shear"), "{refused}");
 }
 
-/// SH-31. ANBA4's unit square of E = 1, ν = 0.33 by 10 × 10 × 2 triangles: stretch and bending exact, torsion 2e-4 from Saint-Venant's series;
-/// shear is Cowper's to 3 %, and lower than 5/6. Printed by the solver it gives the same as in JSON.
+/// SH-31. ANBA4's unit square of E = 1, ν = 0.33 by 10 × 10 × 2 triangles: stretch and bending exact, torsion 2e-4 from Saint-Venant's
+/// series; the shear factor is Cowper's to 3 %, and lower than 5/6. The printed output of the solver gives the same columns as its JSON
+/// file.
 #[test]
 fn sh31_anba4() {
     let table = read(ANBA);
@@ -137,7 +138,7 @@ fn sh31_anba4() {
     assert_eq!(read(&format!("{}{}", print("stiffness"), print("mass"))), table);
 }
 
-/// SH-32. The blade of a windIO file: columns are the numbers of the file turned from BeamDyn's axes, and equal to those of the same numbers in
+/// SH-32. The blade of a windIO file: the columns are the numbers of the file rotated from BeamDyn's axes, and equal those read from
 /// BeamDyn's format. The older form of 21 numbers per station gives the same.
 #[test]
 fn sh32_windio() {
@@ -187,7 +188,7 @@ fn sh32_windio() {
     )));
 }
 
-/// SH-33. PreComp's sample blade: the tension centre of the columns is the printed one, to the printed millimetre; principal moments of mass,
+/// SH-33. PreComp's sample blade: the tension centre of the columns is the printed one, to the printed millimetre; principal mass moments,
 /// stiffness and centres are those of the output.
 #[test]
 fn sh33_precomp() {
@@ -198,7 +199,7 @@ fn sh33_precomp() {
         .map(|line| line.split_whitespace().map(|word| word.parse::<f64>().expect("a number")).collect::<Vec<_>>());
     for (station, row) in rows.enumerate() {
         let found = condensed(&table, station);
-        // half a digit of four offsets of a millimetre each
+        // half a digit of four offsets printed in millimetres
         close(-found[(0, 3)] / found[(0, 0)], -row[16], 1.5e-3, 1.0, "y_tc");
         close(found[(0, 2)] / found[(0, 0)], row[15], 1.5e-3, 1.0, "x_tc");
         close(found[(0, 0)], row[6], 1e-12, row[6], "ea");
@@ -223,7 +224,7 @@ fn lines(matrix: &Matrix6<f64>) -> String {
     matrix.row_iter().map(|row| row.iter().map(|entry| format!("{entry:e} ")).collect::<String>() + "\n").collect()
 }
 
-/// A matrix turned by axes whose columns are those of a program here.
+/// A matrix rotated to the axes used here; the columns of `turn` are the axes of a program.
 fn turned(turn: &Matrix3<f64>, matrix: &Matrix6<f64>) -> Matrix6<f64> {
     let mut both = Matrix6::zeros();
     both.fixed_view_mut::<3, 3>(0, 0).copy_from(turn);
@@ -231,9 +232,9 @@ fn turned(turn: &Matrix3<f64>, matrix: &Matrix6<f64>) -> Matrix6<f64> {
     both * matrix * both.transpose()
 }
 
-/// Texts of all programs with 6×6 matrices for stiffness and inertia in the axes here, written from their formats.
+/// Texts of all programs, written from their formats, for 6×6 matrices of stiffness and inertia in the axes used here.
 fn texts(stiffness: &Matrix6<f64>, inertia: &Matrix6<f64>) -> Vec<(&'static str, String)> {
-    // rows: the axes (x, y, z) of the program in those here
+    // rows: the axes (x, y, z) of the program in the axes used here
     let along = Matrix3::identity();
     let upwards = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0);
     let blade = Matrix3::new(0.0, 0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0);
@@ -266,7 +267,7 @@ fn texts(stiffness: &Matrix6<f64>, inertia: &Matrix6<f64>) -> Vec<(&'static str,
     ]
 }
 
-/// Stiffness and inertia of a clamped square bar of 1/3 m, its axis off the centre by `(y, z)` and its section turned.
+/// Stiffness and inertia of a clamped square bar of 1/3 m, with its axis offset from the centre by `(y, z)` and its section rotated.
 fn bar([y, z]: [f64; 2], angle: f64) -> [Matrix6<f64>; 2] {
     let (young, density, side) = (7e10, 2700.0, 1.0f64 / 3.0);
     let (area, second) = (side * side, side.powi(4) / 12.0);
@@ -281,7 +282,8 @@ fn bar([y, z]: [f64; 2], angle: f64) -> [Matrix6<f64>; 2] {
         .map(|values| shift.transpose() * turned(turn.matrix(), &Matrix6::from_diagonal(&values.into())) * shift)
 }
 
-/// SH-34. A random positive definite matrix in the axes of each program: the section of the body is that matrix here, to round-off.
+/// SH-34. A random positive definite matrix in the axes of each program: the section of the body has that matrix in the axes used here, to
+/// round-off.
 #[test]
 fn sh34_axes() {
     let mut random = Random::new(24);
@@ -297,8 +299,9 @@ fn sh34_axes() {
     }
 }
 
-/// SH-35. First frequency of a clamped thick bar through each reader against the closed form, 253.10029 Hz, with the axis in the centre and off it,
-/// and the section turned: 1.1e-6 with eight pairs, as in SH-10. A slender one through PreComp: Euler–Bernoulli's less rotary inertia.
+/// SH-35. First frequency of a clamped thick bar through each reader against the closed form, 253.10029 Hz, with the axis at the centre and
+/// off it, and the section rotated: 1.1e-6 with eight pairs, as in SH-10. A slender bar through PreComp: the Euler–Bernoulli frequency
+/// reduced by rotary inertia.
 #[test]
 fn sh35_frequencies() {
     let first_hz = |text: &str| {
@@ -311,7 +314,7 @@ fn sh35_frequencies() {
         for (program, text) in texts(&stiffness, &inertia) {
             let error = first_hz(&cantilever(&read(&text), true)) / 253.100_29 - 1.0;
             println!("SH-35 {program} {offset:?}: {error:.2e}");
-            // the closed form has eight digits; an axis off the centre stretches with the bar's bending
+            // the closed form has eight digits; with an axis off the centre, bending of the bar stretches the axis
             assert!(error.abs() < 2e-6, "{program} {offset:?}: {error:.2e}");
         }
     }
@@ -351,7 +354,7 @@ fn sh36_units() {
     }
 }
 
-/// SH-37. A list of files along a body, and faults: each names its line, also that of the file within the list.
+/// SH-37. A list of files along a body, and errors: each message gives the line in the model file, and in the file of the list.
 #[test]
 fn sh37_lists_and_faults() {
     let folder = std::env::temp_dir().join(format!("foldwing-section-files-{}", std::process::id()));

@@ -1,4 +1,4 @@
-//! SH-01 to SH-06: large deflections against shooting on the rod's equations (1e-9 of the length), and sections.
+//! SH-01 to SH-06: large deflections against a shooting solution of the rod's equations (1e-9 of the length), and sections.
 
 use crate::reference::numbers;
 use crate::shear::{beams, matrix};
@@ -24,7 +24,7 @@ fn cantilever(case: &Value, pairs: usize) -> String {
     )
 }
 
-/// Distance of the tip from that of the file, over the length.
+/// Distance of the tip from that in the file, divided by the length.
 fn tip_error(text: &str, case: &Value) -> f64 {
     let (plant, _) = at_rest(text);
     let tip = plant.shape()[0].last().expect("a tip").position_m;
@@ -43,8 +43,8 @@ fn sh01_tips_under_a_dead_force() {
     }
 }
 
-/// SH-02. Without shear the tip of the composite box is where that of its condensed stiffness is: the section's own matrix without
-/// `shear = true`, NOTATION eq. (S9). Tolerance: six digits of the known tip.
+/// SH-02. Without `shear = true` the section uses its condensed stiffness, NOTATION eq. (S9): the tip of the composite box is that of the
+/// reference with condensed stiffness. Tolerance: six digits of the reference tip.
 #[test]
 fn sh02_condensed_without_shear() {
     let beams = beams();
@@ -80,14 +80,14 @@ fn sh03_no_locking() {
         errors.iter().zip([[6.835e-5, 4.009e-6], [6.513e-5, 3.823e-6], [6.493e-5, 3.813e-6], [6.493e-5, 3.813e-6]])
     {
         for (error, known) in row.iter().zip(known) {
-            // three digits of the known errors; the reference here is the mesh of 32 pairs, itself at 1e-9
+            // three digits of the reference errors; here the errors are relative to a mesh of 32 pairs, accurate to 1e-9
             assert!((error / known - 1.0).abs() < 3e-3, "{error:.3e} instead of {known:.3e}");
         }
     }
 }
 
-/// SH-04. The limit of a stiff section in shear is the beam without shear: 1e-6 of the length at a shear stiffness of 1e6 times that of the
-/// case. Shear of a tip force displaces it by `F L/GA`, 3e-8 here.
+/// SH-04. In the limit of a large shear stiffness the beam is one without shear: 1e-6 of the length at 1e6 times the shear stiffness of the
+/// case. The shear displacement under a tip force is `F L/GA`, 3e-8 here.
 #[test]
 fn sh04_limit_without_shear() {
     let beams = beams();
@@ -101,9 +101,9 @@ fn sh04_limit_without_shear() {
     assert!(gap < 1e-6, "{gap:.1e} of the length");
 }
 
-/// SH-05. The strain that a gauge reads at the root of the 60 m blade, whose shears are coupled with stretch and bending: that of the
-/// section's 6×6 matrix under the force at the tip, whose place is known. The strain at an end of a pair is of fourth order: 1e-6 of it with
-/// 16 pairs.
+/// SH-05. The strain read by a gauge at the root of the 60 m blade, whose shear strains are coupled with stretch and bending, is that of
+/// the section's 6×6 matrix under the tip force, whose position is known. The strain at an end of a pair is of fourth order: 1e-6 with 16
+/// pairs.
 #[test]
 fn sh05_gauge_at_the_root() {
     let beams = beams();
@@ -125,14 +125,14 @@ fn sh05_gauge_at_the_root() {
     assert!((found / known - 1.0).abs() < 1e-6, "{found} instead of {known}");
 }
 
-/// SH-06. A full matrix in BeamDyn's axes: the section of the body is the matrix turned into the axes here, by the permutation of the page of
-/// the guide, computed here as a rotation of forces and moments. Round-off of the condensation between.
+/// SH-06. A full matrix in BeamDyn's axes: the section of the body has this matrix rotated into the axes used here, by the permutation
+/// given in the guide, computed here as a rotation of forces and moments. Tolerance: round-off of the condensation.
 #[test]
 fn sh06_axes_of_beamdyn() {
     let mut random = Random::new(64);
     let root = Matrix6::from_fn(|_, _| random.symmetric());
     let theirs = root * root.transpose() + Matrix6::identity();
-    // columns: the axes (x, y, z) of BeamDyn's in ours
+    // columns: the axes (x, y, z) of BeamDyn in the axes used here
     let turn = Matrix3::new(0.0, 0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0);
     let mut both = Matrix6::zeros();
     both.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn);
@@ -158,7 +158,7 @@ fn sh06_axes_of_beamdyn() {
         columns.join("\n")
     ));
     let own = machine.bodies[0].section.at(3.0).shear.expect("with shear");
-    // (εx, γy, γz, κx, κy, κz) by the indices of an element's strains
+    // indices of (εx, γy, γz, κx, κy, κz) in an element's strains
     let order = [0, 4, 5, 1, 2, 3];
     let found = Matrix6::from_fn(|i, j| own[(order[i], order[j])]);
     assert!((found - known).amax() < 1e-12, "{found}{known}");

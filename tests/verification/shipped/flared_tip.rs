@@ -1,4 +1,4 @@
-//! F-220 to F-222: `flared_wing_tip.toml`, a folding tip that relieves gusts.
+//! F-220 to F-222: `flared_wing_tip.toml`, a folding tip for gust load alleviation.
 
 use super::{machine, run, start};
 use nalgebra::{Rotation3, Unit, Vector3};
@@ -7,11 +7,11 @@ use std::f64::consts::PI;
 const MODEL: &str = include_str!("../../../examples/models/flared_wing_tip.toml");
 const AXIS: &str = "axis = [0.3420201433256687, 0.9396926207859084, 0.0]";
 const START: &str = "start_angle_deg = -6.5";
-/// Fold angle at which the tip floats, rad.
+/// Fold angle of the floating tip in equilibrium, rad.
 const FLOATING_RAD: f64 = -6.5 * PI / 180.0;
 
-/// Histories of the model's experiment with texts replaced: fold angle in rad (positive down), moment about `−y` at the root
-/// in N·m, which lift makes positive.
+/// Histories of the model's experiment with texts replaced: fold angle in rad (positive down), and moment about `−y` at the root in N·m,
+/// positive for lift.
 fn histories(changes: &[(&str, &str)]) -> (Vec<f64>, Vec<f64>) {
     let (mut angles_rad, mut moments_n_m) = (Vec::new(), Vec::new());
     run(machine(MODEL, changes), |plant| {
@@ -29,9 +29,9 @@ fn least(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// F-220. The tip stays at the equilibrium of the model until the gust comes; in the gust it folds up by more than 5 degrees, and the root
-/// bends less than with the hinge locked at the equilibrium angle or straight: peak and rise above the flight before it. The required
-/// margins are half of the observed ones.
+/// F-220. The tip stays at its equilibrium until the gust arrives; in the gust it folds up by more than 5 degrees, and the root bending
+/// moment is lower than with the hinge locked at the equilibrium angle or straight, both in its peak and in its rise above the value before
+/// the gust. The required margins are half of the observed ones.
 #[test]
 fn f220_the_flared_tip_relieves_the_root() {
     let (angles_rad, free) = histories(&[]);
@@ -59,11 +59,11 @@ fn f220_the_flared_tip_relieves_the_root() {
     );
 }
 
-/// F-221. Sign and size of the flare's effect on the local incidence, against geometry: the tip locked at angles from
-/// −40 to 40 degrees about axes flared by −30 to 30 degrees, without incidence of its own, strips quasi-steady and rigid at
-/// the start. Chord and normal of the tip are turned by Rodrigues' formula; with `V` and `W` the wind along them, the
-/// normal force is `½ρ c a₀ V W` per span (thin plate), to round-off. Folded up, a tip whose axis has its front end
-/// outboard loses `sin Λ` of incidence per radian.
+/// F-221. Sign and magnitude of the flare's effect on the local incidence, against geometry: the tip locked at angles from −40 to 40
+/// degrees about axes flared by −30 to 30 degrees, without initial incidence, with quasi-steady strips and the undeformed wing at the
+/// start. Chord and normal of the tip are rotated by Rodrigues' formula; with `V` and `W` the wind along them, the normal force is `½ρ c a₀
+/// V W` per span (thin plate), to round-off. Folded up, a tip whose hinge axis points outboard at its front loses `sin Λ` of incidence per
+/// radian.
 #[test]
 fn f221_flare_turns_the_nose_as_geometry_says() {
     const SPEED_M_S: f64 = 20.0;
@@ -109,8 +109,8 @@ fn f221_flare_turns_the_nose_as_geometry_says() {
     }
 }
 
-/// F-222. What the flare is for: without it, or flared the other way, nothing brings the tip back and it folds up beyond
-/// 45 degrees within the same second; with it, never beyond 25.
+/// F-222. Effect of the flare: without it, or with the opposite flare, there is no restoring moment and the tip folds up beyond 45 degrees
+/// within the same second; with it, never beyond 25.
 #[test]
 fn f222_without_flare_the_tip_folds_away() {
     let highest_deg = |axis: &str| -least(&histories(&[(AXIS, axis)]).0).to_degrees();

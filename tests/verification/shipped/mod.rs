@@ -1,4 +1,4 @@
-//! The shipped example models that show a mechanism of their own, against independent computations.
+//! The shipped example models with special mechanisms, against independent computations.
 //!
 //! Cases are numbered F-210 and on.
 
@@ -11,7 +11,7 @@ use foldwing::machine::Machine;
 use foldwing::plant::Plant;
 use std::sync::Arc;
 
-/// A machine of a model's text with texts replaced; each must be there.
+/// A machine from a model's text with texts replaced; each of these must occur.
 fn machine(text: &str, changes: &[(&str, &str)]) -> Machine {
     let mut text = text.to_owned();
     for (old, new) in changes {
@@ -28,7 +28,7 @@ fn start(machine: Machine) -> Plant {
     plant
 }
 
-/// Steps through the default experiment; `see` looks at the plant at the start and after every step.
+/// Steps through the default experiment; `see` is called with the plant at the start and after every step.
 fn run(machine: Machine, mut see: impl FnMut(&Plant)) -> Plant {
     let experiment = machine.experiment.clone();
     let steps = (experiment.stop_time_s / experiment.step_s).round() as u32;

@@ -5,7 +5,7 @@ use foldwing::machine::Machine;
 
 const MODEL: &str = include_str!("../../../examples/models/roll_fold.toml");
 
-/// Latch times of both folds in s, and the angle of the outer one in degrees when the inner one latched.
+/// Latch times of both folds in s, and the angle of the outer fold in degrees at the latching of the inner one.
 fn latching(machine: Machine) -> ([f64; 2], f64) {
     let mut outer_deg = f64::NAN;
     let plant = run(machine, |plant| {
@@ -19,9 +19,9 @@ fn latching(machine: Machine) -> ([f64; 2], f64) {
     ([latches[0].time_s, latches[1].time_s], outer_deg)
 }
 
-/// F-210. The folds latch one after the other: when the inner one does, the outer one has four fifths of its way before it.
-/// The latch times are compared with those of a mesh three times as fine at a tolerance of 1e-7: 0.5 %, what the model's own tolerance
-/// of 1e-4 and the ringing of the inner latch leave open.
+/// F-210. The folds latch one after the other: when the inner one latches, the outer one still has four fifths of its rotation to go. The
+/// latch times are compared with those of a mesh three times as fine at a tolerance of 1e-7: 0.5 %, the effect of the model's tolerance of
+/// 1e-4 and of the vibration after the inner latch.
 #[test]
 fn f210_folds_open_one_after_the_other() {
     let (times_s, outer_deg) = latching(machine(MODEL, &[]));
@@ -36,9 +36,9 @@ fn f210_folds_open_one_after_the_other() {
     assert!(off.iter().all(|off| off.abs() < 5e-3), "{off:?}");
 }
 
-/// Rigid panels of the model: two links that hang on the end of the inner panel, which stands still.
+/// Rigid panels of the model: two links attached to the end of the inner panel, which does not move.
 struct Links {
-    /// Latches closed.
+    /// Whether the latches are closed.
     closed: [bool; 2],
 }
 
@@ -50,11 +50,11 @@ impl Links {
     /// Spring, damper, constant torque and latch of each joint.
     const JOINTS: [[f64; 4]; 2] = [[0.3, 0.03, 0.6, 999.0 * 0.3], [0.02, 0.1, 0.15, 150.0]];
 
-    /// Second rates of the panels' angles below the horizon, from Lagrange's equations of the two links. State: angles
-    /// in rad, rates in rad/s.
+    /// Second derivatives of the panels' angles below the horizon, from Lagrange's equations of the two links. State: angles in rad, rates
+    /// in rad/s.
     fn rates(&self, [a, b, da, db]: [f64; 4]) -> [f64; 4] {
         let ([la, lb], [ma, mb]) = (Self::LENGTH_M, Self::MASS_KG);
-        // a plate's own inertia about its middle has its thickness too
+        // the inertia of a plate includes its thickness
         let rod = |mass: f64, length: f64| mass * (length * length / 3.0 + 0.004 * 0.004 / 12.0);
         let (inertia_a, inertia_b) = (rod(ma, la) + (Self::ACTUATOR_KG + mb) * la * la, rod(mb, lb));
         let coupling = 0.5 * mb * la * lb;
@@ -78,7 +78,7 @@ impl Links {
         ]
     }
 
-    /// Latch times in s by the classical Runge–Kutta method, a thousandth of the latch's period per step.
+    /// Latch times in s by the classical Runge–Kutta method, with steps of a thousandth of the latch's period.
     fn latch_times_s() -> [f64; 2] {
         const STEP_S: f64 = 1e-5;
         let mut links = Self { closed: [false; 2] };
@@ -105,9 +105,9 @@ impl Links {
     }
 }
 
-/// F-211. The same machine of panels a thousand times as stiff against two rigid links by Lagrange's equations: latch
-/// times within 0.05 %, what the panels' last bending under the torque of the latch and the solver's tolerance of 1e-6
-/// leave. The elastic wing latches within a tenth of that: bending takes part, but does not rule.
+/// F-211. The machine with panels a thousand times as stiff against two rigid links by Lagrange's equations: latch times within 0.05 %, the
+/// effect of the remaining bending under the latch torque and of the solver's tolerance of 1e-6. The latch times of the elastic wing differ
+/// by less than a tenth: bending contributes, but does not dominate.
 #[test]
 fn f211_stiff_panels_are_two_links() {
     let rigid_s = Links::latch_times_s();

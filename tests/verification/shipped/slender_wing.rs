@@ -1,4 +1,4 @@
-//! F-230, F-231: `slender_wing.toml`, curved, tapered and bent far up, against a planar beam of its own.
+//! F-230, F-231: `slender_wing.toml`, curved, tapered and with large upward bending, against an independent planar beam.
 
 use super::{machine, percent};
 use foldwing::machine::Machine;
@@ -11,10 +11,10 @@ const MODEL: &str = include_str!("../../../examples/models/slender_wing.toml");
 
 const LENGTH_M: f64 = 16.0;
 const GRAVITY: f64 = 9.81;
-/// Natural curvature in 1/m, upwards.
+/// Natural curvature in 1/m, upward.
 const CURVATURE_1_M: f64 = PI / 18.0 / LENGTH_M;
 
-/// Linear from root to tip.
+/// Linear interpolation from root to tip.
 fn between(root: f64, tip: f64, place_m: f64) -> f64 {
     root + (tip - root) * place_m / LENGTH_M
 }
@@ -27,20 +27,20 @@ fn mass_kg_m(place_m: f64) -> f64 {
     between(1.0, 0.5, place_m)
 }
 
-/// Second moment of mass for a rotation about the chord.
+/// Mass moment of inertia per length for a rotation about the chord.
 fn rotary_kg_m(place_m: f64) -> f64 {
     between(2.0e-3, 3.0e-4, place_m)
 }
 
-/// Lift per length across axis and wind of a thin plate at 4 degrees, in N/m: the pressure across the chord,
-/// `½ρ c 2π V² sin α cos α`, turned into the wind's frame, with its suction.
+/// Lift per length, normal to axis and wind, of a thin plate at 4 degrees, in N/m: the normal pressure force `½ρ c 2π V² sin α cos α`
+/// rotated into the wind's frame, plus leading-edge suction.
 fn lift_n_m(place_m: f64) -> f64 {
     let (sin, cos) = 4f64.to_radians().sin_cos();
     0.5 * 1.1 * 14.0 * 14.0 * between(1.2, 0.5, place_m) * TAU * sin * cos * (cos + sin * sin)
 }
 
-/// Tip `[x, z]` in m and moment at the root in N·m of an inextensible planar beam in `segments` straight pieces, bent by its
-/// lift, which stays across it, and its weight: the angles' fixed point.
+/// Tip `[x, z]` in m and moment at the root in N·m of an inextensible planar beam of `segments` straight pieces, bent by its lift, which
+/// stays normal to it, and its weight, by fixed-point iteration of the angles.
 fn planar_equilibrium(segments: usize) -> ([f64; 2], f64) {
     let h = LENGTH_M / segments as f64;
     let middle = |i: usize| h * (i as f64 + 0.5);
@@ -58,7 +58,7 @@ fn planar_equilibrium(segments: usize) -> ([f64; 2], f64) {
             force = [force[0] + own[0], force[1] + own[1]];
             moments[i] = moment;
         }
-        // joints stand between the middles of the segments; the first half segment bends at the root
+        // joints are at the middles of the segments; the first half segment bends at the root
         let (mut angle, mut change) = (0.0, 0.0_f64);
         for (i, moment) in moments.iter().enumerate() {
             let length = if i == 0 { 0.5 * h } else { h };
@@ -80,11 +80,11 @@ fn plant(changes: &[(&str, &str)]) -> Plant {
     Plant::new(Arc::new(machine))
 }
 
-/// F-230. In flight the tip rises by a third of the span above where it stands without loads. Tip and root moment against a
-/// planar finite-difference beam with the lift of a thin plate (two meshes and Richardson's limit; its error is below
-/// 1e-6): 0.2 % of the length and of the moment, for the beam knows nothing of the hundredth of a degree by which the wing
-/// twists. With a wing that cannot twist, four times as many elements and eight times as many strips: 2e-5. What constant lift per
-/// strip, handed to both its ends, leaves of that falls with the square of the strips (3e-5 with 96, 4e-6 with 192).
+/// F-230. In flight the tip rises by a third of the span above its position without loads. Tip and root moment against a planar
+/// finite-difference beam with the lift of a thin plate (Richardson extrapolation from two meshes; its error is below 1e-6): 0.2 % of the
+/// length and of the moment, because the beam excludes the wing's twist of a hundredth of a degree. With a torsionally rigid wing, four
+/// times as many elements and eight times as many strips: 2e-5. The part of this due to constant lift per strip, distributed to both its
+/// ends, falls with the square of the number of strips (3e-5 with 96, 4e-6 with 192).
 #[test]
 fn f230_static_deflection() {
     let (coarse, fine) = (planar_equilibrium(1000), planar_equilibrium(2000));
@@ -121,8 +121,8 @@ fn f230_static_deflection() {
     assert!(stiff.iter().all(|off| *off < 2e-5), "{stiff:?}");
 }
 
-/// Lowest natural frequencies in Hz of a chain of rigid links in the unloaded curve, with springs at their joints and the mass
-/// of the wing at three points of each link and in its turn: classical finite segments, planar.
+/// Lowest natural frequencies in Hz of a planar chain of rigid links in the unloaded curve, with springs at their joints, and the wing's
+/// mass at three points of each link and its rotary inertia: classical finite segments.
 fn chain_frequencies_hz(joints: usize, count: usize) -> Vec<f64> {
     let h = LENGTH_M / joints as f64;
     let place = |along: f64| {
@@ -131,7 +131,7 @@ fn chain_frequencies_hz(joints: usize, count: usize) -> Vec<f64> {
     };
     let spring_m = |i: usize| h * (i as f64 + 0.5);
     let mut mass = DMatrix::<f64>::zeros(joints, joints);
-    // Simpson's rule on each link between springs; the last one is half as long
+    // Simpson's rule on each link between springs; the last link is half as long
     for link in 0..joints {
         let (from, to) = (spring_m(link), (spring_m(link) + h).min(LENGTH_M));
         for (share, weight) in [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)] {
@@ -156,9 +156,9 @@ fn chain_frequencies_hz(joints: usize, count: usize) -> Vec<f64> {
     values[..count].iter().map(|value| 1.0 / (TAU * value.sqrt())).collect()
 }
 
-/// F-231. Natural frequencies of bending in the plane of the curve, about the unloaded wing without air, against a chain of
-/// rigid links with springs (80 and 160 of them, Richardson's limit, whose last digit is 1e-5): the first four within
-/// 0.1, 0.1, 0.2 and 1 %, what six pairs leave; with 24 pairs all within 1e-4.
+/// F-231. Natural frequencies of bending in the plane of the curve, about the unloaded wing without aerodynamics, against a chain of rigid
+/// links with springs (Richardson extrapolation from 80 and 160 of them, accurate to 1e-5): the first four within 0.1, 0.1, 0.2 and 1 %,
+/// the error of six pairs; with 24 pairs all within 1e-4.
 #[test]
 fn f231_natural_frequencies() {
     let (coarse, fine) = (chain_frequencies_hz(80, 4), chain_frequencies_hz(160, 4));
@@ -167,7 +167,7 @@ fn f231_natural_frequencies() {
         let mut plant = plant(&[("elements = 6", elements)]);
         plant.study().undeformed(0.0).unwrap_or_else(|error| panic!("{error}"));
         let modes = plant.study().bare_modes(10).unwrap_or_else(|error| panic!("{error}"));
-        // the others bend and twist out of the plane
+        // the other modes bend out of the plane and twist
         let flap = |mode: &&ModeShape| mode.shares[2] > 0.9;
         let found: Vec<f64> = modes.iter().filter(flap).take(4).map(|mode| mode.frequency_hz).collect();
         let off: Vec<f64> = found.iter().zip(&reference).map(|(found, exact)| found / exact - 1.0).collect();

@@ -11,8 +11,8 @@ fn tip(beam: &Cantilever) -> Vector3<f64> {
     at_rest(&beam.text()).0.outputs().tips()[0].position_m
 }
 
-/// S-10. A tip moment `2π EI/L` rolls the beam up to a full circle, twice that to two: the tip meets the root on every
-/// mesh (constant strain is exact), whether the moment follows the section or stays in the root frame.
+/// S-10. A tip moment `2π EI/L` rolls the beam up into a full circle, twice that moment into two: the tip coincides with the root on every
+/// mesh (constant strain is exact), whether the moment follows the section or is fixed in the root frame.
 #[test]
 fn s10_roll_up_under_follower_and_dead_moment() {
     for (element, elements) in [("constant", 5), ("constant", 16), ("linear", 3), ("linear", 8)] {
@@ -44,8 +44,8 @@ fn elastica_errors(load: f64, frame: &'static str, element: &'static str, meshes
     meshes.iter().map(error).collect()
 }
 
-/// S-11. Elastica under a dead tip force, `λ = PL²/EI` up to 10 (elliptic integrals, 1e-9): constant elements within
-/// 1e-3 L at 16, order 2; pairs within 5e-6 L at 8, order 4.
+/// S-11. Elastica under a dead tip force, `λ = PL²/EI` up to 10 (elliptic integrals, 1e-9): 16 constant elements are within 1e-3 L, order
+/// 2; 8 pairs within 5e-6 L, order 4.
 #[test]
 fn s11_elastica_dead() {
     for row in case("static.elastica_dead")["expected"]["rows"].as_array().expect("rows") {
@@ -59,8 +59,8 @@ fn s11_elastica_dead() {
     }
 }
 
-/// S-12. The same with a follower force up to 10 (the rod solver, 1e-12): constant elements within 3e-3 L at 16, order
-/// 2; pairs within 1e-4 L at 8, order 4. Strains at the mesh boundaries of 16 pairs within 2e-4 of the load.
+/// S-12. The elastica with a follower force up to 10 (the rod solver, 1e-12): 16 constant elements are within 3e-3 L, order 2; 8 pairs
+/// within 1e-4 L, order 4. Strains at the mesh boundaries of 16 pairs are within 2e-4 of the load.
 #[test]
 fn s12_elastica_follower() {
     for load in [1.0, 3.0, 10.0] {
@@ -91,13 +91,13 @@ fn s12_elastica_follower() {
     }
 }
 
-/// Tip of a rod under a dead tip force: the follower force that points the right way at the end, by Newton.
+/// Tip of a rod under a dead tip force: Newton's method finds the follower force that has the required direction in the deformed state.
 fn shoot(rod: &mut Rod, force: Vector3<f64>) -> Vector3<f64> {
     let miss = |rod: &mut Rod, local: Vector3<f64>| {
         rod.tip[0] = local;
         rod.solve(1).2 * local - force
     };
-    // the load grows in steps so that the path stays the physical one
+    // the load grows in steps so that the solution stays on the physical branch
     let mut local = Vector3::zeros();
     for step in 1..=10 {
         let share = f64::from(step) / 10.0;
@@ -113,8 +113,8 @@ fn shoot(rod: &mut Rod, force: Vector3<f64>) -> Vector3<f64> {
     rod.solve(1).1
 }
 
-/// S-13. The 45° bend of Bathe and Bolourchi at 300, 450 and 600 lb with Saint-Venant's torsion constant: against
-/// shooting with the rod solver (checked at 600 lb against the reference, 1e-5 in); order 4, and 3e-5 L at 8 pairs.
+/// S-13. The 45° bend of Bathe and Bolourchi at 300, 450 and 600 lb with Saint-Venant's torsion constant: against shooting with the rod
+/// solver (checked at 600 lb against the reference, 1e-5 in); order 4, and 3e-5 L with 8 pairs.
 #[test]
 fn s13_bend_of_45_degrees() {
     let (radius, area_2) = (100.0, 1e7 / 12.0);
@@ -188,7 +188,7 @@ fn heavy_elastica(weight: f64) -> [f64; 2] {
     let march = |slope: f64| {
         let steps = 4000;
         let h = 1.0 / f64::from(steps);
-        // θ positive downwards
+        // θ positive downward
         let f = |s: f64, y: [f64; 4]| [y[1], -weight * (1.0 - s) * y[0].cos(), y[0].cos(), -y[0].sin()];
         let mut y = [0.0, slope, 0.0, 0.0];
         for i in 0..steps {
@@ -211,8 +211,8 @@ fn heavy_elastica(weight: f64) -> [f64; 2] {
     [end[2], end[3]]
 }
 
-/// S-15. A beam that sags under its own weight, `wL³/EI = 2` and 20, against shooting: order 4, and 1e-5 L at 8 pairs.
-/// The root carries the weight to round-off.
+/// S-15. A beam that sags under its own weight, `wL³/EI = 2` and 20, against shooting: order 4, and 1e-5 L with 8 pairs. The root reaction
+/// equals the weight to round-off.
 #[test]
 fn s15_beam_under_its_weight() {
     for weight in [2.0, 20.0] {
@@ -248,8 +248,8 @@ fn bars(joint: &str, rest: &str) -> String {
     )
 }
 
-/// S-16. A hinge with a spring rotates until spring, motor and weight balance: `k(θ − θ_cmd) + T = ½ m g cos θ`. Stiff bars: 1e-7. Held by
-/// its lock it stays, and the dynamics started from equilibrium remain at rest.
+/// S-16. A hinge with a spring rotates until spring, motor and weight balance: `k(θ − θ_cmd) + T = ½ m g cos θ`. Stiff bars: 1e-7. A locked
+/// hinge does not move, and a simulation started from equilibrium remains at rest.
 #[test]
 fn s16_hinge_with_spring_stopper_and_latch() {
     let drive = "[joint.fold.motor]\nstiffness_N_m_rad = 4.0\nconstant_torque_N_m = 0.7\ncommand_deg = 20.0\n";
@@ -280,7 +280,7 @@ fn s16_hinge_with_spring_stopper_and_latch() {
     assert!(moved < 1e-12 && before.tips()[0].position_m.z < -0.4, "the tip moves by {moved:.1e} m");
 }
 
-/// S-17. A free hinge that nothing holds is refused by name, with the load reached.
+/// S-17. A free hinge without restraint is rejected with its name and the load reached.
 #[test]
 fn s17_free_hinge_is_refused() {
     let text = bars("", "").replace("-10.0", "0.0");
@@ -288,14 +288,14 @@ fn s17_free_hinge_is_refused() {
     assert!(matches!(error, PlantError::Equilibrium { reached: 0.0, .. }), "{error:?}");
     let message = error.to_string();
     assert!(message.contains("joint \"fold\"") && message.contains("release = false"), "{message}");
-    // under gravity it hangs
+    // under gravity it hangs down
     let (plant, effort) = at_rest(&bars("", ""));
     let angle = plant.outputs().joints()[0].angle_rad;
     println!("S-17 hangs at {angle}, {effort:?}");
     assert!((angle - PI / 2.0).abs() < 1e-7, "{angle}");
 }
 
-/// S-18. A root that turns about `z` stretches the beam: `EA ε(0) = ½ρΩ²L²` to first order in the strain (1e-7).
+/// S-18. A root that rotates about `z` stretches the beam: `EA ε(0) = ½ρΩ²L²` to first order in the strain (1e-7).
 #[test]
 fn s18_spinning_root_stretches_the_beam() {
     let beam = Cantilever { stiffness: [1e9, 1e3, 1e3, 1e3], elements: 4, ..Default::default() };
@@ -309,9 +309,9 @@ fn s18_spinning_root_stretches_the_beam() {
     assert!((force - 200.0).abs() < 1e-4, "{force} N on the root");
 }
 
-/// S-19. The work of the statics grows in proportion to the number of elements: as many iterations, each of one sweep out
-/// and one back, for 1000 pairs as for 16, give or take the one that round-off decides. What an iteration costs in time is
-/// measured by `cargo bench -p foldwing-benches --bench kernels` (group `statics`), for clocks say little on a machine that others use.
+/// S-19. The work of a static solution is proportional to the number of elements: 1000 pairs take as many iterations, each of one outward
+/// and one inward sweep, as 16, apart from one that depends on round-off. The time of an iteration is measured by `cargo bench -p
+/// foldwing-benches --bench kernels` (group `statics`), because clocks are unreliable on a shared computer.
 #[test]
 fn s19_cost_is_linear() {
     let effort = |elements: usize| {
@@ -325,8 +325,8 @@ fn s19_cost_is_linear() {
     assert!(many * 16 <= (few + 16) * 1000, "{few} elements swept with 16 pairs, {many} with 1000");
 }
 
-/// Two bodies with a ball joint and its spring between them, everything turned by a rotation vector in degrees, under
-/// gravity `g` turned with it.
+/// Two bodies with a ball joint and its spring between them, rotated as a whole by a rotation vector in degrees, under gravity `g`, also
+/// rotated.
 fn ball_wing(turn_deg: Vector3<f64>) -> (String, Matrix3<f64>) {
     let rotation = nalgebra::Rotation3::new(turn_deg.map(f64::to_radians)).into_inner();
     let gravity: [f64; 3] = (rotation * Vector3::new(1.0, 3.0, -9.0)).into();
@@ -345,8 +345,8 @@ fn ball_wing(turn_deg: Vector3<f64>) -> (String, Matrix3<f64>) {
     (text, rotation)
 }
 
-/// S-20. Frame invariance with a ball joint whose spring gives way: the machine and its gravity turned as a whole bend
-/// to the same shape, turned; frequencies are the same. The spring of a ball joint used to act in the root's frame.
+/// S-20. Frame invariance with a flexible ball joint: the machine and its gravity rotated as a whole bend to the same shape, rotated;
+/// frequencies are equal. The spring of a ball joint used to act in the root frame.
 #[test]
 fn s20_turned_machines_bend_alike() {
     let (text, _) = ball_wing(Vector3::zeros());

@@ -79,9 +79,9 @@ const STEPPED: [&str; 9] = [
     "root.angular_acceleration.z",
 ];
 
-/// S-40. Response to a step of each kind of input about the equilibrium, simulated on both sides of it with two step
-/// heights (Richardson: what is left is of fifth order), against `exp(At)` with `B`, `C`, `D`: every output at 0.05 s
-/// within 1e-7 of the largest response of an output of its unit.
+/// S-40. Response to a step of each kind of input about the equilibrium, simulated on both sides of it with two step heights (Richardson
+/// extrapolation: the remaining error is of fifth order), against `exp(At)` with `B`, `C`, `D`: every output at 0.05 s within 1e-7 of the
+/// largest response of an output of its unit.
 #[test]
 fn s40_step_responses_are_those_of_the_simulation() {
     compare_step_responses("S-40", &mut Setup::new("unstrained"), &STEPPED);
@@ -183,13 +183,13 @@ fn compare_rates(case: &str, setup: &mut Setup) {
     }
     println!("{case} worst {:.1e} in {}", worst.0, worst.1);
     assert!(worst.0 < 1e-7, "{:.1e} in {}", worst.0, worst.1);
-    // A is the derivative of the states themselves
+    // A gives the derivatives of the states
     let rate = &model.matrices.a * &x;
     let second = slope(&|i| samples[i].0.clone());
     assert!((rate.rows(0, x.len() / 2) - second.rows(x.len() / 2, x.len() / 2)).norm() < 1e-9 * second.norm());
 }
 
-/// S-42. Eigenvalues of `A` are the modes; 1e-8.
+/// S-42. Eigenvalues of `A` equal those of the modes; 1e-8.
 #[test]
 fn s42_eigenvalues_of_the_linear_model_are_the_modes() {
     compare_eigenvalues("S-42", &mut Setup::new("unstrained"));
@@ -213,7 +213,7 @@ fn compare_eigenvalues(case: &str, setup: &mut Setup) {
     }
 }
 
-/// S-43. Names, units and values; the state is left as it was.
+/// S-43. Names, units and values of signals; the state is unchanged.
 #[test]
 fn s43_signals_are_named_and_the_plant_stays() {
     let mut setup = Setup::new("unstrained");
@@ -234,7 +234,7 @@ fn s43_signals_are_named_and_the_plant_stays() {
     assert_eq!(model.matrices.d.shape(), (model.outputs.len(), model.inputs.len()));
 }
 
-/// Two hinged bars that lean on each other: soft ball joint with inertia, damper and arms of 30 mm between their ends.
+/// Two hinged bars that lean against each other: a soft ball joint with inertia, damper and arms of 30 mm between their ends.
 fn gable(start: &str) -> String {
     let section = wing(start);
     let (section, run) = (section.split("[body.inner]").next().unwrap(), section.split("[solver]").nth(1).unwrap());
@@ -257,8 +257,8 @@ fn gable(start: &str) -> String {
     )
 }
 
-/// S-44. A machine with a closed loop: step responses of `A`, `B`, `C`, `D` are those of the simulation, gap and force of
-/// the loop included; as S-40 (to an angular velocity at rest nothing responds in the first order).
+/// S-44. A machine with a closed loop: step responses of `A`, `B`, `C`, `D` equal those of the simulation, gap and force of the loop
+/// included; as S-40 (at zero rates there is no first-order response to an angular velocity of the root).
 #[test]
 fn s44_step_responses_around_a_loop() {
     let inputs = [

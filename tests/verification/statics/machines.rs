@@ -15,7 +15,7 @@ pub fn plant(text: &str) -> Plant {
     Plant::new(Arc::new(machine(text)))
 }
 
-/// A plant of a model text at rest under its loads.
+/// A plant of a model text in equilibrium under its loads.
 pub fn at_rest(text: &str) -> (Plant, StaticEffort) {
     let mut plant = plant(text);
     let effort = plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
@@ -32,7 +32,7 @@ pub struct Cantilever {
     pub inertia: [f64; 3],
     /// `"constant"` or `"linear"`.
     pub element: &'static str,
-    /// Number of them.
+    /// Number of elements.
     pub elements: usize,
     /// `"root"` or `"section"`.
     pub load_frame: &'static str,
@@ -95,7 +95,7 @@ impl Cantilever {
     }
 }
 
-/// Asserts that errors on meshes refined by 2 fall with at least `least` between the last two, and less than `most`.
+/// Asserts that the order between the last two of the errors on meshes refined by a factor of 2 is at least `least` and less than `most`.
 #[track_caller]
 pub fn assert_order(what: &str, errors: &[f64], least: f64, most: f64) {
     let orders: Vec<f64> = errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();

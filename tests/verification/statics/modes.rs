@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Flap beam of unit length, mass and `EI_y`, stiff otherwise.
+/// Beam of unit length, mass and `EI_y`, stiff in all other deformations.
 fn flap(element: &'static str, elements: usize) -> Cantilever {
     Cantilever { element, elements, stiffness: [1e8, 1e6, 1.0, 1e6], ..Default::default() }
 }
@@ -24,7 +24,7 @@ fn betas(key: &str) -> Vec<f64> {
     numbers(&case("modal.betaL")["expected"][key])
 }
 
-/// S-30. Clamped-free: constant elements within `(βL/n)²/15` per mode, order 2; ten pairs within 1e-6, 5e-5 and 5e-4.
+/// S-30. Clamped-free beam: constant elements within `(βL/n)²/15` per mode, order 2; ten pairs within 1e-6, 5e-5 and 5e-4.
 #[test]
 fn s30_clamped_free() {
     let exact = betas("clamped_free_betaL");
@@ -46,8 +46,8 @@ fn s30_clamped_free() {
     }
 }
 
-/// S-31. The shape of the first mode: flap, largest at the tip, ratio of rotation to displacement at the tip
-/// `βL tanh…` as the closed form `1.376 506/L`.
+/// S-31. The shape of the first mode: flap, largest at the tip; the ratio of rotation to displacement at the tip is that of the closed
+/// form, `1.376 506/L`.
 #[test]
 fn s31_shape_of_the_first_mode() {
     let list = bare_modes(&flap("linear", 10).text(), 1);
@@ -60,7 +60,7 @@ fn s31_shape_of_the_first_mode() {
     assert_eq!(mode.real[0][0].displacement_m, Vector3::zeros());
 }
 
-/// Errors of some elastic modes, after those without frequency, on meshes that double.
+/// Errors of some elastic modes, after those of zero frequency, on successively doubled meshes.
 fn errors_on<const N: usize>(
     meshes: [usize; N],
     modes: impl Fn(usize) -> Vec<ModeShape>,
@@ -87,8 +87,8 @@ fn assert_beam(what: &str, modes: impl Fn(&'static str, usize) -> Vec<ModeShape>
     }
 }
 
-/// S-32. A hinge without spring at the root: one motion without frequency, then the pinned-free beam. Ten pairs hold
-/// 1e-4 of two modes.
+/// S-32. A hinge without spring at the root: one mode of zero frequency, then the pinned-free beam. Ten pairs are within 1e-4 for two
+/// modes.
 #[test]
 fn s32_pinned_free() {
     let elastic = |element, elements| {
@@ -100,8 +100,8 @@ fn s32_pinned_free() {
     assert_beam("S-32", elastic, &betas("pinned_free_betaL")[..2], 1e-4);
 }
 
-/// S-33. A free joint: six motions without frequency, then the free-free beam. Ten pairs hold 5e-4 of two modes. A little
-/// rotary inertia keeps the motion about the axis from being massless; it moves the frequencies by 1e-7.
+/// S-33. A free joint: six modes of zero frequency, then the free-free beam. Ten pairs are within 5e-4 for two modes. A small rotary
+/// inertia avoids a massless motion about the axis; it changes the frequencies by 1e-7.
 #[test]
 fn s33_free_free() {
     let elastic = |element, elements| {
@@ -126,8 +126,8 @@ fn s33_free_free() {
 }
 
 /// S-34. The plates of \[O\] Table 5 as a frame, fold held at 0° and 90°: flap modes against the exact dynamic stiffness. 8 pairs per body:
-/// 1e-4 of each of four frequencies; order 2 with constant elements, 4 with pairs, from two pairs on, above the round-off of the
-/// eigenvalues. The hinge is held by its lock.
+/// four frequencies, each within 1e-4; order 2 with constant elements, 4 with pairs, from two pairs on, above the round-off of the
+/// eigenvalues. The hinge is locked.
 #[test]
 fn s34_folded_frames() {
     let reference = case("modal.wing_table5_frames");
@@ -160,10 +160,9 @@ fn s34_folded_frames() {
     }
 }
 
-/// S-35. A beam on a root that turns about `z` with `Ω = 3` and 12 (unit `√(EI/ρA)/L²`): flap stiffened by the
-/// centrifugal force, lag by the same less `Ω²`; against Ritz's method and, for `Ω = 12`, the published flap frequencies
-/// 13.1702, 37.6031 and 79.6145 of Wright et al. (1982). Ten pairs: 1e-4, 2e-4, 5e-4 (the root bends within one pair
-/// at `Ω = 12`).
+/// S-35. A beam on a root that rotates about `z` at `Ω = 3` and 12 (unit `√(EI/ρA)/L²`): flap is stiffened by the centrifugal force, lag by
+/// the same minus `Ω²`; against Ritz's method and, for `Ω = 12`, the published flap frequencies 13.1702, 37.6031 and 79.6145 of Wright et
+/// al. (1982). Ten pairs: 1e-4, 2e-4, 5e-4 (the root bends within one pair at `Ω = 12`).
 #[test]
 fn s35_spinning_beam_is_stiffened() {
     for omega in [3.0f64, 12.0] {
@@ -183,7 +182,7 @@ fn s35_spinning_beam_is_stiffened() {
             plant.study().equilibrium(0.0, Holding::AsReleased).unwrap();
             let list = plant.study().modes(3).unwrap_or_else(|error| panic!("{error}"));
             for (i, (mode, square)) in list.iter().zip(exact).enumerate() {
-                // lag is the small difference of two large terms: measured by the larger
+                // lag is the small difference of two large terms: its error is relative to the larger one
                 let softening = if share == 3 { omega * omega } else { 0.0 };
                 let error = ((mode.frequency_hz * TAU).powi(2) - square) / (2.0 * (square + softening));
                 println!(
@@ -198,8 +197,8 @@ fn s35_spinning_beam_is_stiffened() {
     }
 }
 
-/// S-36. A beam that hangs, and one that stands, under its weight `ρgL³/EI = 5`: tension `±5(1 − s)`; the one hanging is
-/// faster. One that stands under more than 7.84 falls: an unstable mode. Against Ritz's method, ten pairs.
+/// S-36. A hanging and a standing beam under their weight `ρgL³/EI = 5`: tension `±5(1 − s)`; the hanging one has higher frequencies. A
+/// standing beam with more than 7.84 buckles: an unstable mode. Against Ritz's method, ten pairs.
 #[test]
 fn s36_hanging_and_standing_beam() {
     let modes_under = |gravity: f64| {

@@ -1,4 +1,4 @@
-//! Independent frequencies: Ritz's method with polynomials for a clamped inextensible beam under axial force.
+//! Independent frequencies: the Ritz method with polynomials for a clamped inextensible beam under axial force.
 
 use nalgebra::DMatrix;
 
@@ -23,10 +23,10 @@ fn quadrature() -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Squares of the angular frequencies of a clamped beam of unit length, mass and bending stiffness with the axial force
-/// `tension(s)`, less `softening` (the centrifugal force across the axis of a beam that moves in its plane of rotation).
+/// Squares of the angular frequencies of a clamped beam of unit length, mass and bending stiffness with the axial force `tension(s)`, minus
+/// `softening` (the centrifugal force normal to the axis of a beam that moves in its plane of rotation).
 ///
-/// Twelve polynomials `s² P_k(2s − 1)` (Legendre): 1e-9 of the first three.
+/// Twelve polynomials `s² P_k(2s − 1)` (Legendre): the first three are accurate to 1e-9.
 pub fn frequencies(tension: impl Fn(f64) -> f64, softening: f64) -> Vec<f64> {
     const TERMS: usize = 12;
     // value, slope and curvature of s² P_k(2s − 1)
@@ -66,7 +66,7 @@ pub fn frequencies(tension: impl Fn(f64) -> f64, softening: f64) -> Vec<f64> {
     squares
 }
 
-/// Without axial force: the frequencies of the clamped-free beam; the polynomials hold 1e-8 of three of them.
+/// Without axial force the frequencies are those of the clamped-free beam; the polynomials give three of them to 1e-8.
 #[test]
 fn ritz_reproduces_the_clamped_free_beam() {
     let squares = frequencies(|_| 0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Stability of equilibria, the way to a stable one, and paths through limit points, against closed forms.
+//! Stability of equilibria, the search for a stable one, and paths through limit points, against closed forms.
 
 use crate::statics::machines::*;
 use foldwing::plant::{Branch, Departure, Holding, LoadPath, Plant, Rest, Search};
@@ -11,7 +11,7 @@ fn rest(text: &str, path: LoadPath, branch: Branch) -> (Plant, Rest) {
     (plant, rest)
 }
 
-/// Negative eigenvalues of the dense stiffness over the free coordinates.
+/// Number of negative eigenvalues of the dense stiffness for the free coordinates.
 fn dense_count(plant: &mut Plant) -> usize {
     let stiffness = plant.study().second_order().expect("linear").stiffness;
     let symmetric = (&stiffness + stiffness.transpose()) * 0.5;
@@ -29,9 +29,9 @@ fn rod(start_deg: f64) -> String {
     )
 }
 
-/// S-47. A rod on a free hinge hangs wherever it starts: the stable equilibrium is found, and the one on the load path,
-/// if it stands upright, is called unstable with the rate `√(3g/2L)` of a falling rod (1e-6: its rotary inertia).
-/// (From the horizontal and from above it was balanced upright without a word.)
+/// S-47. A rod on a free hinge hangs down, wherever it starts: the stable equilibrium is found, and the one on the load path, if upright,
+/// is reported as unstable with the rate `√(3g/2L)` of a falling rod (1e-6: its rotary inertia). (From the horizontal and from above, the
+/// upright equilibrium used to be returned without a warning.)
 #[test]
 fn s47_a_rod_on_a_free_hinge_hangs() {
     for start_deg in [0.0, -10.0, -30.0, -45.0, -80.0, 1.0, 90.0, 135.0] {
@@ -54,7 +54,8 @@ fn s47_a_rod_on_a_free_hinge_hangs() {
     }
 }
 
-/// A column along x, `L = 1`, `EI_y = 1`, stiff the other way, under its compression times Euler's load and a side force.
+/// A column along x, `L = 1`, `EI_y = 1`, stiff in all other deformations, under a compression of `times_euler` times Euler's load, and a
+/// side force.
 fn column(times_euler: f64) -> String {
     let force_n = times_euler * PI * PI / 4.0;
     Cantilever {
@@ -66,7 +67,7 @@ fn column(times_euler: f64) -> String {
     .text()
 }
 
-/// `K(sin(α/2))`, by the arithmetic-geometric mean.
+/// `K(sin(α/2))`, by the arithmetic–geometric mean.
 fn elliptic(alpha: f64) -> f64 {
     let (mut a, mut b) = (1.0, (0.5 * alpha).cos());
     for _ in 0..40 {
@@ -75,9 +76,9 @@ fn elliptic(alpha: f64) -> f64 {
     0.5 * PI / a
 }
 
-/// S-48. A straight column is unstable in `n` directions between the `n`th and the next Euler load (1, 9, 25 times the
-/// first), as many as the dense matrix has negative eigenvalues; downhill lies the elastica `K(sin(α/2)) = π/2 √(P/P_E)`.
-/// (At four times Euler's load it was called an equilibrium and no more.)
+/// S-48. A straight column is unstable in `n` directions between the `n`th and the next Euler load (1, 9, 25 times the first), equal to the
+/// number of negative eigenvalues of the dense matrix; the descent of the potential leads to the elastica `K(sin(α/2)) = π/2 √(P/P_E)`. (At
+/// four times Euler's load it used to be reported as an equilibrium without its instability.)
 #[test]
 fn s48_a_column_beyond_eulers_load() {
     for (times, count) in [(0.98, 0), (1.02, 1), (4.0, 1), (8.9, 1), (9.1, 2), (24.0, 2), (26.0, 3)] {
@@ -101,7 +102,7 @@ fn s48_a_column_beyond_eulers_load() {
     assert!(plant.outputs().tips()[0].position_m.z > 0.0, "to the side of the force");
 }
 
-/// Two hinged bars that meet at an apex `angle` above the line between their feet, 0.5 m each, loaded there by `force_n`.
+/// Two hinged bars that meet at an apex at `angle` above the line between their feet, 0.5 m each, loaded there by `force_n`.
 fn truss(angle: f64, force_n: f64) -> String {
     let (span_m, degrees) = (2.0 * 0.5 * angle.cos(), angle.to_degrees());
     let bar = |name: &str| {
@@ -124,8 +125,8 @@ fn truss(angle: f64, force_n: f64) -> String {
     )
 }
 
-/// S-49. Snap-through of von Mises' truss by arc length: every point of the path obeys `P = 2 EA (1 − l/l₀) z/l`, is
-/// unstable exactly where the load falls with the way down, and the path ends at the load on the far side.
+/// S-49. Snap-through of von Mises' truss by arc length: every point of the path satisfies `P = 2 EA (1 − l/l₀) z/l`, is unstable exactly
+/// where the load decreases with the displacement, and the path ends at the full load on the far side.
 #[test]
 fn s49_snap_through_by_arc_length() {
     let (angle, stiffness_n) = (0.1f64, 1e4);
@@ -156,8 +157,8 @@ fn s49_snap_through_by_arc_length() {
     assert!((other - z).abs() < 1e-7, "the load at once leads to {other} m, the path to {z} m");
 }
 
-/// S-50. A follower force has no potential and its column no negative pivot: it flutters from `P L²/EI = 20.05` on
-/// (Beck), which the modes tell.
+/// S-50. A follower force has no potential, and its column has no negative pivot: it flutters from `P L²/EI = 20.05` on (Beck), as the
+/// modes show.
 #[test]
 fn s50_becks_column_flutters() {
     for (load, stable) in [(19.5, true), (20.6, false)] {
@@ -177,8 +178,8 @@ fn s50_becks_column_flutters() {
     }
 }
 
-/// S-51. An elastica whose boundary layer is far shorter than an element is called coarse, the same bend at a load that the
-/// mesh resolves is not, nor is a full circle of four elements, which is exact.
+/// S-51. An elastica whose boundary layer is far shorter than an element is reported as coarse; the same bend at a load resolved by the
+/// mesh is not, nor is a full circle of four elements, which is exact.
 #[test]
 fn s51_a_coarse_mesh_is_told() {
     let bent = |tip: [[f64; 3]; 2], elements| {

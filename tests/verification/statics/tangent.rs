@@ -12,7 +12,7 @@ use foldwing::multibody::tangent::{JointTangent, Surroundings, Tangent};
 use foldwing::multibody::{Model, Workspace};
 use nalgebra::{DVector, Matrix3, Matrix4, Matrix6, Vector3};
 
-/// Numbers in [−1, 1] from a linear congruential generator: the same on every machine.
+/// Pseudo-random numbers in [−1, 1] from a linear congruential generator: the same on every computer.
 struct Dice(u64);
 
 impl Dice {
@@ -30,8 +30,8 @@ impl Dice {
     }
 }
 
-/// A tree of four bodies: both kinds of element, dead and follower stations inside elements and on their ends, offset
-/// masses, a coupled section; `joints` of the bodies; with `levers` also offsets and a rigid body; `sheared`, all but the second body have
+/// A tree of four bodies: both kinds of element, dead and follower loads at stations inside elements and at their ends, offset masses, a
+/// coupled section; `joints` of the bodies; with `levers` also offsets and a rigid body; with `sheared` all bodies except the second have
 /// shear.
 fn tree(dice: &mut Dice, joints: [JointKind; 4], levers: bool, sheared: bool) -> Model {
     let mut stiffness = Matrix4::from_diagonal(&[200.0, 8.0, 10.0, 14.0].into());
@@ -76,7 +76,7 @@ fn tree(dice: &mut Dice, joints: [JointKind; 4], levers: bool, sheared: bool) ->
         })
         .collect();
     if levers {
-        // everything hangs aside of its place, and the third body is rigid
+        // all joints have offsets, and the third body is rigid
         bodies[1..].iter_mut().for_each(|body| body.offset_m = dice.vector() * 0.3);
         bodies[2] = BodyDescription { length_m: 0.0, elements: 0, stations_m: vec![0.0], ..bodies[2].clone() };
         bodies[2].masses[0].0 = 0.0;
@@ -85,7 +85,7 @@ fn tree(dice: &mut Dice, joints: [JointKind; 4], levers: bool, sheared: bool) ->
     Model::new(&bodies)
 }
 
-/// A random state of rest and what acts on it.
+/// A random state without velocities, and its loads.
 struct Case {
     model: Model,
     q: Vec<f64>,
@@ -211,9 +211,9 @@ fn spatial() -> [JointKind; 4] {
     ]
 }
 
-/// S-01. The tangent against sixth-order differences of the residual at random states with strains up to a radian per
-/// element: both kinds of element, hinges free and held, dead and follower loads inside elements, inside pairs and on
-/// nodes, offset masses, a rotating root. Differences hold 1e-12.
+/// S-01. The tangent against sixth-order differences of the residual at random states with strains up to a radian per element: both kinds
+/// of element, hinges free and locked, dead and follower loads inside elements, inside pairs and on nodes, offset masses, a rotating root.
+/// The differences are accurate to 1e-12.
 #[test]
 fn s01_tangent_is_the_derivative_of_the_residual() {
     for seed in 1..=3 {
@@ -232,8 +232,8 @@ const SLIDES: [JointKind; 4] = [
     JointKind::Prismatic { axis: Vector3::new(0.8, 0.6, 0.0) },
 ];
 
-/// S-05. The same with prismatic joints, offsets and a rigid body, free and held; hinges, ball and universal joints on
-/// offsets; and the O(n) solution against the dense matrix.
+/// S-05. S-01 with prismatic joints, offsets and a rigid body, free and locked; hinges, ball and universal joints with offsets; and the
+/// O(n) solution against the dense matrix.
 #[test]
 fn s05_tangent_with_levers() {
     let hung = [JointKind::Clamped, JointKind::Ball, spatial()[2], HINGES[3]];
@@ -241,7 +241,7 @@ fn s05_tangent_with_levers() {
         for (held, rotates) in [([false; 4], false), ([false, true, true, false], true), ([true; 4], true)] {
             let case = Case::of(seed, joints, held, (rotates, true, false));
             let worst = case.worst_column();
-            // in a uniform field nothing resists a slide of the whole tree
+            // in a uniform field a translation of the whole tree along its free slide has no stiffness
             let backward = if rotates { backward_error(&case, seed) } else { 0.0 };
             println!("S-05 seed {seed}, rotating root {rotates}: {worst:.1e}, backward error {backward:.1e}");
             assert!(worst < 1e-11, "seed {seed}, rotating root {rotates}: {worst:.1e}");
@@ -250,8 +250,8 @@ fn s05_tangent_with_levers() {
     }
 }
 
-/// SH-21. S-01 to S-05 for bodies with shear, one without between them: gravity, a rotating root and loads at stations act on the slopes
-/// of the axis, which turn with the nodes and change with the strains.
+/// SH-21. S-01 to S-05 for bodies with shear, one without between them: gravity, a rotating root and loads at stations act on the tangents
+/// of the axis, which rotate with the nodes and change with the strains.
 #[test]
 fn sh21_tangent_of_elements_with_shear() {
     let mut worst_all = [0.0f64; 2];
@@ -260,7 +260,7 @@ fn sh21_tangent_of_elements_with_shear() {
         for (held, rotates) in [([false; 4], false), ([false; 4], true), ([false, true, true, false], true)] {
             let case = Case::of(seed, joints, held, (rotates, levers, true));
             let worst = case.worst_column();
-            // in a uniform field nothing resists a translation of a free tree
+            // in a uniform field a translation of a free tree has no stiffness
             let backward = if rotates { backward_error(&case, seed) } else { 0.0 };
             worst_all = [worst_all[0].max(worst), worst_all[1].max(backward)];
             assert!(worst < 1e-11, "seed {seed}, rotating root {rotates}: {worst:.1e}");
@@ -270,7 +270,7 @@ fn sh21_tangent_of_elements_with_shear() {
     println!("SH-21 differences {:.1e}, backward error {:.1e}", worst_all[0], worst_all[1]);
 }
 
-/// Backward error of the O(n) solution for a random right side.
+/// Backward error of the O(n) solution for a random right-hand side.
 fn backward_error(case: &Case, seed: u64) -> f64 {
     let mut dice = Dice(seed);
     let mut work = Workspace::new(&case.model);
@@ -288,7 +288,7 @@ fn backward_error(case: &Case, seed: u64) -> f64 {
     worst / (tangent.dense(&case.model).amax() * largest)
 }
 
-/// S-02. The same with free, ball and universal joints, in their freedoms.
+/// S-02. S-01 with free, ball and universal joints, in their degrees of freedom.
 #[test]
 fn s02_tangent_of_joints_with_redundant_parameters() {
     for seed in 4..=6 {
@@ -300,8 +300,8 @@ fn s02_tangent_of_joints_with_redundant_parameters() {
     }
 }
 
-/// S-03. The O(n) factorisation solves what the dense matrix solves: backward error at round-off. The root rotates:
-/// a free body in a uniform field would not resist translations.
+/// S-03. The O(n) factorisation solves the system of the dense matrix: backward error at round-off. The root rotates, because translations
+/// of a free body in a uniform field have no stiffness.
 #[test]
 fn s03_recursive_solution_is_the_dense_one() {
     for seed in 1..=6 {
@@ -315,9 +315,8 @@ fn s03_recursive_solution_is_the_dense_one() {
     }
 }
 
-/// S-04. Closed loops: two closures between branches, with offset points and gaps of some millimetres. The tangent
-/// against differences, and the corrected O(n) solution against the dense matrix; hinges that nothing but the loops
-/// holds included.
+/// S-04. Closed loops: two closures between branches, with offset points and gaps of some millimetres. The tangent against differences, and
+/// the corrected O(n) solution against the dense matrix; including hinges held only by the loops.
 #[test]
 fn s04_closed_loops() {
     for seed in 8..=10 {

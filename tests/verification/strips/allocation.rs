@@ -1,4 +1,4 @@
-//! W-28: nothing allocates between the start and the end of a run.
+//! W-28: no memory is allocated between the start and the end of a run.
 
 use foldwing::aero::AirLoads;
 use foldwing::aero::flap::{Deflection, Flap};
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use crate::counting_allocator::allocations;
 use crate::strips::plate::{Motion, Plate};
 
-/// W-28. `start`, `deflect`, `convect`, `solve` and `copy_from` allocate nothing, with a flap.
+/// W-28. `start`, `deflect`, `convect`, `solve` and `copy_from` allocate no memory, with a control surface.
 #[test]
 fn w28_steps_do_not_allocate() {
     let mut strips = Strips::new(vec![Plate::default().surface()], Plate::default().options);

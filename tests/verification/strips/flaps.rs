@@ -1,5 +1,5 @@
-//! Flaps on strips against thin-aerofoil theory: steady by Glauert's series, harmonic by the pressures of the plate itself,
-//! neither of which knows Theodorsen's constants.
+//! Control surfaces on strips against thin-aerofoil theory: steady by Glauert's series, harmonic by the pressures of the plate; neither
+//! uses Theodorsen's constants.
 
 use crate::strips::plate::{Motion, Plate};
 use crate::strips::theory::theodorsen;
@@ -28,7 +28,7 @@ fn flap(hinge_fraction: f64) -> Flap {
     }
 }
 
-/// Lift, nose-up moment about half chord, hinge moment, all per span; thrust.
+/// Lift, nose-up moment about half chord, and hinge moment, all per span; thrust.
 #[derive(Debug, Clone, Copy, Default)]
 struct Found {
     lift_n_m: f64,
@@ -55,8 +55,8 @@ fn steady(plate: &Plate, hinge: f64, incidence_rad: f64, angle_rad: f64) -> Foun
     }
 }
 
-/// Slopes of `c_l`, `c_m` about the quarter chord and `c_h` (over the square of the whole chord) with the angle of a flap, by
-/// Glauert's series (The Elements of Aerofoil and Airscrew Theory, 1926, chapter VII), summed up.
+/// Derivatives of `c_l`, `c_m` about the quarter chord and `c_h` (relative to the square of the whole chord) with respect to the angle of a
+/// flap, by summing Glauert's series (The Elements of Aerofoil and Airscrew Theory, 1926, chapter VII).
 fn glauert(hinge: f64) -> [f64; 3] {
     let at = (1.0 - 2.0 * hinge).acos();
     let a0 = (PI - at) / PI;
@@ -72,12 +72,13 @@ fn glauert(hinge: f64) -> [f64; 3] {
     };
     let arm = |angle: f64| 0.25 * angle.sin() * (at.cos() - angle.cos());
     let first = over(&|angle| a0 * 0.25 * (1.0 + angle.cos()) * (at.cos() - angle.cos()));
-    // terms fall with the third power of their number: those left out weigh 1e-7
+    // the terms fall with the third power of their number: those omitted contribute 1e-7
     let rest: f64 = (1..400).map(|n| a(f64::from(n)) * over(&|angle| (f64::from(n) * angle).sin() * arm(angle))).sum();
     [lift, moment, -4.0 * (first + rest)]
 }
 
-/// W-41. Steady lift, moment and hinge moment of small angles; required is 1 %, observed is the nonlinearity of the sine.
+/// W-41. Steady lift, moment and hinge moment at small angles; the requirement is 1 %, the observed difference is the nonlinearity of the
+/// sine.
 #[test]
 fn w41_steady_flaps_follow_thin_aerofoil_theory() {
     let plate = Plate::default();
@@ -94,14 +95,14 @@ fn w41_steady_flaps_follow_thin_aerofoil_theory() {
         let expected = glauert(hinge);
         println!("W-41 hinge {hinge}: {:?} against {expected:?}", [lift, moment, hinge_moment]);
         for (found, expected) in [lift, moment, hinge_moment].into_iter().zip(expected) {
-            // the series, cut off behind 400 terms, leaves 1e-6
+            // the series, truncated after 400 terms, has an error of 1e-6
             assert!((found - expected).abs() < 2e-6, "{hinge}: {found} against {expected}");
         }
     }
 }
 
-/// W-42. In steady plane flow a plate with a flap has no drag (d'Alembert): what the flap's force leans back the suction of the
-/// leading edge pulls. The rest is of third order: it falls with the cube of the angles.
+/// W-42. In steady plane flow a plate with a flap has no drag (d'Alembert): leading-edge suction balances the backward component of the
+/// flap's force. The remainder is of third order: it falls with the cube of the angles.
 #[test]
 fn w42_steady_flaps_have_no_drag() {
     for (incidence, angle) in [(0.0, 0.1), (0.05, 0.1), (0.05, -0.08)] {
@@ -110,7 +111,7 @@ fn w42_steady_flaps_have_no_drag() {
             found.thrust_n_m / found.lift_n_m.abs().max(1e-9)
         };
         let (one, half) = (drag(1.0), drag(0.5));
-        // lift is of first order, so this ratio is of second
+        // lift is of first order, so this ratio is of second order
         assert!(one.abs() < 3e-3 && half.abs() < 0.3 * one.abs() + 1e-9, "{incidence} {angle}: {one} {half}");
     }
 }
@@ -122,8 +123,8 @@ enum Moving {
     Plate,
 }
 
-/// Harmonic loads of a plate with a flap, from its pressures: potential without circulation by its Fourier series, circulation from Kutta's
-/// condition with Theodorsen's function. Lift, moment about half chord nose up, hinge moment, per angle.
+/// Harmonic loads of a plate with a flap, from its pressures: potential without circulation by its Fourier series, circulation from the
+/// Kutta condition with Theodorsen's function. Lift, nose-up moment about half chord, and hinge moment, per unit angle.
 fn pressures(plate: &Plate, moving: Moving, hinge: f64, k: f64, answer: Complex<f64>) -> [Complex<f64>; 3] {
     let (b, v, rho) = (plate.semi_chord_m, plate.speed_m_s, plate.density_kg_m3);
     let (c, i) = (2.0 * hinge - 1.0, Complex::i());
@@ -140,7 +141,8 @@ fn pressures(plate: &Plate, moving: Moving, hinge: f64, k: f64, answer: Complex<
             .sum();
         sum * (width / 6.0)
     };
-    // upward air through what moves at x = cos φ per angle, about c or the axis a: v + b (x − a) α̇. w sin φ = Σ S_m sin mφ, potential on the plate b Σ S_m/m sin mφ; the ends of the flap are ends of the integral
+    // upward normal velocity on the moving part at x = cos φ per unit angle, about c or the axis a: v + b (x − a) α̇. w sin φ = Σ S_m sin
+    // mφ, potential on the plate b Σ S_m/m sin mφ; the ends of the flap are ends of the integral
     let terms = 200;
     let (about, moved) = match moving {
         Moving::Flap => (c, end),
@@ -153,7 +155,7 @@ fn pressures(plate: &Plate, moving: Moving, hinge: f64, k: f64, answer: Complex<
     let potential = |phi: f64| -> Complex<f64> {
         strengths.iter().enumerate().map(|(m, s)| s * (((m + 1) as f64 * phi).sin() * b / (m + 1) as f64)).sum()
     };
-    // integrals of the potential over the whole plate in closed form of its first two terms, over the flap by quadrature
+    // integrals of the potential: over the whole plate in closed form from its first two terms, over the flap by quadrature
     let whole = strengths[0] * (b * 0.5 * PI);
     let arm = strengths[1] * (0.5 * b * 0.25 * PI);
     let over_flap = |f: &dyn Fn(f64) -> f64| -> Complex<f64> {
@@ -179,7 +181,7 @@ fn pressures(plate: &Plate, moving: Moving, hinge: f64, k: f64, answer: Complex<
     [lift, moment, hinge_moment]
 }
 
-/// Complex amplitudes of the strips' answer to a flap or a plate that oscillates by a small angle, per angle. The moment is that about
+/// Complex amplitudes of the strips' response to a flap or a plate that oscillates by a small angle, per unit angle. The moment is about
 /// the axis.
 fn harmonic(plate: &Plate, moving: Moving, hinge: f64, k: f64) -> [Complex<f64>; 3] {
     const ANGLE_RAD: f64 = 1e-5;
@@ -203,7 +205,7 @@ fn harmonic(plate: &Plate, moving: Moving, hinge: f64, k: f64) -> [Complex<f64>;
     let (deflection, sections) = at(0.0);
     strips.deflect(&[deflection]);
     strips.start(&sections, &plate.flow(0.0, &[]), false, &mut from, &mut loads);
-    // the slowest lag that matters has died out to 1e-5
+    // the slowest relevant lag has decayed to 1e-5
     let periods = (450.0 / (2.0 * PI / k)).ceil() as usize + 2;
     let mut sums = [Complex::from(0.0); 3];
     for step in 1..=periods * PARTS {
@@ -221,7 +223,7 @@ fn harmonic(plate: &Plate, moving: Moving, hinge: f64, k: f64) -> [Complex<f64>;
                 (time_s - 0.5 * step_s, [impulsive.lift_n_m, impulsive.moment_n, hinge.impulsive_n_m / SPAN_M]),
             ];
             for (at_s, values) in parts {
-                // of sin ωt: amplitude A with A e^(iωt), real part along sin
+                // relative to sin ωt: the amplitude A of A e^(iωt), whose real part is along the sine
                 let turn = Complex::new((omega * at_s).sin(), (omega * at_s).cos()) * (2.0 / PARTS as f64 / ANGLE_RAD);
                 for (sum, value) in sums.iter_mut().zip(values) {
                     *sum += turn * value;
@@ -232,7 +234,7 @@ fn harmonic(plate: &Plate, moving: Moving, hinge: f64, k: f64) -> [Complex<f64>;
     sums
 }
 
-/// `1 − Σ a ik/(ik + b)`: what a fit has in place of Theodorsen's function.
+/// `1 − Σ a ik/(ik + b)`: the fit's replacement of Theodorsen's function.
 fn fitted(fit: &Indicial, k: f64) -> Complex<f64> {
     let ik = Complex::new(0.0, k);
     let missing: Complex<f64> =
@@ -240,8 +242,8 @@ fn fitted(fit: &Indicial, k: f64) -> Complex<f64> {
     Complex::from(1.0) - missing
 }
 
-/// W-43. A flap that oscillates: lift, moment and hinge moment in amplitude and phase. With the fit in place of `C(k)` what is
-/// left is the step's second order (400 steps a period); with Theodorsen's own function the fit's distance, 0.06 % fine.
+/// W-43. An oscillating flap: lift, moment and hinge moment in amplitude and phase. With the fit in place of `C(k)` the difference is the
+/// second-order error of the step (400 steps per period); with Theodorsen's function it is the error of the fit, 0.06 % for the fine one.
 #[test]
 fn w43_oscillating_flaps_follow_theodorsen() {
     for (hinge, k) in [(0.5, 0.3), (0.75, 0.1), (0.75, 1.0), (0.9, 0.5)] {
@@ -267,7 +269,7 @@ fn w43_oscillating_flaps_follow_theodorsen() {
 }
 
 /// W-51. The hinge moment of a flap on a plate that pitches about half chord and about other axes, in amplitude and phase, with the fit in
-/// place of `C(k)`: what is left is the step's second order (400 steps a period). The lift beside it.
+/// place of `C(k)`: the difference is the second-order error of the step (400 steps per period). The lift is compared too.
 #[test]
 fn w51_hinge_moment_of_a_pitching_plate() {
     for (hinge, k, axis) in [(0.5, 0.3, 0.0), (0.75, 0.1, -0.4), (0.75, 1.0, 0.3), (0.9, 2.0, 0.0)] {
@@ -281,16 +283,17 @@ fn w51_hinge_moment_of_a_pitching_plate() {
     }
 }
 
-/// W-44. In a flow from behind the flap is a nose: the plate turned round by half a turn, its flap with it, is one that has
-/// its hinge as far from the other edge, at an incidence of the flap's angle less that of the rest. All of thin-aerofoil theory.
+/// W-44. In a flow from behind the flap is at the front: the plate rotated by 180° together with its flap is equivalent to a plate with its
+/// hinge at the same distance from the other edge, at an incidence equal to the flap angle minus that of the rest. All loads by
+/// thin-aerofoil theory.
 #[test]
 fn w44_flaps_in_reversed_flow_are_noses() {
     let (hinge, angle_rad) = (0.7, 1e-4);
     let forward = Plate::default();
     let backward = Plate { speed_m_s: -forward.speed_m_s, ..Plate::default() };
     let found = steady(&backward, hinge, 0.0, angle_rad);
-    // seen from its leading edge, the nose down to 1 − hinge points up the wind by the angle: the plate at that incidence
-    // whose rear part is turned back
+    // seen from its leading edge, the front part 1 − hinge is inclined to the wind by the angle: the plate at that incidence with its rear
+    // part deflected back
     let whole = steady(&forward, 0.5, angle_rad, 0.0);
     let rear = steady(&forward, 1.0 - hinge, 0.0, angle_rad);
     let lift_n_m = -(whole.lift_n_m - rear.lift_n_m);
@@ -298,8 +301,8 @@ fn w44_flaps_in_reversed_flow_are_noses() {
     assert!((found.lift_n_m - lift_n_m).abs() < 1e-6 * scale, "{found:?} against {lift_n_m}");
 }
 
-/// W-45. With a hinge line that is not the quarter-chord line, moment times angle is the work of the air: the hinge moment is
-/// that of the section times the cosine between both lines, as is the angle.
+/// W-45. With a hinge line not parallel to the quarter-chord line, hinge moment times angle is the aerodynamic work: both the hinge moment
+/// and the angle are those of the section times the cosine of the angle between the lines.
 #[test]
 fn w45_tapered_flaps_take_the_cosine_of_their_hinge() {
     let chord = |leading: f64, trailing: f64| ChordLine {
@@ -307,7 +310,7 @@ fn w45_tapered_flaps_take_the_cosine_of_their_hinge() {
         trailing_m: Vector3::y() * trailing,
     };
     let (hinge, slope) = (0.75, 0.4);
-    // straight quarter-chord line at y = 0, chords 2 and 2 − 2·slope·…: the hinge runs along y = −0.5 c
+    // straight quarter-chord line at y = 0, chords 2 and 2 − 2·slope·…: the hinge line is at y = −0.5 c
     let (inner, outer) = (2.0, 2.0 - 2.0 * slope);
     let surface = Surface {
         sections: 0..2,
@@ -336,12 +339,12 @@ fn w45_tapered_flaps_take_the_cosine_of_their_hinge() {
     let lift_n: f64 = loads.circulatory.iter().map(|load| load.force_n.z).sum();
     approx::assert_relative_eq!(lift_n, pressure_pa * mean_m * lift * cosine * angle_rad, max_relative = 1e-5);
     let expected_n_m = pressure_pa * mean_m.powi(2) * hinge_moment * cosine.powi(2) * angle_rad;
-    // of the series again, 1e-6 over a coefficient of 0.06
+    // error of the series, 1e-6 for a coefficient of 0.06
     approx::assert_relative_eq!(state.hinges[0].circulatory_n_m, expected_n_m, max_relative = 5e-5);
 }
 
-/// W-46. Prandtl and Glauert: lift, moment and hinge moment of a plate with its flap over `√(1 − M²)`; at Mach 1 the air refuses. Apparent
-/// mass and what a suction and a leaning flap pull stay in balance: no drag either.
+/// W-46. Prandtl–Glauert correction: lift, moment and hinge moment of a plate with a flap divided by `√(1 − M²)`; Mach 1 is an error.
+/// Leading-edge suction still balances the backward force of the flap: no drag either.
 #[test]
 fn w46_compressible_strips_follow_prandtl_and_glauert() {
     let plain = Plate::default();

@@ -1,28 +1,27 @@
-//! W-30 to W-32: flutter of Goland's wing by a solution of the continuous wing, without modes, elements or time steps.
+//! W-30 to W-32: flutter of Goland's wing as a continuous wing, without modes, elements or time steps.
 //!
-//! At a real frequency `ω` and a speed `V` the amplitudes of heave `h` (down, of the elastic axis) and twist `α` obey
-//! linear equations along the span with constant coefficients,
-//! `EI h'''' = ω²(m h + S α) − L(h, α)`, `−GJ α'' = ω²(I α + S h) + M(h, α)`,
-//! `L` and `M` Theodorsen's lift and nose-up moment. Clamped root and free tip ask that a 3×3 determinant of the
-//! transfer matrix over the span vanish; its two real parts give flutter speed and frequency. This shares no code with
-//! the product and is the reference for its flutter in time.
+//! At a real frequency `ω` and a speed `V` the amplitudes of heave `h` (down, of the elastic axis) and twist `α` satisfy linear equations
+//! along the span with constant coefficients, `EI h'''' = ω²(m h + S α) − L(h, α)`, `−GJ α'' = ω²(I α + S h) + M(h, α)`, `L` and `M`
+//! Theodorsen's lift and nose-up moment. For a clamped root and a free tip, a 3×3 determinant of the transfer matrix over the span must
+//! vanish; its real and imaginary parts determine flutter speed and frequency. This shares no code with the product and is the reference
+//! for its flutter in simulations.
 
 use crate::strips::theory::{Aerofoil, theodorsen};
 use crate::strips::unsteady::fitted_theodorsen;
 use nalgebra::{Complex, Matrix3, Matrix6};
 use serde_json::Value;
 
-/// The file with the wing's data and the published results.
+/// The reference file with the wing's data and the published results.
 pub fn reference() -> Value {
     serde_json::from_str(include_str!("../../reference/goland.json")).expect("valid JSON")
 }
 
-/// Number in an object of the file.
+/// A number in an object of the file.
 fn number(object: &Value, key: &str) -> f64 {
     object[key].as_f64().unwrap_or_else(|| panic!("no number {key}"))
 }
 
-/// The wing, and the air as a function of the reduced frequency in the place of Theodorsen's.
+/// The wing, with the aerodynamic lag as a function of the reduced frequency in place of Theodorsen's function.
 struct Wing {
     data: Value,
     density_kg_m3: f64,
@@ -34,7 +33,7 @@ impl Wing {
         Self { data: reference()["wing"].clone(), density_kg_m3, lag }
     }
 
-    /// With the data that a source used, where they differ from the usual ones in the fourth digit.
+    /// The wing with the data of a source, where they differ from the usual ones in the fourth digit.
     fn of(source: &Value) -> Self {
         let usual = Self::new(number(source, "density_kg_m3"), theodorsen);
         if source["wing"].is_object() { Self { data: source["wing"].clone(), ..usual } } else { usual }
@@ -44,7 +43,7 @@ impl Wing {
         number(&self.data, key)
     }
 
-    /// Determinant of the conditions at the tip, scaled to the order of one.
+    /// Determinant of the boundary conditions at the tip, scaled to order one.
     fn determinant(&self, speed_m_s: f64, frequency_rad_s: f64) -> Complex<f64> {
         let (span_m, chord_m, mass_kg_m) = (self.get("span_m"), self.get("chord_m"), self.get("mass_kg_m"));
         let axis = self.get("elastic_axis_of_chord");
@@ -63,7 +62,7 @@ impl Wing {
         let heaving = aerofoil.response((self.lag)(k), k, one, zero);
         let pitching = aerofoil.response((self.lag)(k), k, zero, one);
 
-        // unknowns (h, h', h'', h''', α, α'), derivatives by the share of the span so that entries compare
+        // unknowns (h, h', h'', h''', α, α'), derivatives with respect to the fraction of the span so that entries are of similar size
         let square = frequency_rad_s.powi(2);
         let flap = span_m.powi(4) / bending;
         let twist = -span_m.powi(2) / torsion;
@@ -76,7 +75,7 @@ impl Wing {
         along[(5, 0)] = (one * square * imbalance_kg + heaving.moment_n()) * twist;
         along[(5, 4)] = (one * square * inertia_kg_m + pitching.moment_n()) * twist;
         let transfer = exponential(&along);
-        // free at the root: h'', h''', α'; zero at the tip: the same
+        // free at the root: h'', h''', α'; zero at the tip: the same three
         let (rows, columns) = ([2, 3, 5], [2, 3, 5]);
         let tip = Matrix3::from_fn(|i, j| transfer[(rows[i], columns[j])]);
         tip.determinant()
@@ -118,7 +117,8 @@ fn exponential(matrix: &Matrix6<Complex<f64>>) -> Matrix6<Complex<f64>> {
     (0..halvings).fold(sum, |power, _| power * power)
 }
 
-/// W-30. The solution itself: natural frequencies of the wing in a vacuum with the mass on the elastic axis, closed form.
+/// W-30. Check of the solution itself: natural frequencies of the wing in a vacuum with the mass on the elastic axis, against the closed
+/// form.
 #[test]
 fn w30_transfer_matrix_has_the_closed_form_frequencies() {
     let mut wing = Wing::new(0.0, theodorsen);
@@ -137,8 +137,8 @@ fn w30_transfer_matrix_has_the_closed_form_frequencies() {
     }
 }
 
-/// W-31. Flutter with Theodorsen's air against an independent exact solution, with that one's data to all of its digits,
-/// and against the figures that the literature quotes, whose frequency is 1 % above what the quoted data give.
+/// W-31. Flutter with Theodorsen's theory against an independent exact solution, with its data to all digits, and against the values quoted
+/// in the literature, whose frequency is 1 % above the one for the quoted data.
 #[test]
 fn w31_flutter_with_theodorsen() {
     let published = reference()["strip_theory"].clone();
@@ -151,7 +151,7 @@ fn w31_flutter_with_theodorsen() {
     }
 }
 
-/// W-32. What the product's air does to the flutter speed: its two-term fit to Wagner's function, and no lag at all.
+/// W-32. Effect of the product's aerodynamics on the flutter speed: its two-term fit to Wagner's function, and no lag.
 #[test]
 fn w32_flutter_with_the_fit_and_without_lag() {
     let exact = Wing::new(1.225, theodorsen).flutter([137.0, 70.0]);
@@ -162,7 +162,7 @@ fn w32_flutter_with_the_fit_and_without_lag() {
     println!("W-32 fit {fitted:.4?}, no lag {plain:.4?}, Theodorsen at 1.02 kg/m3 {thin:.4?} (m/s, rad/s)");
     // the fit's transform is off by at most 1.5 % of C near k = 0.47
     assert!((fitted[0] / exact[0] - 1.0).abs() < 0.015 && (fitted[1] / exact[1] - 1.0).abs() < 0.015, "{fitted:?}");
-    // an independent model of the same air with two modes of each kind
+    // an independent model with the same aerodynamics and two modes of each kind
     assert!((fitted[0] / number(&published, "flutter_speed_m_s") - 1.0).abs() < 1e-3, "{fitted:?}");
     assert!((fitted[1] / number(&published, "flutter_frequency_rad_s") - 1.0).abs() < 1e-3, "{fitted:?}");
     assert!(plain[0] < exact[0], "lag lowers the lift: without it flutter comes earlier");

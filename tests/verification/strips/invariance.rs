@@ -1,4 +1,4 @@
-//! W-20 to W-28: what must hold for any air on any wing, and attitudes far from the linear ones.
+//! W-20 to W-28: invariances of any aerodynamic model on any wing, and attitudes beyond the linear range.
 
 use crate::strips::plate::{Motion, Plate};
 use foldwing::aero::AirLoads;
@@ -11,21 +11,21 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Sections of the wing.
 const SECTIONS: usize = 5;
-/// Steps that the comparisons take: enough for lag and impulse to have a history.
+/// Number of steps in the comparisons: enough for a history of lag states and impulse.
 const STEPS: usize = 6;
 const STEP_S: f64 = 0.01;
 
-/// Change between two runs that must agree.
+/// Differences between two runs that must agree.
 #[derive(Clone)]
 struct Setting {
-    /// Turns everything: wind, gust, motion.
+    /// Rotation of everything: wind, gust, motion.
     turn: Matrix3<f64>,
     /// Velocity added to wing and air, m/s.
     drift_m_s: Vector3<f64>,
     density_kg_m3: f64,
-    /// Factor of all velocities (and, so that the ways stay, of the steps' number per second).
+    /// Factor on all velocities (and on the number of steps per second, so that the paths are unchanged).
     speed: f64,
-    /// Angular velocity of the frame from which the same motion is seen, rad/s.
+    /// Angular velocity of the frame in which the same motion is described, rad/s.
     frame_rad_s: Vector3<f64>,
     /// Leading and trailing edge exchanged.
     reversed: bool,
@@ -53,7 +53,7 @@ impl Default for Setting {
     }
 }
 
-/// A swept, tapered wing, without the profile's line of zero lift on the chord.
+/// A swept, tapered wing; the zero-lift line of its profile is not on the chord.
 fn wing(setting: &Setting) -> Surface {
     let chords = (0..SECTIONS)
         .map(|i| {
@@ -69,7 +69,7 @@ fn wing(setting: &Setting) -> Surface {
     Surface { sections: 0..SECTIONS, chords, chord_panels: 1, profile: setting.profile.clone() }
 }
 
-/// Places, attitudes and velocities in the inertial frame: a wing that bends, twists and flaps by large angles.
+/// Positions, attitudes and velocities in the inertial frame: a wing that bends, twists and flaps by large angles.
 fn inertial(setting: &Setting, time_s: f64) -> Vec<SectionMotion> {
     let t = time_s * setting.speed;
     (0..SECTIONS)
@@ -77,7 +77,7 @@ fn inertial(setting: &Setting, time_s: f64) -> Vec<SectionMotion> {
             let x = 0.5 * i as f64;
             let amplitude = Vector3::new(0.3, -0.2 * x, 0.1 * x);
             let (angle, rate) = (1.0 + (9.0 * t).sin(), 9.0 * (9.0 * t).cos());
-            // turning about a fixed axis: the rate of the rotation vector is the angular velocity
+            // rotation about a fixed axis: the rate of the rotation vector is the angular velocity
             let turning = Rotation3::from_scaled_axis(amplitude * angle).into_inner();
             let position_m = Vector3::new(x, 0.1 * x * (5.0 * t).sin(), 0.2 * x * x * (7.0 * t).sin());
             let velocity_m_s = Vector3::new(0.0, 0.5 * x * (5.0 * t).cos(), 1.4 * x * x * (7.0 * t).cos());
@@ -91,7 +91,7 @@ fn inertial(setting: &Setting, time_s: f64) -> Vec<SectionMotion> {
         .collect()
 }
 
-/// Loads of each step, brought back into the frame of the default setting.
+/// Loads of each step, transformed back into the frame of the default setting.
 fn loads(setting: &Setting) -> (Vec<AirLoads>, StripState) {
     let mut strips = Strips::new(vec![wing(setting)], setting.options);
     let (mut from, mut to) = (strips.blank_state(), strips.blank_state());
@@ -101,7 +101,7 @@ fn loads(setting: &Setting) -> (Vec<AirLoads>, StripState) {
     let mut history = Vec::new();
     for step in 0..=STEPS {
         let time_s = step as f64 * STEP_S / setting.speed;
-        // the frame turns by R(t): what stands still in space turns back in it
+        // the frame rotates by R(t): a point fixed in space rotates backward in it
         let back = setting.turn * Rotation3::from_scaled_axis(-setting.frame_rad_s * time_s).into_inner();
         let spin_rad_s = setting.turn * setting.frame_rad_s;
         let direction = back * -Vector3::y();
@@ -151,7 +151,7 @@ fn loads(setting: &Setting) -> (Vec<AirLoads>, StripState) {
     (history, from)
 }
 
-/// Largest difference of two histories of loads, of the largest force; the second one is divided by `factor`.
+/// Largest difference between two histories of loads, relative to the largest force; the second one is divided by `factor`.
 fn difference(a: &[AirLoads], b: &[AirLoads], factor: f64, impulsive: bool) -> f64 {
     let pick = |loads: &AirLoads| if impulsive { loads.impulsive.clone() } else { loads.circulatory.clone() };
     let (mut most, mut size): (f64, f64) = (0.0, 0.0);
@@ -163,8 +163,8 @@ fn difference(a: &[AirLoads], b: &[AirLoads], factor: f64, impulsive: bool) -> f
     most / size
 }
 
-/// W-20. A rotation of everything gives the same loads rotated; a wing that drifts with the air has no loads from it; loads are
-/// proportional to density and, for the same path, to the square of the speed. To round-off of some hundred operations.
+/// W-20. A rotation of everything rotates the loads; a common drift of wing and air does not change them; loads are proportional to density
+/// and, for the same path, to the square of the speed. Tolerance: round-off of some hundred operations.
 #[test]
 fn w20_rotation_drift_density_and_speed() {
     let (reference, _) = loads(&Setting::default());
@@ -186,7 +186,7 @@ fn w20_rotation_drift_density_and_speed() {
 }
 
 /// W-21. The same motion in a rotating frame: circulatory loads to round-off; the impulsive ones act along the mean normal, which in such a
-/// frame is rotated by half a step.
+/// frame is rotated by the rotation of half a step.
 #[test]
 fn w21_turning_frame() {
     let (reference, state) = loads(&Setting::default());
@@ -201,12 +201,12 @@ fn w21_turning_frame() {
     }
 }
 
-/// W-22. A thin plate does not know which of its edges leads: exchanged edges, at any attitude, give the same loads.
+/// W-22. The edges of a thin plate are interchangeable: exchanged leading and trailing edges, at any attitude, give the same loads.
 #[test]
 fn w22_reversed_flow() {
     let thin = Setting { profile: Profile::THIN, ..Default::default() };
     let (reference, _) = loads(&thin);
-    // the reversed wing's span is cut across what is the three-quarter line of the other: compare without sweep
+    // the span of the reversed wing is divided normal to the three-quarter line of the other: compare without sweep
     let (swept, _) = loads(&Setting { reversed: true, ..thin });
     assert!(difference(&reference, &swept, 1.0, false) < 0.1);
     let plate = Plate { profile: Profile::THIN, ..Default::default() };
@@ -221,7 +221,7 @@ fn w22_reversed_flow() {
         (plate.march(moving, &[], false, 0.01, 300), plate.march(reversed, &[], false, 0.01, 300));
     let size_n_m = forward.iter().map(|[c, _]| c.lift_n_m.abs()).fold(0.0, f64::max);
     for ([a, b], [c, d]) in forward.iter().zip(&backward) {
-        // pitching by π exchanges the edges and leaves nose-up what it is
+        // a pitch rotation by π exchanges the edges and leaves the nose-up direction unchanged
         for (x, y) in [(a, c), (b, d)] {
             assert!((x.lift_n_m - y.lift_n_m).abs() < 1e-11 * size_n_m, "{x:?} {y:?}");
             assert!((x.thrust_n_m - y.thrust_n_m).abs() < 1e-11 * size_n_m, "{x:?} {y:?}");
@@ -230,9 +230,9 @@ fn w22_reversed_flow() {
     }
 }
 
-/// W-23. All angles of attack: the plate's lift coefficient `2π sin α cos α (|cos α| + sin² α)` (without suction
-/// `2π sin α cos α |cos α|`) stays within 1.25 π, its sign follows `sin α cos α`, it has no
-/// force across the wind at 90°, where only drag is left, and no kink anywhere.
+/// W-23. All angles of attack: the plate's lift coefficient `2π sin α cos α (|cos α| + sin² α)` (without suction `2π sin α cos α |cos α|`)
+/// is within ±1.25 π and has the sign of `sin α cos α`; at 90° there is only drag, no force normal to the wind; and there is no kink
+/// anywhere.
 #[test]
 fn w23_plate_at_any_angle() {
     let profile = Profile { drag_coefficient: 0.1, ..Profile::THIN };
@@ -251,7 +251,7 @@ fn w23_plate_at_any_angle() {
             assert!(lift * sign > 0.0 || sign.abs() < 1e-9, "{degree}°: {lift}");
             // 2π per rad is 0.11 per degree; sin α cos α (|cos α| + sin² α) is at most 1.3 times as steep as sin α
             assert!((loads.lift_n_m - last.lift_n_m).abs() < 0.143 * size_n_m, "{degree}°");
-            assert!(loads.thrust_n_m < -0.099 * size_n_m, "{degree}°: {loads:?}"); // never less drag than the profile's
+            assert!(loads.thrust_n_m < -0.099 * size_n_m, "{degree}°: {loads:?}"); // never less drag than that of the profile
             last = loads;
         }
         println!("W-23 suction {leading_edge_suction}: largest lift coefficient {most:.3}");
@@ -262,8 +262,8 @@ fn w23_plate_at_any_angle() {
     }
 }
 
-/// W-24. Swept endless wing: the lift of the straight one times the cosine of the sweep, per area and streamwise angle.
-/// Dihedral turns the force.
+/// W-24. Infinite swept wing: the lift of the straight one times the cosine of the sweep, per area and streamwise angle. Dihedral rotates
+/// the force.
 #[test]
 fn w24_sweep_and_dihedral() {
     let (chord_m, sweep_rad, dihedral_rad) = (0.8, 0.6_f64, 0.3_f64);
@@ -287,16 +287,16 @@ fn w24_sweep_and_dihedral() {
     };
     let straight_n = force_n(0.0, 0.0);
     assert!((straight_n.z / (2.0 * PI * 50.0 * chord_m * angle_rad) - 1.0).abs() < 1e-6);
-    // equal area, since the span across the flow is 1 m either way
+    // equal area, since the span normal to the flow is 1 m in both cases
     assert!((force_n(sweep_rad, 0.0).z / straight_n.z / sweep_rad.cos() - 1.0).abs() < 1e-6);
-    // the wing is longer by 1/cos and meets a downwash smaller by cos: its normal force is the same, tilted
+    // the wing is longer by 1/cos and its normal velocity smaller by cos: its normal force is the same, tilted
     let tilted_n = force_n(0.0, dihedral_rad);
     assert!((tilted_n.z / straight_n.z / dihedral_rad.cos() - 1.0).abs() < 1e-6, "{tilted_n}");
     assert!((tilted_n.x / tilted_n.z + dihedral_rad.tan()).abs() < 1e-6, "{tilted_n}");
 }
 
-/// W-25. Work of the impulsive loads on a heaving and pitching plate in still air = loss of kinetic energy of the air,
-/// step by step to round-off: what makes light wings safe.
+/// W-25. Work of the impulsive loads on a heaving and pitching plate in still air = loss of kinetic energy of the air, step by step to
+/// round-off: this ensures stability for light wings.
 #[test]
 fn w25_apparent_mass_stores_energy() {
     let plate = Plate { speed_m_s: 0.0, ..Default::default() };
@@ -307,7 +307,7 @@ fn w25_apparent_mass_stores_energy() {
     let energy_j_m = |time_s: f64| 0.5 * PI * rho * b * b * sinking_m_s(time_s).powi(2);
     for (step, [_, impulsive]) in history.iter().enumerate().skip(1) {
         let (before_s, now_s) = ((step - 1) as f64 * step_s, step as f64 * step_s);
-        // the mean force over the step times the way of a plate whose speed grows evenly
+        // the mean force over the step times the displacement of a plate with uniform acceleration
         let work_j_m = -impulsive.lift_n_m * 0.5 * (sinking_m_s(before_s) + sinking_m_s(now_s)) * step_s;
         let gain_j_m = energy_j_m(now_s) - energy_j_m(before_s);
         assert!((work_j_m + gain_j_m).abs() < 1e-13, "step {step}: {work_j_m} J/m, {gain_j_m} J/m");

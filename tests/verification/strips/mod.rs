@@ -1,4 +1,4 @@
-//! Strip theory against the classical theory of thin aerofoils, and the invariances that any air must have.
+//! Strip theory against classical thin-aerofoil theory, and the invariances that every aerodynamic model must have.
 
 mod allocation;
 mod flaps;

@@ -1,4 +1,4 @@
-//! A straight plate of one strip in prescribed heave and pitch: what every comparison with plane theory drives.
+//! A straight plate of one strip in prescribed heave and pitch, for all comparisons with plane theory.
 
 use foldwing::aero::AirLoads;
 use foldwing::aero::flow::{Flow, Gust};
@@ -7,10 +7,10 @@ use foldwing::aero::surface::{ChordLine, Profile, Surface};
 use foldwing::load::{SectionMotion, Wrench};
 use nalgebra::{Rotation3, Vector3};
 
-/// Span, so that a figure per span is not one per strip by accident, m.
+/// Span in m, different from 1 so that values per span and per strip cannot be confused.
 const SPAN_M: f64 = 3.0;
 
-/// Plate with its leading edge towards +y in a wind along −y; lift is +z, nose up turns about +x.
+/// Plate with its leading edge towards +y in a wind along −y; lift is along +z, nose-up is a rotation about +x.
 #[derive(Debug, Clone)]
 pub struct Plate {
     pub semi_chord_m: f64,
@@ -35,7 +35,7 @@ impl Default for Plate {
     }
 }
 
-/// Heave (down positive, m), pitch (nose up, rad) and their rates.
+/// Heave (positive down, m), pitch (nose-up, rad) and their rates.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Motion {
     pub heave_m: f64,
@@ -92,8 +92,8 @@ impl Plate {
         [per_span(&loads.circulatory), per_span(&loads.impulsive)]
     }
 
-    /// Circulatory and impulsive loads after each of `steps` steps, the start in front (impulsive loads are means over
-    /// the step that ends there).
+    /// Circulatory and impulsive loads at the start and after each of `steps` steps (impulsive loads are means over the step that ends
+    /// there).
     pub fn march(
         &self,
         motion: impl Fn(f64) -> Motion,

@@ -1,4 +1,4 @@
-//! W-33: the strips in a closed loop with the smallest structure there is, a section on two springs.
+//! W-33: the strips coupled to the smallest structure, a section on two springs.
 
 use crate::strips::plate::{Motion, Plate};
 use crate::strips::theory::Aerofoil;
@@ -7,8 +7,8 @@ use foldwing::aero::AirLoads;
 use foldwing::aero::strip::Strips;
 use nalgebra::{Complex, Matrix2, Vector2};
 
-/// Section per metre of span on an axis at the quarter chord; it weighs what its apparent mass weighs, where a coupling
-/// without iteration fails.
+/// Section per metre of span on an axis at the quarter chord; its mass equals its apparent mass, a case in which a coupling without
+/// iteration fails.
 struct Section {
     plate: Plate,
     mass: Matrix2<f64>,
@@ -29,7 +29,7 @@ impl Section {
         }
     }
 
-    /// Determinant of the section at a real frequency with the fit's transform in the place of Theodorsen's function.
+    /// Determinant of the section at a real frequency with the fit's transform in place of Theodorsen's function.
     fn determinant(&self, omega_rad_s: f64) -> Complex<f64> {
         let Plate { semi_chord_m, axis, speed_m_s, density_kg_m3, .. } = self.plate;
         let aerofoil = Aerofoil { density_kg_m3, speed_m_s, semi_chord_m, axis };
@@ -38,12 +38,12 @@ impl Section {
         let heaving = aerofoil.response(fitted_theodorsen(k), k, one, zero);
         let pitching = aerofoil.response(fitted_theodorsen(k), k, zero, one);
         let own = self.stiffness - self.mass * omega_rad_s.powi(2);
-        // heave is down, lift up
+        // heave is positive down, lift up
         (heaving.lift_n_m() + own[(0, 0)]) * (-pitching.moment_n() + own[(1, 1)])
             - (pitching.lift_n_m() + own[(0, 1)]) * (-heaving.moment_n() + own[(1, 0)])
     }
 
-    /// Free motion after a push, by the trapezoidal rule with the air iterated in every step; heave after each step.
+    /// Free motion after a disturbance, by the trapezoidal rule with the aerodynamics iterated in every step; heave after each step.
     fn march(&self, step_s: f64, steps: usize) -> Vec<f64> {
         let mut strips = Strips::new(vec![self.plate.surface()], self.plate.options);
         let (mut from, mut to) = (strips.blank_state(), strips.blank_state());
@@ -69,7 +69,7 @@ impl Section {
                 // circulatory loads belong to the ends of the step, impulsive ones are means over it
                 let mean = 0.5 * (last + now) + Vector2::new(-impulsive.lift_n_m, impulsive.moment_n);
                 let residual = self.mass * (end - v) / step_s + self.stiffness * (q + place) * 0.5 - mean;
-                // Newton-like: the apparent mass on the left side makes the iteration contract
+                // Newton-like: the apparent mass on the left-hand side makes the iteration contract
                 let change = -((self.mass + added) / step_s).try_inverse().expect("regular") * residual;
                 end += change;
                 iterations += 1;
@@ -86,13 +86,13 @@ impl Section {
     }
 }
 
-/// W-33. Flutter of a section as heavy as its apparent mass: speed and frequency in time compared with the frequency domain.
+/// W-33. Flutter of a section as heavy as its apparent mass: speed and frequency from a simulation against the frequency domain.
 ///
 /// The strips, iterated with the section in each step, add neither damping nor energy: 0.5 % below the flutter speed of the equations the
-/// motion decays, 0.5 % above it grows, with the predicted frequency. The step leaves (ωh)²/12 = 2e-4 of it.
+/// motion decays, 0.5 % above it grows, with the predicted frequency, whose discretisation error is (ωh)²/12 = 2e-4.
 #[test]
 fn w33_flutter_of_a_light_section() {
-    // both parts of the determinant vanish: Newton in speed and frequency
+    // both parts of the determinant vanish: Newton's method for speed and frequency
     let value = |at: &Vector2<f64>| {
         let f = Section::new(at.x).determinant(at.y);
         Vector2::new(f.re, f.im)
@@ -111,7 +111,7 @@ fn w33_flutter_of_a_light_section() {
     let growth = |speed_m_s: f64| {
         let heave_m = Section::new(speed_m_s).march(step_s, steps);
         let size = |range: std::ops::Range<usize>| heave_m[range].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        // time of the zeros, interpolated: the frequency of the last half
+        // times of the zeros, by interpolation: the frequency in the second half
         let zeros: Vec<f64> = (steps / 2..steps)
             .filter(|&i| heave_m[i - 1] < 0.0 && heave_m[i] >= 0.0)
             .map(|i| i as f64 - heave_m[i] / (heave_m[i] - heave_m[i - 1]))
@@ -129,5 +129,5 @@ fn w33_flutter_of_a_light_section() {
     assert!((0.5 * (below.1 + above.1) / at.y - 1.0).abs() < 2e-3, "{below:?} {above:?}");
 }
 
-/// Near the flutter point, for Newton's iteration.
+/// Initial guess near the flutter point for Newton's iteration.
 const GUESS: [f64; 2] = [24.5, 15.4];

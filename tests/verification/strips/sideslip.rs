@@ -1,5 +1,5 @@
-//! Air along the span: forces on the legs of the lifting line, eq. (W16), and twisted strips, eq. (W4), compared with the lattice with one
-//! panel along the chord and with a plate that pitches.
+//! Spanwise flow: forces on the trailing legs of the lifting line, eq. (W16), and twisted strips, eq. (W4), compared with the lattice with
+//! one panel along the chord and with a pitching plate.
 
 use super::tip_loss::{LINE, Line, arch, flow, wind, worst};
 use crate::lattice::wing::{SPEED_M_S, Wing, inset, options};
@@ -11,19 +11,19 @@ use foldwing::aero::surface::Profile;
 use foldwing::load::SectionMotion;
 use nalgebra::{Rotation3, Vector3};
 
-/// A wind that comes from the side by an angle.
+/// A wind with an incidence and a sideslip angle.
 fn aside(incidence_rad: f64, sideslip_rad: f64) -> Vector3<f64> {
     Rotation3::from_axis_angle(&Vector3::z_axis(), sideslip_rad) * wind(incidence_rad)
 }
 
-/// Force in N and moment in N.m about the middle of the wing.
+/// Force in N and moment about the middle of the wing in N.m.
 fn wrench(loads: &AirLoads, motions: &[SectionMotion]) -> (Vector3<f64>, Vector3<f64>) {
     let both = loads.circulatory.iter().zip(motions);
     let moments = both.map(|(load, motion)| load.moment_n_m + motion.position_m.cross(&load.force_n));
     (loads.circulatory.iter().map(|load| load.force_n).sum(), moments.sum())
 }
 
-/// Line and lattice in the same wind, neither with suction at the leading edge.
+/// Lifting line and lattice in the same wind, both without leading-edge suction.
 fn pair(places_m: &[f64], wind_m_s: Vector3<f64>, shape: impl Fn(&mut [SectionMotion])) -> (Line, Wing) {
     let strips = StripOptions { tip_loss: Some(LINE), leading_edge_suction: false, ..Default::default() };
     let mut line = Line::new(places_m, |_| 1.0, Profile::THIN, strips);
@@ -36,10 +36,9 @@ fn pair(places_m: &[f64], wind_m_s: Vector3<f64>, shape: impl Fn(&mut [SectionMo
     (line, lattice)
 }
 
-/// W-47. A wing with the wind from the side rolls: the legs on its chords carry the force across the air that passes along the span. Lift
-/// and rolling moment are those of the lattice with one panel; what the vortices themselves induce along the panels, which the lattice
-/// adds, is of second order in the incidence. Where the legs act along the chord differs: at 7/12 of it, as on a lattice
-/// with many panels, not at 5/8.
+/// W-47. A wing in sideslip has a rolling moment: the spanwise flow causes forces on the chordwise legs. Lift and rolling moment are those
+/// of the lattice with one panel; the velocities induced along the panels, which only the lattice includes, are of second order in the
+/// incidence. The forces on the legs act at 7/12 of the chord, as on a lattice with many panels, not at 5/8 as with one panel.
 #[test]
 fn w47_sideslip_rolls_the_line_as_it_rolls_the_lattice() {
     let places_m = inset(6.0, 24);
@@ -57,13 +56,13 @@ fn w47_sideslip_rolls_the_line_as_it_rolls_the_lattice() {
         assert!(arm_m.abs() > 0.05, "the wind from the side moves the lift");
         errors.push([ours_n.z / theirs_n.z - 1.0, ours_n_m.y / theirs_n_m.y - 1.0].map(f64::abs));
     }
-    // wakes of different length leave 1e-6, as in W-34
+    // different wake lengths cause a difference of 1e-6, as in W-34
     assert!(errors.iter().flatten().all(|error| *error < 1e-5), "{errors:?}");
     assert!((3.5..4.5).contains(&(errors[0][0] / errors[1][0])), "second order: {errors:?}");
 }
 
-/// W-48. Twist, a bend and wind from the side together: circulations of the lattice with one panel, up to what is of second order in the
-/// angles (normals of warped panels) or fourth (W-34): angles half as large leave a quarter of the difference or less.
+/// W-48. Twist, bend and sideslip together: circulations of the lattice with one panel, up to terms of second order in the angles (normals
+/// of warped panels) or fourth (W-34): halving the angles reduces the difference to a quarter or less.
 #[test]
 fn w48_twisted_wings_in_sideslip_are_those_of_the_lattice() {
     let places_m = inset(6.0, 48);
@@ -87,14 +86,14 @@ fn w48_twisted_wings_in_sideslip_are_those_of_the_lattice() {
         println!(
             "W-48 bend {bend_rad}, twist {twist_rad}, incidence {incidence_rad} rad: {whole:.1e}, half: {half:.1e}"
         );
-        // half the twist at the end, and what the bend makes of the wind from the side
+        // half the twist at the end, and the contribution of the bend in sideslip
         let angle_rad = bend_rad * 0.3_f64.sin() + 0.5 * twist_rad + incidence_rad;
         assert!(whole < 0.05 * angle_rad * angle_rad && half < 0.3 * whole + 2e-6, "{whole}, {half}");
     }
 }
 
-/// W-49. A twisted plate in air along its span is a plate that pitches: what passes a section has the rate of pitch `u_s dθ/ds`. Lift and
-/// moment are the same to the square of the twist.
+/// W-49. A twisted plate in spanwise flow is equivalent to a pitching plate: the flow past a section sees the pitch rate `u_s dθ/ds`. Lift
+/// and moment agree to second order in the twist.
 #[test]
 fn w49_twist_in_air_along_the_span_is_a_rate_of_pitch() {
     let (along_m_s, twist_rad_m) = (4.0, 1e-3);
@@ -118,7 +117,7 @@ fn w49_twist_in_air_along_the_span_is_a_rate_of_pitch() {
     assert!((ours_n_m.x / theirs_n_m.x - 1.0).abs() < 1e-5, "{ours_n_m} against {theirs_n_m}");
 }
 
-/// W-50. A leg in the plane of a mirror carries no force: half a wing with suction has half of the forces of the whole, along the span too.
+/// W-50. A leg in a mirror plane carries no force: half a wing with suction has half of the forces of the whole wing, also along the span.
 #[test]
 fn w50_legs_at_a_mirror_cancel() {
     let whole_places_m = inset(8.0, 16);
@@ -130,7 +129,7 @@ fn w50_legs_at_a_mirror_cancel() {
     let options = StripOptions { tip_loss: Some(mirror), ..Default::default() };
     let mut half = Line::new(&whole_places_m[8..], |_| 1.0, Profile::THIN, options);
     half.start(wind(0.1), true);
-    // the section at the mirror has the loads of one side only
+    // the section at the mirror plane has the loads of one side only
     for (ours, theirs) in half.loads.circulatory[1..].iter().zip(outer) {
         assert!((ours.force_n - theirs.force_n).norm() < 1e-5 * whole.force_n().norm(), "{ours:?} against {theirs:?}");
     }
@@ -138,10 +137,10 @@ fn w50_legs_at_a_mirror_cancel() {
     assert!(root.x.abs() < 1e-9 && (2.0 * root - twice).norm() < 1e-5 * whole.force_n().norm(), "{root} of {twice}");
 }
 
-/// W-52. Pitching moment of the legs of a tapered wing in a sideslip, from the wind or from a gust that blows along the span:
-/// the force of every leg by Kutta and Joukowski from the circulations found, at 7/12 of the chord, which is where the circulation of a
-/// flat plate passes to its neighbours on the mean (the loading `√((1 − x)/x)` has its first two moments at 1/4 and 1/8). The lift of the
-/// strips acts on the straight quarter-chord line along `x`, behind it by what grows with the square of the incidence, eq. (W7).
+/// W-52. Pitching moment of the legs of a tapered wing in sideslip, due to the wind or to a spanwise gust: the force on every leg by the
+/// Kutta–Joukowski theorem from the circulations found, at 7/12 of the chord, the mean position at which the circulation of a flat plate is
+/// shed into the legs (the loading `√((1 − x)/x)` has its first two moments at 1/4 and 1/8). The lift of the strips acts on the straight
+/// quarter-chord line along `x`, behind it by a distance that grows with the square of the incidence, eq. (W7).
 #[test]
 fn w52_legs_of_a_tapered_wing_act_at_seven_twelfths() {
     let chord_m = |x: f64| 1.0 - 0.1 * x;
@@ -172,12 +171,12 @@ fn w52_legs_of_a_tapered_wing_act_at_seven_twelfths() {
             let outer = circulations.get(column).copied().unwrap_or(0.0);
             let leg_m = Vector3::y() * (-0.75 * chord_m(*x));
             let force_n = 1.2 * (inner - outer) * air_m_s.cross(&leg_m);
-            // without suction only the part across the plate
+            // without suction only the part normal to the plate
             let force_n = if suction { force_n } else { Vector3::z() * force_n.z };
             expected_n_m += Vector3::new(*x, -(7.0 / 12.0 - 0.25) * chord_m(*x), 0.0).cross(&force_n);
         }
         println!("W-52 gust {from_gust}, suction {suction}: {found_n_m:?}, legs {expected_n_m:?}");
-        // the square of the incidence moves the lift by 1e-6 semi-chords, times lift over the legs' force: 3e-5
+        // the square of the incidence shifts the lift by 1e-6 semi-chords, times lift divided by the legs' force: 3e-5
         assert!(expected_n_m.x.abs() > 1e-3, "the legs pitch a tapered wing: {expected_n_m}");
         assert!((found_n_m.x / expected_n_m.x - 1.0).abs() < 1e-4, "{found_n_m} against {expected_n_m}");
     }

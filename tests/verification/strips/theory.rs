@@ -1,16 +1,15 @@
-//! Classical theory of the thin aerofoil in unsteady incompressible flow, computed from its closed forms: Theodorsen,
-//! NACA Report 496 (1935); Wagner and Küssner by the inversion of their Laplace transforms along the branch cut, after
-//! von Kármán and Sears, Journal of the Aeronautical Sciences 5 (1938). No exponential fits. Shares nothing with the
-//! code under test.
+//! Classical theory of the thin aerofoil in unsteady incompressible flow, computed from its closed forms: Theodorsen, NACA Report 496
+//! (1935); Wagner and Küssner by the inversion of their Laplace transforms along the branch cut, after von Kármán and Sears, Journal of the
+//! Aeronautical Sciences 5 (1938). No exponential fits. Shares no code with the code under test.
 //!
-//! `k = ωb/V` is the reduced frequency, `s = Vt/b` the way in semi-chords, `b` the semi-chord.
+//! `k = ωb/V` is the reduced frequency, `s = Vt/b` the distance travelled in semi-chords, `b` the semi-chord.
 
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 
-/// Up to here the power series are used: no cancellation to speak of, twenty terms are plenty.
+/// Up to here the power series are used: negligible cancellation, and twenty terms are more than enough.
 const SERIES_LIMIT: f64 = 2.0;
 
 /// Theodorsen's function `C(k) = K₁(ik)/(K₀(ik) + K₁(ik))`.
@@ -19,7 +18,7 @@ pub fn theodorsen(k: f64) -> Complex<f64> {
     k1 / (k0 + k1)
 }
 
-/// Sears' function `1/(ik (K₀(ik) + K₁(ik)))`: lift in a sinusoidal gust over the quasi-steady one, gust at half chord.
+/// Sears' function `1/(ik (K₀(ik) + K₁(ik)))`: lift in a sinusoidal gust relative to the quasi-steady one, gust phase at half chord.
 pub fn sears(k: f64) -> Complex<f64> {
     let z = Complex::new(0.0, k);
     let (k0, k1) = macdonald(z);
@@ -27,8 +26,8 @@ pub fn sears(k: f64) -> Complex<f64> {
     z.exp() / (z * (k0 + k1))
 }
 
-/// Wagner's function: circulatory lift after a sudden change of incidence over its final value,
-/// `1 − ∫ e^(−xs)/(x² D) dx`, `D = (K₀ − K₁)² + π²(I₀ + I₁)²`, over positive `x`.
+/// Wagner's function: circulatory lift after a sudden change of incidence, relative to its final value, `1 − ∫ e^(−xs)/(x² D) dx`, `D = (K₀
+/// − K₁)² + π²(I₀ + I₁)²`, integrated over positive `x`.
 pub fn wagner(s: f64) -> f64 {
     1.0 - over_positive(s + 2.0, |x| {
         let (k0, k1, i_sum) = real_bessel(x);
@@ -38,8 +37,8 @@ pub fn wagner(s: f64) -> f64 {
     })
 }
 
-/// Küssner's function: lift after the leading edge entered a sharp-edged gust that rests in the air, over its final
-/// value, `1 − ∫ e^(−x(s−1)) (I₀ + I₁)/(x² D) dx`. Grows as `√(2s)/π` at first.
+/// Küssner's function: lift after the leading edge entered a sharp-edged gust that is stationary in the air, relative to its final value,
+/// `1 − ∫ e^(−x(s−1)) (I₀ + I₁)/(x² D) dx`. Grows as `√(2s)/π` at first.
 pub fn kuessner(s: f64) -> f64 {
     if s <= 0.0 {
         return 0.0;
@@ -51,26 +50,26 @@ pub fn kuessner(s: f64) -> f64 {
     })
 }
 
-/// Lift (up) and moment (nose up) per span of a thin aerofoil in small harmonic motion `e^(iωt)`.
+/// Lift (up) and moment (nose-up) per span of a thin aerofoil in small harmonic motion `e^(iωt)`.
 #[derive(Debug, Clone, Copy)]
 pub struct Response {
-    /// Lift of circulation, N/m.
+    /// Circulatory lift, N/m.
     pub circulatory_lift_n_m: Complex<f64>,
-    /// Lift of the apparent mass, N/m.
+    /// Lift due to apparent mass, N/m.
     pub impulsive_lift_n_m: Complex<f64>,
-    /// Moment about the axis, circulation and curvature of the flow, N.
+    /// Moment about the axis due to circulation and flow curvature, N.
     pub circulatory_moment_n: Complex<f64>,
-    /// Moment about the axis of the apparent mass, N.
+    /// Moment about the axis due to apparent mass, N.
     pub impulsive_moment_n: Complex<f64>,
 }
 
 impl Response {
-    /// Whole lift in N/m.
+    /// Total lift in N/m.
     pub fn lift_n_m(&self) -> Complex<f64> {
         self.circulatory_lift_n_m + self.impulsive_lift_n_m
     }
 
-    /// Whole moment in N.
+    /// Total moment in N.
     pub fn moment_n(&self) -> Complex<f64> {
         self.circulatory_moment_n + self.impulsive_moment_n
     }
@@ -90,9 +89,8 @@ pub struct Aerofoil {
 }
 
 impl Aerofoil {
-    /// Response to the amplitudes of heave of the axis (downward positive, m) and pitch (nose up, rad): Theodorsen's
-    /// (XVIII) and (XX) with the lift upward. `lag` is his [function](theodorsen), or its replacement; 1 gives the
-    /// quasi-steady theory.
+    /// Response to the amplitudes of heave of the axis (downward positive, m) and pitch (nose-up, rad): Theodorsen's (XVIII) and (XX) with
+    /// the lift positive upward. `lag` is Theodorsen's [function](theodorsen) or its replacement; 1 gives quasi-steady theory.
     pub fn response(&self, lag: Complex<f64>, k: f64, heave_m: Complex<f64>, pitch_rad: Complex<f64>) -> Response {
         let Self { density_kg_m3: rho, speed_m_s: v, semi_chord_m: b, axis: a } = *self;
         let rate = Complex::new(0.0, k * v / b);
@@ -166,8 +164,8 @@ fn real_bessel(x: f64) -> (f64, f64, f64) {
         let (i0, i1) = series_i(Complex::new(x, 0.0));
         (i0 + i1).re * (-x).exp()
     } else {
-        // from the Wronskian I₀K₁ + I₁K₀ = 1/x and the ratio I₁/I₀ by its continued fraction, which settles within some
-        // √x terms; where that becomes long, the leading terms of the ratio's expansion are exact
+        // from the Wronskian I₀K₁ + I₁K₀ = 1/x and the ratio I₁/I₀ by its continued fraction, which converges within about √x terms; where
+        // these become too many, the leading terms of the ratio's expansion are exact
         let mut ratio = 1.0 - 0.5 / x;
         let terms = if x < 1e6 { 30 + (6.0 * x.sqrt()) as i32 } else { 0 };
         for n in (1..terms).rev() {
@@ -178,8 +176,7 @@ fn real_bessel(x: f64) -> (f64, f64, f64) {
     (k0.re, k1.re, i_sum)
 }
 
-/// Integral over positive `x` of what falls like `exp(−decay x)`: trapezoidal rule in `ln x`, which converges
-/// exponentially.
+/// Integral over positive `x` of a function that decays like `exp(−decay x)`: trapezoidal rule in `ln x`, which converges exponentially.
 fn over_positive(decay: f64, integrand: impl Fn(f64) -> f64) -> f64 {
     let step = 0.05;
     let points = (-750..).map(|n| (step * f64::from(n)).exp()).take_while(|x| decay * x < 40.0);

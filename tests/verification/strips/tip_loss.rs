@@ -1,5 +1,5 @@
-//! The lifting line through the strips, eqs. (W10) to (W12): the lattice with one panel along the chord, the elliptic wing,
-//! endless wings, mirrors, frames, reversed flow.
+//! The lifting line through the strips, eqs. (W10) to (W12): against the lattice with one panel along the chord, elliptic and infinite
+//! wings; mirrors, frames, reversed flow.
 
 use crate::lattice::wing::{SPEED_M_S, Wing, inset, options, pressure_pa};
 use foldwing::aero::AirLoads;
@@ -17,7 +17,7 @@ fn strip_options() -> StripOptions {
     StripOptions { tip_loss: Some(LINE), ..Default::default() }
 }
 
-/// A wing of strips with the sections of a lattice's wing, its quarter chord on the axis.
+/// A wing of strips with the sections of a lattice wing, its quarter chord on the axis.
 pub struct Line {
     pub strips: Strips,
     state: StripState,
@@ -94,9 +94,9 @@ pub fn arch(motions: &mut [SectionMotion], total_rad: f64) {
     }
 }
 
-/// W-34. In steady flow the line is the lattice with one panel along the chord, strip by strip: on flat wings and on one that is
-/// bent up by 70 degrees. Wakes of different length leave 1e-6. The plate of eq. (W7) has a suction that falls with the cosine of
-/// the incidence, so that its circulation is less than the lattice's by a quarter of the fourth power: 3e-5 at 0.1 rad.
+/// W-34. In steady flow the lifting line equals the lattice with one panel along the chord, strip by strip: on flat wings and on one bent
+/// up by 70 degrees. Different wake lengths cause a difference of 1e-6. The suction of the plate of eq. (W7) falls with the cosine of the
+/// incidence, so its circulation is less than that of the lattice by a quarter of the fourth power: 3e-5 at 0.1 rad.
 #[test]
 fn w34_steady_line_is_the_lattice_of_one_panel() {
     for (span_m, strips, bend_rad, angle_rad) in [(4.0, 8, 0.0, 1e-3), (12.0, 24, 0.0, 0.1), (12.0, 24, 1.2, 0.1)] {
@@ -117,9 +117,10 @@ fn w34_steady_line_is_the_lattice_of_one_panel() {
     }
 }
 
-/// W-35. Elliptic wings: the lift slope against Van Dyke's lifting line of third order, `2π/(1 + 2/A + 16/(πA)² (ln πA − 9/8))`
-/// (Archiwum Mechaniki Stosowanej 16, 1964), whose next term is of order `1/A³`; the loading tends to the ellipse. The induced drag is
-/// that of the downwash at three quarters of the chord, which is larger than at the bound vortex: too large by what falls slowly with A.
+/// W-35. Elliptic wings: the lift slope against Van Dyke's third-order lifting line, `2π/(1 + 2/A + 16/(πA)² (ln πA − 9/8))` (Archiwum
+/// Mechaniki Stosowanej 16, 1964), whose next term is of order `1/A³`; the loading tends to the ellipse. The induced drag follows from the
+/// downwash at three quarters of the chord, which is larger than at the bound vortex: it is too large, by an amount that falls slowly with
+/// A.
 #[test]
 fn w35_elliptic_wing() {
     let (angle_rad, strips) = (1e-2, 160);
@@ -156,7 +157,7 @@ fn w35_elliptic_wing() {
     }
 }
 
-/// W-36. Twice the strips, a quarter of the error, on a rectangular wing of aspect ratio 12.8.
+/// W-36. Doubling the number of strips reduces the error to a quarter, for a rectangular wing of aspect ratio 12.8.
 #[test]
 fn w36_converges_with_the_strips() {
     let lift = |strips: usize| {
@@ -170,9 +171,8 @@ fn w36_converges_with_the_strips() {
     assert!(changes[0] < 6e-3 && changes[1] < 0.3 * changes[0] && changes[2] < 0.3 * changes[1], "{changes:?}");
 }
 
-/// W-37. An endless wing has no loss: in the middle of an aspect ratio of 20000 the strip is that of strip theory but for
-/// what an elliptic wing of it would lose, 2/A. A wing of
-/// lift slope zero has no lift.
+/// W-37. An infinite wing has no induced loss: in the middle of a wing of aspect ratio 20000 the strip has the lift of strip theory, apart
+/// from 2/A, the loss of an elliptic wing of that aspect ratio. A wing of zero lift slope has no lift.
 #[test]
 fn w37_endless_wing_and_wing_without_lift() {
     let places_m = inset(20_000.0, 41);
@@ -189,8 +189,8 @@ fn w37_endless_wing_and_wing_without_lift() {
     assert!(flat.circulations().iter().all(|circulation| *circulation == 0.0));
 }
 
-/// W-38. Half a wing at a mirror is half of the wing; the wing is symmetric; a wing that flies is the wing in the wind; air
-/// from the trailing edge gives the circulation of the wing turned round.
+/// W-38. Half a wing at a mirror plane equals half of the whole wing; the wing is symmetric; a flying wing equals the wing in the wind;
+/// wind from the trailing edge gives the circulation of the wing rotated by 180°.
 #[test]
 fn w38_mirror_symmetry_frames_and_reversed_flow() {
     let chord_m = |x: f64| 1.0 - 0.08 * x.abs();
@@ -206,7 +206,7 @@ fn w38_mirror_symmetry_frames_and_reversed_flow() {
     let options = StripOptions { tip_loss: Some(mirror), ..Default::default() };
     let mut half = Line::new(&half_places_m, chord_m, Profile::THIN, options);
     half.start(wind(0.1), true);
-    // legs of 200 diameters, of the half and of the whole: 1e-6
+    // legs 200 diameters long, of the half and of the whole wing: 1e-6
     assert!(worst(&half.circulations(), &circulations[8..]) < 5e-6, "{:?}", half.circulations());
 
     let mut flying = Line::new(&whole_places_m, chord_m, Profile::THIN, strip_options());
@@ -217,13 +217,13 @@ fn w38_mirror_symmetry_frames_and_reversed_flow() {
     let mut behind = Line::new(&whole_places_m, chord_m, Profile::THIN, strip_options());
     let back = Rotation3::from_axis_angle(&Vector3::x_axis(), 0.1) * (Vector3::y() * SPEED_M_S);
     behind.start(back, true);
-    // the axis of the planform lies at a quarter of the chord here and at three quarters there: what taper leaves
+    // the axis of the planform is at a quarter of the chord in one case and at three quarters in the other: effect of taper
     let error = worst(&behind.circulations(), &circulations);
     assert!(error < 0.03, "{error}: {:?} against {circulations:?}", behind.circulations());
 }
 
-/// W-39. What starts suddenly grows to the established flow and starts at about half of strip theory's, more than half of
-/// its own end (the vortices behind the wing have no length yet). A heaving wing converges with the square of the step.
+/// W-39. After a sudden start the lift grows to that of the steady flow, from about half of the lift of strip theory, which is more than
+/// half of its final value (the trailing vortices are still short). For a heaving wing the error falls with the square of the step.
 #[test]
 fn w39_growth_and_order_in_time() {
     let places_m = inset(6.0, 12);
@@ -267,7 +267,7 @@ fn w39_growth_and_order_in_time() {
     assert!((3.0..5.5).contains(&(first / second)), "{first} {second}");
 }
 
-/// W-40. Nothing allocates in a step.
+/// W-40. Steps allocate no memory.
 #[test]
 fn w40_steps_do_not_allocate() {
     let mut line = Line::new(&inset(6.0, 12), |_| 1.0, Profile::THIN, strip_options());

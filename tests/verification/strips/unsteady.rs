@@ -11,7 +11,7 @@ use foldwing::aero::surface::Profile;
 use nalgebra::{Complex, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// Amplitude in rad and in semi-chords: small enough that squares of it are lost.
+/// Amplitude in rad and in semi-chords: small enough that its square is negligible.
 const SMALL: f64 = 1e-6;
 
 /// Transform of the exponential fit to Wagner's function, which replaces Theodorsen's function in the strips.
@@ -21,7 +21,7 @@ pub fn fitted_theodorsen(k: f64) -> Complex<f64> {
     weights.iter().zip(rates).fold(Complex::new(1.0, 0.0), |c, (weight, rate)| c - p * *weight / (p + rate))
 }
 
-/// First harmonic over the last of `periods` periods; `lag` in steps shifts the samples' time back.
+/// First harmonic over the last of `periods` periods; the sample times are shifted back by `lag` steps.
 fn harmonic(history: &[Loads], steps: usize, lag: f64, value: impl Fn(&Loads) -> f64) -> Complex<f64> {
     let first = history.len() - steps;
     let sum: Complex<f64> = (first..history.len())
@@ -30,7 +30,7 @@ fn harmonic(history: &[Loads], steps: usize, lag: f64, value: impl Fn(&Loads) ->
     sum
 }
 
-/// Lift and moment of a harmonic motion, as complex amplitudes, once the start is forgotten.
+/// Lift and moment of a harmonic motion, as complex amplitudes, after the initial transient.
 fn measured(plate: &Plate, k: f64, heave: bool, steps: usize) -> [Complex<f64>; 2] {
     let omega_rad_s = k / plate.semi_chord_s();
     let amplitude = if heave { SMALL * plate.semi_chord_m } else { SMALL };
@@ -42,7 +42,7 @@ fn measured(plate: &Plate, k: f64, heave: bool, steps: usize) -> [Complex<f64>; 
             false => Motion { pitch_rad: value, pitch_rad_s: rate, ..Default::default() },
         }
     };
-    // the slow follower needs 700 semi-chords to forget its start to 1e-14
+    // the slow lag needs 700 semi-chords for its initial transient to decay to 1e-14
     let periods = (700.0 * k / TAU).ceil() as usize + 1;
     let history = plate.march(motion, &[], true, TAU / omega_rad_s / steps as f64, periods * steps);
     let (circulatory, impulsive): (Vec<Loads>, Vec<Loads>) = history.iter().map(|[c, i]| (*c, *i)).unzip();
@@ -53,7 +53,7 @@ fn measured(plate: &Plate, k: f64, heave: bool, steps: usize) -> [Complex<f64>; 
     [whole(|loads| loads.lift_n_m), whole(|loads| loads.moment_n)]
 }
 
-/// Theory with Theodorsen's function replaced by another one.
+/// Theory with Theodorsen's function replaced by `lag`.
 fn expected(plate: &Plate, k: f64, heave: bool, lag: Complex<f64>) -> [Complex<f64>; 2] {
     let aerofoil = Aerofoil {
         density_kg_m3: plate.density_kg_m3,
@@ -67,7 +67,7 @@ fn expected(plate: &Plate, k: f64, heave: bool, lag: Complex<f64>) -> [Complex<f
     [response.lift_n_m(), response.moment_n()]
 }
 
-/// W-10. Sudden start: the lift grows by the fit, exactly at any step; the fit follows Wagner's function within 0.0097.
+/// W-10. Sudden start: the lift grows as given by the fit, exactly for any step; the fit is within 0.0097 of Wagner's function.
 #[test]
 fn w10_sudden_start_follows_wagner() {
     let plate = Plate::default();
@@ -88,13 +88,13 @@ fn w10_sudden_start_follows_wagner() {
         }
     }
     println!("W-10 largest distance from Wagner's function: {worst:.4}");
-    assert!(worst < 0.0097, "{worst}"); // the fit's own error as its documentation states it
+    assert!(worst < 0.0097, "{worst}"); // the error of the fit as documented
 }
 
 /// W-11. Heave and pitch about four axes, `k` from 0.05 to 1: lift and moment against Theodorsen.
 ///
-/// Against theory with the fit's own transform only the step is left (200 per period, second order: (2π/200)²/12 =
-/// 8e-5 of the largest part). Against Theodorsen's function itself the fit shows.
+/// Against theory with the transform of the fit, the difference is only the error of the step (200 per period, second order: (2π/200)²/12 =
+/// 8e-5 of the largest part). Against Theodorsen's function it includes the error of the fit.
 #[test]
 fn w11_harmonic_motion_follows_theodorsen() {
     for axis in [-0.5, -0.3, 0.0, 0.4] {
@@ -106,7 +106,7 @@ fn w11_harmonic_motion_follows_theodorsen() {
                 let ours = measured(&plate, k, heave, 200);
                 let fitted = expected(&plate, k, heave, fitted_theodorsen(k));
                 let exact = expected(&plate, k, heave, theodorsen(k));
-                // moments about an axis near the centre of pressure vanish: measure them by lift times semi-chord
+                // moments about an axis near the centre of pressure vanish: scale them by lift times semi-chord
                 let scales = [exact[0].norm(), exact[1].norm().max(exact[0].norm() * plate.semi_chord_m * 0.5)];
                 for i in 0..2 {
                     let off = (ours[i] - fitted[i]).norm() / scales[i];
@@ -135,15 +135,15 @@ fn w11_harmonic_motion_follows_theodorsen() {
                 100.0 * most[2],
                 most[3]
             );
-            // the fit's transform is off by at most 0.0142 at these k, where |C| > 0.54: 2.7 % at worst and less with
-            // apparent mass beside it
+            // the fit's transform is off by at most 0.0142 at these k, where |C| > 0.54: 2.7 % at worst, and less with apparent mass in
+            // addition
             assert!(most[0] < 0.027 && most[2] < 0.027, "{name} about {axis}: {most:?}");
             assert!(most[1] < 1.6, "{name} about {axis}: {most:?}");
         }
     }
 }
 
-/// W-12. The error of the step falls with its square.
+/// W-12. The error falls with the square of the step.
 #[test]
 fn w12_second_order_in_the_step() {
     let plate = Plate { axis: -0.3, ..Default::default() };
@@ -162,7 +162,7 @@ fn w12_second_order_in_the_step() {
     }
 }
 
-/// W-13. Sharp-edged gust that rests in the air: Küssner's function; a 1 − cosine gust: Duhamel's integral of it.
+/// W-13. Sharp-edged gust, stationary in the air: Küssner's function; a 1 − cosine gust: Duhamel's integral with it.
 #[test]
 fn w13_gust_follows_kuessner() {
     let plate = Plate::default();
@@ -197,14 +197,14 @@ fn w13_gust_follows_kuessner() {
     let (mut late, mut early): (f64, f64) = (0.0, 0.0);
     for (i, ours) in sharp.iter().enumerate().skip(1).step_by(5) {
         let s = i as f64 / 100.0;
-        // the edge is met within the first step: half a step of the steepest growth, 0.61 per semi-chord
+        // the edge is reached within the first step: half a step times the steepest growth, 0.61 per semi-chord
         assert!((ours - Indicial::KUESSNER.at(s)).abs() < 0.0032, "s = {s}: {ours}");
         let off = (ours - kuessner(s)).abs();
         if s < 1.0 { early = early.max(off) } else { late = late.max(off) }
     }
     println!("W-13 largest distance from Küssner's function: {early:.4} in the first semi-chord, {late:.4} after it");
 
-    // the length of 20 semi-chords: where gusts matter for the lift
+    // a length of 20 semi-chords, relevant for the lift
     let length_m = 20.0 * plate.semi_chord_m;
     let shape = GustShape::OneMinusCosine { length_m };
     let slope = |x: f64| if x < 20.0 { PI / 20.0 * (TAU * x / 20.0).sin() } else { 0.0 };
@@ -226,14 +226,14 @@ fn w13_gust_follows_kuessner() {
     let order = (errors[0] / errors[1]).log2();
     println!("W-13 1 − cosine gust: order {order:.2}; {:.2} % of the peak from Küssner", 100.0 * worst / peak);
     assert!((order - 2.0).abs() < 0.2, "{order}, {errors:?}");
-    // what the documentation of the fit states: its jump at the start, its error after a semi-chord
+    // the documented errors of the fit: its jump at the start, and its error after a semi-chord
     assert!(early < 0.08 && late < 0.0125, "{early}, {late}");
-    assert!(worst < 0.0125, "{worst} of {peak}"); // the gust's own variation is 1 up and 1 down: errors do not add up
+    assert!(worst < 0.0125, "{worst} of {peak}"); // the total variation of the gust is 1 up and 1 down: errors do not accumulate
 }
 
-/// W-18. Turbulence that goes round: every harmonic of the lift is that of the gust times the transform of the fit to
-/// Küssner's function, from the period on in which the start is forgotten. 1e-3 of a harmonic at `k` up to 0.25 and four
-/// steps per semi-chord: the steps' error, of second order.
+/// W-18. Periodic turbulence: every harmonic of the lift is that of the gust times the transform of the fit to Küssner's function, after
+/// the initial transient has decayed. 1e-3 of a harmonic at `k` up to 0.25 and four steps per semi-chord: the discretisation error, of
+/// second order.
 #[test]
 fn w18_lift_in_turbulence_has_the_transform_of_kuessner() {
     let plate = Plate::default();
@@ -279,7 +279,7 @@ fn w18_lift_in_turbulence_has_the_transform_of_kuessner() {
     }
 }
 
-/// W-14. Without lag: theory with `C = 1`. With lag the difference from it falls with the frequency.
+/// W-14. Without lag: theory with `C = 1`. With lag the difference from this falls with the frequency.
 #[test]
 fn w14_quasi_steady_limit() {
     let one = Complex::new(1.0, 0.0);
@@ -289,19 +289,19 @@ fn w14_quasi_steady_limit() {
         let (ours, exact) = (measured(&plate, 0.3, heave, 200), expected(&plate, 0.3, heave, one));
         for i in 0..2 {
             let off = (ours[i] - exact[i]).norm() / exact[i].norm();
-            assert!(off < 2e-4, "part {i}: {off:.1e}"); // the step, see W-11
+            assert!(off < 2e-4, "part {i}: {off:.1e}"); // error of the step, see W-11
         }
         let unsteady = Plate { axis: -0.3, ..Default::default() };
         let gap = |k: f64| (measured(&unsteady, k, heave, 100)[0] / measured(&plate, k, heave, 100)[0] - 1.0).norm();
         let (slow, slower) = (gap(0.01), gap(0.001));
         println!("W-14 lag against none: {slow:.4} at k = 0.01, {slower:.5} at k = 0.001");
-        // with two exponentials 1 − C is linear in k at last: Σ a/b = 4.7 per unit of k
+        // with two exponentials 1 − C becomes linear for small k: Σ a/b = 4.7 per unit of k
         assert!(slow < 0.048 && slower < 0.0048 && slower > 0.004, "{slow}, {slower}");
     }
 }
 
-/// W-15. Mean thrust of a flapping plate by suction at the leading edge: Garrick (NACA Report 567, 1936), with the fit's
-/// transform for Theodorsen's function.
+/// W-15. Mean thrust of a flapping plate due to leading-edge suction: Garrick (NACA Report 567, 1936), with the fit's transform instead of
+/// Theodorsen's function.
 #[test]
 fn w15_thrust_of_flapping_follows_garrick() {
     let k = 0.5;
@@ -322,7 +322,7 @@ fn w15_thrust_of_flapping_follows_garrick() {
     let steps = 400;
     let history = plate.march(motion, &[], true, TAU / omega_rad_s / steps as f64, 60 * steps);
     let last = &history[history.len() - steps..];
-    // the impulsive force turns with the plate between two instants: take its mean with the mean normal's tilt
+    // the impulsive force rotates with the plate between two instants: use its mean with the tilt of the mean normal
     let thrust_n_m = last.iter().map(|[c, i]| c.thrust_n_m + i.thrust_n_m).sum::<f64>() / steps as f64;
 
     let amplitudes = (Complex::new(heave_m, 0.0), Complex::new(0.0, -pitch_rad));
@@ -338,7 +338,7 @@ fn w15_thrust_of_flapping_follows_garrick() {
     assert!(off.abs() < 1e-3, "{off}"); // second order in the step and in the amplitudes
 }
 
-/// W-16. A polar that is the plate's own line gives the plate's lift, with lag.
+/// W-16. A polar equal to the plate's lift line gives the plate's lift, with lag.
 #[test]
 fn w16_polar_of_a_plate_is_the_plate() {
     let row = |angle_rad: f64| PolarRow { angle_rad, lift: TAU * angle_rad, drag: 0.0, moment: 0.0 };
@@ -353,7 +353,7 @@ fn w16_polar_of_a_plate_is_the_plate() {
     }
 }
 
-/// W-17. Plate that starts in still air: `π ρ b²` of the air moves with it, `π ρ b⁴/8` turns, and nothing else acts.
+/// W-17. Plate that starts in still air: only the apparent mass `π ρ b²` and the apparent inertia `π ρ b⁴/8` act.
 #[test]
 fn w17_apparent_mass_in_still_air() {
     let plate = Plate { speed_m_s: 0.0, ..Default::default() };

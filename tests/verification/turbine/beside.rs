@@ -1,4 +1,4 @@
-//! Motions about periodic steady states: multipliers with aerodynamics compared with simulations, modes that do not exist, are not found or
+//! Motions about periodic steady states: multipliers with aerodynamics compared with simulations; modes that do not exist, are not found or
 //! cannot be tracked.
 
 use crate::turbine::machine::hinge_mut;
@@ -11,8 +11,8 @@ use nalgebra::{Complex, Matrix2, Vector2};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Multipliers of the pair that decays slowest, from how far a motion is from the periodic one at the ends of turns, once nothing else is
-/// left: `y(n+2) = (μ₁ + μ₂) y(n+1) − μ₁μ₂ y(n)` for all signals, by least squares with rows of equal size.
+/// Multipliers of the slowest decaying pair, from the distances of a motion from the periodic one at the ends of revolutions, once all
+/// other modes have decayed: `y(n+2) = (μ₁ + μ₂) y(n+1) − μ₁μ₂ y(n)` for all signals, by least squares with rows of equal size.
 pub fn slowest_pair(distances: &[Vec<f64>]) -> Complex<f64> {
     let (mut normal, mut right) = (Matrix2::<f64>::zeros(), Vector2::<f64>::zeros());
     for three in distances.windows(3) {
@@ -28,7 +28,7 @@ pub fn slowest_pair(distances: &[Vec<f64>]) -> Complex<f64> {
     root + 0.5 * found[0]
 }
 
-/// A motion with its modes.
+/// A periodic motion and its modes.
 struct Found {
     motion: PeriodicMotion,
     floquet: Floquet,
@@ -43,8 +43,8 @@ fn find(machine: &Machine, speed_rad_s: f64, steps: usize, directions: usize) ->
     Found { motion, floquet }
 }
 
-/// A stiff blade of 2 m on a flap hinge, half a metre from a horizontal shaft, at 60 rpm; `air` are lines of `[aerodynamics]`, none without
-/// them.
+/// A stiff blade of 2 m on a flap hinge, half a metre from a horizontal shaft, at 60 rpm; `air` are lines of `[aerodynamics]`; `None` for
+/// no aerodynamics.
 fn flapping(mass_kg: f64, youngs_modulus_pa: f64, gravity_m_s2: f64, air: Option<&str>) -> Machine {
     let density_kg_m3 = mass_kg / 0.2;
     let mut text = format!(
@@ -65,9 +65,9 @@ fn flapping(mass_kg: f64, youngs_modulus_pa: f64, gravity_m_s2: f64, air: Option
     config::parse(&text, "flapping.toml").unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// WT-70. Floquet modes with strip theory: a blade that flaps under gravity, with apparent mass, with Wagner's lags, with both and a
-/// lifting line. The pair that decays slowest compared with simulations with the same steps, one of them started 1e-4 rad from the other;
-/// the remainder of other modes in their difference, (0.7/0.9)^24 of some per cent, and the nonlinearity at 1e-4 rad are below 1e-5.
+/// WT-70. Floquet modes with strip theory: a blade flapping under gravity, with apparent mass, with Wagner's lag states, with both and a
+/// lifting line. The slowest decaying pair compared with simulations with the same steps, one of them started 1e-4 rad from the other; the
+/// remainder of other modes in their difference, (0.7/0.9)^24 of some per cent, and the nonlinearity at 1e-4 rad are below 1e-5.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn wt70_modes_in_strips() {
@@ -107,7 +107,7 @@ fn wt70_modes_in_strips() {
     }
 }
 
-/// WT-71. A machine without free coordinates: its turn is any turn, and there are no modes; in the air too.
+/// WT-71. A machine without free coordinates: every motion over a revolution is periodic, and there are no modes; also with aerodynamics.
 #[test]
 fn wt71_nothing_is_free() {
     let rotor = Resonance::of(2);
@@ -121,9 +121,9 @@ fn wt71_nothing_is_free() {
     assert!(floquet.modes.is_empty() && floquet.unfound == 0);
 }
 
-/// WT-72. An undamped blade, softer than steel, of steel, and of what is 20 and 300 times as stiff, at 60 rpm: all multipliers have magnitude 1, nothing
-/// grows, and modes that steps do not follow are counted, not shown: those shown with 288 steps are there with 2880, 4e-6 off for 24
-/// steps in a period and 1e-5 for the products.
+/// WT-72. An undamped blade, softer than steel, of steel, and 20 and 300 times as stiff as steel, at 60 rpm: all multipliers have magnitude
+/// 1, nothing grows, and modes not resolved by the steps are counted, not listed: those listed with 288 steps are also found with 2880,
+/// with errors of 4e-6 for 24 steps per period and 1e-5 for the products.
 #[test]
 fn wt72_modes_that_steps_follow() {
     for youngs_modulus_pa in [6e10, 2.1e11, 4e12, 6e13] {
@@ -140,7 +140,7 @@ fn wt72_modes_that_steps_follow() {
             assert!(floquet.modes.iter().all(|mode| !mode.is_growing()), "{youngs_modulus_pa:e} {steps}: {sizes:?}");
             assert!(!floquet.modes.is_empty() && sizes.iter().all(|size| size.abs() < 1e-4), "{sizes:?}");
         }
-        // those of the stiffer blades a turn leaves nothing of at 288 steps
+        // at 288 steps, modes of the stiffer blades decay completely within one revolution
         assert!(coarse.coarse > 0 || youngs_modulus_pa > 1e11);
         for mode in &coarse.modes {
             let off = |other: &f64| (other / mode.frequency_hz - 1.0).abs();
@@ -168,8 +168,8 @@ fn wt73_modes_that_directions_do_not_find() {
     }
 }
 
-/// WT-74. A rigid body clamped to the hub at an angle is not a blade: the list of modes and the average do not change beyond the products.
-/// Unequal blades have no transformation to the ground frame, and the cause is reported.
+/// WT-74. A rigid body clamped to the hub at an angle is not a blade: the listed modes and the averaged model do not change beyond the
+/// error of the products. Unequal blades have no transformation to the ground frame, and the cause is reported.
 #[test]
 fn wt74_a_spinner_is_no_blade() {
     let rotor = Resonance::of(3);
@@ -187,9 +187,9 @@ fn wt74_a_spinner_is_no_blade() {
     assert!(told.contains("spaced evenly"), "{told}");
 }
 
-/// WT-75. A blade that nothing holds about its hinge on the shaft's axis: both its multipliers are 1 to the root of the products' error;
-/// it is neutral, without damping, and nothing grows. The average of two blades on an uneven support, whose stiffness changes by a
-/// third, is compared with modes no further off than that.
+/// WT-75. A blade without restraint about its hinge on the shaft's axis: both its multipliers are 1 to the square root of the products'
+/// error; it is neutral, without damping, and nothing grows. The averaged model of two blades on an anisotropic support, whose stiffness
+/// varies by a third, is only compared with modes within that distance.
 #[test]
 fn wt75_neutral_modes_and_averages_nearby() {
     let free = Swing {

@@ -1,11 +1,11 @@
-//! Masses and moments of the modal bodies.
+//! Masses and mass moments of the modal bodies.
 
 use crate::turbine::machine::*;
 use foldwing::plant::Plant;
 use std::sync::Arc;
 
-/// WT-01. Masses, moments of the blade about its root and the rotor's inertia about its shaft, by the mid-point sums of
-/// ElastoDyn: the reference has nine digits, the tables here a mass factor already multiplied out and rounded to 1e-6 kg/m.
+/// WT-01. Masses, moments of the blade about its root and the rotor's inertia about its shaft, by the mid-point sums of ElastoDyn: the
+/// reference has nine digits; in the tables here the mass factor is already multiplied in and rounded to 1e-6 kg/m.
 #[test]
 fn wt01_masses_are_those_of_elastodyn() {
     let machine = turbine();
@@ -31,8 +31,8 @@ fn wt01_masses_are_those_of_elastodyn() {
     assert!((plant.mass_kg() / parts - 1.0).abs() < 1e-6, "{} kg in all", plant.mass_kg());
 }
 
-/// WT-83. Copies of a hinged body by `count`: the joint's place and its axis are turned with the copy about the parent's `x`, not about the axis
-/// of the joint; by hand.
+/// WT-83. Copies of a hinged body by `count`: position and axis of the joint are rotated with the copy about the parent's `x`, not about
+/// the axis of the joint; against hand calculation.
 #[test]
 fn wt83_copies_of_a_hinged_body() {
     let text = "name = \"Hinged\"\n[section.bar]\nshape = \"rectangle\"\nwidth_m = 0.1\nheight_m = 0.1\nyoungs_modulus_Pa = 1e9\nshear_modulus_Pa = 4e8\n\

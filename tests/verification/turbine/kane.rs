@@ -1,6 +1,6 @@
-//! Kane's own derivation as a comparator: partial velocities of every point assembled as in \[K\] (2)–(9), its equation (11) with
-//! the sign and the acceleration that belong there, sections that turn at the rates of their attitudes, and `M u̇ = f` solved as a whole. Shares no formula with the recursions: it
-//! has its own sums for the shapes, its own attitudes and its own assembly.
+//! Kane's derivation as an independent reference: partial velocities of every point assembled as in \[K\] (2)–(9), its equation (11) with
+//! corrected sign and acceleration, sections whose angular velocity is the rate of their attitude, and `M u̇ = f` solved as a whole. Shares
+//! no formula with the recursions: sums for the shapes, attitudes and assembly are separate.
 
 use crate::trees::Random;
 use crate::turbine::machine::*;
@@ -10,8 +10,7 @@ use foldwing::plant::Plant;
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Unit, Vector3};
 use std::sync::Arc;
 
-/// A frame as Kane's method knows it: origin and attitude, their partial velocities, and what is left of the accelerations where
-/// all speeds stay (\[K\] 5–8).
+/// A frame in Kane's method: origin and attitude, their partial velocities, and the accelerations at constant speeds (\[K\] 5–8).
 #[derive(Clone)]
 struct Frame {
     rotation: Matrix3<f64>,
@@ -40,7 +39,7 @@ impl Frame {
         }
     }
 
-    /// A point fixed to the frame, `arm` in the frame's axes.
+    /// The frame at a point fixed to this frame, `arm` in the frame's axes.
     fn moved(&self, arm: &Vector3<f64>) -> Self {
         let arm = self.rotation * arm;
         let mut frame = self.clone();
@@ -55,7 +54,7 @@ impl Frame {
         self
     }
 
-    /// A frame that turns about an axis of this one with speed `k`.
+    /// A frame that rotates about an axis of this one with speed `k`.
     fn hinged(mut self, axis: &Vector3<f64>, k: usize, angle: f64, speed: f64) -> Self {
         let axis = self.rotation * axis;
         self.spin[k] += axis;
@@ -65,7 +64,7 @@ impl Frame {
         self
     }
 
-    /// A section of a bent body: deflections `u_i`, slopes `u_i'` (body axes) and shortening `S`, of coordinates from `first` on.
+    /// A section of a bent body: deflections `u_i`, slopes `u_i'` (body axes) and shortening `S`, with coordinates starting at `first`.
     fn bent(&self, at: &Bent, first: usize, q: &[f64], u: &[f64]) -> Self {
         let n = at.deflection.len();
         let (q, u) = (&q[first..first + n], &u[first..first + n]);
@@ -106,8 +105,8 @@ impl Frame {
     }
 }
 
-/// Angular velocity, and angular acceleration at constant rates, of a section that is turned by `atan |t|` about `t`, whose small angles `t`
-/// have the rates `u`: by axis `n` and angle `θ`, `ω = θ̇n + sin θ ṅ + (1 - cos θ) n × ṅ`.
+/// Angular velocity, and angular acceleration at constant rates, of a section rotated by `atan |t|` about `t`, whose small angles `t` have
+/// the rates `u`: by axis `n` and angle `θ`, `ω = θ̇n + sin θ ṅ + (1 - cos θ) n × ṅ`.
 fn turning(t: &Vector3<f64>, u: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let r = t.norm();
     if r == 0.0 {
@@ -131,7 +130,7 @@ fn turning(t: &Vector3<f64>, u: &Vector3<f64>) -> [Vector3<f64>; 2] {
     ]
 }
 
-/// Shapes at a place, summed here.
+/// Shapes at a position, summed here.
 struct Bent {
     place_m: f64,
     deflection: Vec<Vector3<f64>>,
@@ -139,7 +138,7 @@ struct Bent {
     shortening: DMatrix<f64>,
 }
 
-/// Masses, and the outer end; stiffness and damping.
+/// Mass properties, the outer end, stiffness and damping.
 struct Shapes {
     masses: Vec<(f64, Bent)>,
     tip: Bent,
@@ -147,7 +146,7 @@ struct Shapes {
     damping: DMatrix<f64>,
 }
 
-/// `φ`, `φ'`, `φ''` over `x`, by powers.
+/// `φ`, `φ'`, `φ''` at `x`, from the coefficients of the powers.
 fn powers(coefficients: &[f64], x: f64) -> [f64; 3] {
     let mut sums = [0.0; 3];
     for (k, c) in coefficients.iter().enumerate() {
@@ -159,7 +158,7 @@ fn powers(coefficients: &[f64], x: f64) -> [f64; 3] {
     sums
 }
 
-/// ElastoDyn's sums, written for whole columns as `blade_modes_check.py` does.
+/// ElastoDyn's sums for whole columns, as in `blade_modes_check.py`.
 fn shapes(law: &ModalLaw) -> Shapes {
     let (cells, length_m) = (law.cells, law.length_m);
     let h = length_m / cells as f64;
@@ -176,7 +175,7 @@ fn shapes(law: &ModalLaw) -> Shapes {
         let flap = Rotation3::from_axis_angle(&Vector3::x_axis(), twist) * Vector3::z();
         if edge { flap.cross(&Vector3::x()) } else { flap }
     };
-    // running integral: full cells and half of the present one; the last entry is the whole
+    // running integral: full cells and half of the present one; the last entry is the total
     let running = |values: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
         let before = |k: usize| values[..k].iter().sum::<Vector3<f64>>() * h;
         let mut all: Vec<Vector3<f64>> = (0..cells).map(|k| before(k) + values[k] * (0.5 * h)).collect();
@@ -196,7 +195,7 @@ fn shapes(law: &ModalLaw) -> Shapes {
         } else {
             let at = |s: f64| powers(coefficients, s / length_m);
             let all = || places.iter().copied().chain([length_m]);
-            // at the top the coordinate itself, [K] (2): printed coefficients add up to 1 within 1e-3
+            // at the top the coordinate itself, [K] (2): printed coefficients sum to 1 within 1e-3
             let value = |s: f64| if s == length_m { 1.0 } else { at(s)[0] };
             deflection.push(all().map(|s| direction(*edge, s) * value(s)).collect());
             slope.push(all().map(|s| direction(*edge, s) * (at(s)[1] / length_m)).collect());
@@ -238,7 +237,7 @@ fn shapes(law: &ModalLaw) -> Shapes {
     Shapes { masses, tip: at(cells, length_m), stiffness, damping }
 }
 
-/// `M u̇ = f` of the whole machine, \[K\] (9)–(11).
+/// The system `M u̇ = f` of the whole machine, \[K\] (9)–(11).
 struct Kane {
     mass: DMatrix<f64>,
     force: DVector<f64>,
@@ -246,7 +245,7 @@ struct Kane {
 }
 
 impl Kane {
-    /// A particle, or a rigid body with its centre at the frame's origin and `inertia` in its axes.
+    /// Adds a particle, or a rigid body with its centre at the frame's origin and `inertia` in its axes.
     fn add(&mut self, mass_kg: f64, inertia: &Matrix3<f64>, at: &Frame) {
         let inertia = at.rotation * inertia * at.rotation.transpose();
         let gyro = inertia * at.spin_rest + at.omega.cross(&(inertia * at.omega));
@@ -261,7 +260,7 @@ impl Kane {
 }
 
 impl Kane {
-    /// A rotor about an axis of its carrier, which turns `ratio` times as fast as speed `k`: \[K\]'s generator.
+    /// Adds a rotor about an axis of its carrier that rotates `ratio` times as fast as speed `k`: the generator of \[K\].
     fn add_rotor(&mut self, inertia: f64, ratio: f64, axis: &Vector3<f64>, k: usize, carrier: &Frame) {
         let axis = carrier.rotation * axis;
         let mut spin: Vec<f64> = carrier.spin.iter().map(|spin| spin.dot(&axis)).collect();
@@ -275,7 +274,7 @@ impl Kane {
     }
 }
 
-/// Accelerations of the machine's freedoms, in the order of the engine's: joints before shapes, body by body.
+/// Accelerations of the machine's degrees of freedom, in the order of the engine: joints before shapes, body by body.
 fn accelerations(machine: &Machine, q: &[f64], u: &[f64]) -> DVector<f64> {
     let n = q.len();
     let mut kane = Kane { mass: DMatrix::zeros(n, n), force: DVector::zeros(n), gravity_m_s2: machine.gravity_m_s2 };
@@ -324,16 +323,16 @@ fn accelerations(machine: &Machine, q: &[f64], u: &[f64]) -> DVector<f64> {
     kane.mass.cholesky().expect("a mass matrix").solve(&kane.force)
 }
 
-/// WT-06. Accelerations of the 16 coordinates at random states, rotor turning at 12 rpm and far from any equilibrium: equal to
-/// Kane's to 1e-12 of the largest acceleration of their kind (forces of 1e9 N·m cancel in the drive train).
+/// WT-06. Accelerations of the 16 coordinates at random states, with the rotor at 12 rpm and far from any equilibrium: equal to those of
+/// Kane's equations to 1e-12 of the largest acceleration of their kind (forces of 1e9 N·m cancel in the drive train).
 #[test]
 fn wt06_accelerations_are_those_of_kanes_equations() {
     let worst = worst_beside_kane(&turbine());
     println!("WT-06: {worst:.1e}");
 }
 
-/// WT-50. The same without shortening, without rotation of sections, and without both, of the blades alone, of the tower alone and of
-/// all: what bends in one way carries what bends in another.
+/// WT-50. WT-06 without shortening, without rotation of sections, and without both, for the blades alone, the tower alone and all bodies:
+/// bodies with different settings are attached to each other.
 #[test]
 fn wt50_bodies_that_keep_less_are_kanes_too() {
     let (blades, tower) = (["blade1", "blade2", "blade3"], ["tower"]);
@@ -355,7 +354,7 @@ fn wt50_bodies_that_keep_less_are_kanes_too() {
     }
 }
 
-/// Largest difference of the accelerations at five random states, held to 1e-12.
+/// Largest difference of the accelerations at five random states; asserts that it is below 1e-12.
 fn worst_beside_kane(machine: &Machine) -> f64 {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     plant.initialize(0.0).expect("a start");

@@ -1,4 +1,4 @@
-//! The example's machine, and its parts by name.
+//! The machine of the example, and access to its parts by name.
 
 use foldwing::config;
 use foldwing::machine::*;
@@ -19,22 +19,22 @@ pub fn with_polars(text: &str) -> String {
     config::with_files(text.to_owned(), folder.as_ref(), "nrel_5mw_wind.toml").expect("polars")
 }
 
-/// Its machine.
+/// The machine of such a text.
 pub fn windy(text: &str) -> Machine {
     config::parse(&with_polars(text), "nrel_5mw_wind.toml").unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// The example.
+/// The machine of the example.
 pub fn turbine() -> Machine {
     config::parse(TEXT, "nrel_5mw.toml").unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// Law of a modal body.
+/// Modal law of a body.
 pub fn law(body: &Body) -> &ModalLaw {
     body.section.modal().unwrap_or_else(|| panic!("{} is no modal body", body.name))
 }
 
-/// The same, to be changed.
+/// Mutable modal law of a body.
 pub fn law_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut ModalLaw {
     let body = machine.bodies.iter_mut().find(|body| body.name == name).expect("a body of this name");
     match &mut body.section {
@@ -43,7 +43,7 @@ pub fn law_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut ModalLaw {
     }
 }
 
-/// A revolute joint, to be changed.
+/// Mutable revolute joint.
 pub fn hinge_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom {
     let body = machine.bodies.iter_mut().find(|body| body.joint.name == name).expect("a joint of this name");
     match &mut body.joint.kind {
@@ -52,7 +52,7 @@ pub fn hinge_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom
     }
 }
 
-/// A prismatic joint, to be changed.
+/// Mutable prismatic joint.
 pub fn slide_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom {
     let body = machine.bodies.iter_mut().find(|body| body.joint.name == name).expect("a joint of this name");
     match &mut body.joint.kind {
@@ -61,8 +61,8 @@ pub fn slide_mut<'m>(machine: &'m mut Machine, name: &str) -> &'m mut OneFreedom
     }
 }
 
-/// An example's text with its rotor on a stand that does not move, without tower, yaw, tilt and cone: the conditions of OpenFAST's map
-/// of operating points.
+/// An example's text with its rotor on a rigid stand, without tower, yaw, tilt and cone: the conditions of OpenFAST's map of operating
+/// points.
 pub fn on_a_stand(text: &str) -> String {
     let (before, rest) = text.split_once("# Tower: ").expect("a tower");
     let (_, rest) = rest.split_once("# Nacelle: ").expect("a nacelle");
@@ -83,8 +83,8 @@ pub fn on_a_stand(text: &str) -> String {
     text
 }
 
-/// The first blade alone, clamped 1.5 m above the origin, without gravity: on a root that turns about `x` it is a rotor's
-/// blade without cone and tilt.
+/// The first blade alone, clamped 1.5 m from the origin, without gravity: on a root that rotates about `x` it is a rotor blade without cone
+/// and tilt.
 pub fn blade_alone() -> Machine {
     let mut machine = turbine();
     machine.bodies.retain(|body| body.name == "blade1");
@@ -97,7 +97,7 @@ pub fn blade_alone() -> Machine {
     machine
 }
 
-/// A plant on a root that turns about `x`, initialised.
+/// An initialised plant on a root that rotates about `x`.
 pub fn spinning(machine: Machine, speed_rpm: f64) -> Plant {
     let mut plant = Plant::new(Arc::new(machine));
     plant.inputs_mut().root_mut().angular_velocity_rad_s = Vector3::new(speed_rpm * PI / 30.0, 0.0, 0.0);

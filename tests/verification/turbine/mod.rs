@@ -1,4 +1,4 @@
-//! The NREL 5 MW turbine without air: modal bodies, drive train and yaw, against OpenFAST and against Kane's equations in
+//! The NREL 5 MW turbine, mainly without aerodynamics: modal bodies, drive train and yaw, against OpenFAST and against Kane's equations in
 //! dense form. Case numbers WT-xx.
 
 mod beside;

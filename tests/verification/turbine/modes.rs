@@ -5,8 +5,8 @@ use foldwing::machine::JointMotion;
 use foldwing::plant::{Holding, Plant};
 use std::sync::Arc;
 
-/// WT-02. Three modes of one blade at 0 to 18 rpm. The reference has six digits, 2e-6 of the lowest frequency; damping ratios have
-/// four, 1e-4 of the lowest, and hang on the same integrals.
+/// WT-02. Three modes of one blade at 0 to 18 rpm. The reference has six digits, 2e-6 of the lowest frequency; damping ratios have four,
+/// 1e-4 of the lowest, and depend on the same integrals.
 #[test]
 fn wt02_a_blade_stiffens_as_it_turns() {
     let (_, rows) = table(include_str!("../../reference/turbine/openfast_fan_plot.csv"));

@@ -1,5 +1,5 @@
-//! Operating points of rotors: states that turn with the rotor against marches and OpenFAST, motions that repeat in strips, the Campbell
-//! diagram by Floquet's theory beside Coleman's.
+//! Operating points of rotors: states steady in the rotor frame against simulations and OpenFAST, periodic motions with strips, the
+//! Campbell diagram by Floquet theory compared with the Coleman transformation.
 
 use crate::turbine::machine::*;
 use crate::turbine::swing::Swing;
@@ -17,7 +17,7 @@ const RPM: f64 = PI / 30.0;
 /// The text of the example with strain-based blades.
 const STRAIN_TEXT: &str = include_str!("../../../examples/turbine/nrel_5mw_strain.toml");
 
-/// A machine at a wind and a pitch, its blades locked there.
+/// A machine at a wind speed and a pitch angle, with its blades locked at this pitch.
 fn pitched(mut machine: Machine, wind_m_s: f64, pitch_deg: f64) -> Machine {
     machine.air.as_mut().expect("air").wind_m_s = Vector3::new(wind_m_s, 0.0, 0.0);
     for blade in 1..=3 {
@@ -28,7 +28,7 @@ fn pitched(mut machine: Machine, wind_m_s: f64, pitch_deg: f64) -> Machine {
     machine
 }
 
-/// State in which a machine settles at a speed.
+/// Steady state of a machine at a rotor speed.
 fn settled(machine: &Machine, speed_rpm: f64) -> (Plant, Turn, Settled) {
     let (machine, turn) = Turn::of(machine, None, Some(speed_rpm * RPM), 720).expect("a turn");
     let mut plant = Plant::new(Arc::new(machine));
@@ -41,7 +41,8 @@ fn is_steady(settled: &Settled) -> bool {
     matches!(settled, Settled::Steady)
 }
 
-/// WT-60. The steady flexible rotor over wind, all rows of OpenFAST's map, bounds and their reasons as in WT-21; no run is made.
+/// WT-60. The steady flexible rotor as a function of wind speed, all rows of OpenFAST's map, bounds and their reasons as in WT-21; without
+/// a simulation.
 #[test]
 fn wt60_steady_states_are_those_of_the_map() {
     let (names, rows) = table(include_str!("../../reference/turbine/openfast_aeromap_flexible.csv"));
@@ -56,7 +57,7 @@ fn wt60_steady_states_are_those_of_the_map() {
         assert!(is_steady(&settled), "{wind} m/s");
         let outputs = plant.outputs();
         let (air, tip) = (outputs.rotor()[0], outputs.modal()[0].deflection_m);
-        // what holds the shaft is against the air alone: the generator's table does not act
+        // the torque that holds the shaft balances only the aerodynamic torque: the generator's table is not used
         let mut hinges =
             plant.machine().one_freedoms().map(|(body, _)| plant.machine().bodies[body].joint.name.as_str());
         let shaft = hinges.position(|name| name == "shaft").expect("a shaft");
@@ -83,9 +84,9 @@ fn wt60_steady_states_are_those_of_the_map() {
     assert!(worst[0] < 2e-3 && worst[1] < 2e-3 && worst[2] < 3e-3 && worst[3] < 6e-3, "{worst:?}");
 }
 
-/// WT-61. A steady state stays: marched for three seconds, tip and loads keep their values; with blades of shapes and of beams, dynamic
-/// inflow and stall, a pitch of 10°, a speed against the clock, and gravity along the shaft. What moves is the error of the marching steps on
-/// loads that the state has balanced to 1e-9 of the machine's length, against deflections of a thousandth of it: 1e-8 of the values is allowed.
+/// WT-61. A steady state persists: simulated for three seconds, tip and loads keep their values; with modal and beam blades, dynamic inflow
+/// and stall, a pitch of 10°, counter-clockwise rotation, and gravity along the shaft. The drift is due to the steps of the simulation and
+/// to the residual of the state, 1e-9 of the machine's length for deflections of a thousandth of it: 1e-8 of the values is allowed.
 #[test]
 fn wt61_steady_states_stay() {
     let modal = windy(&on_a_stand(WIND_TEXT));
@@ -122,8 +123,9 @@ fn wt61_steady_states_stay() {
     }
 }
 
-/// WT-62. What makes a rotor swing is noticed: tilt by gravity, shear, wind from the side; a tower's stiffness alike in both directions
-/// does not, nor does a stand. The means of the motion lie within the swing of the steady state of the same rotor.
+/// WT-62. Causes of a periodic variation are detected: tilt under gravity, shear, wind from the side; a tower of equal stiffness in both
+/// directions is none, nor is a stand. The means of the periodic motion differ from the steady state of the same rotor by less than the
+/// amplitude.
 #[test]
 fn wt62_what_swings_is_noticed() {
     let stand = || windy(&on_a_stand(WIND_TEXT));
@@ -155,7 +157,7 @@ fn wt62_what_swings_is_noticed() {
     }
 }
 
-/// A blade on a flap hinge that turns about the vertical in a level wind, in strips.
+/// A blade on a flap hinge that rotates about the vertical in a horizontal wind, with strips.
 fn fan(wind_m_s: f64, rate_rad_s: f64) -> Machine {
     let text = format!(
         "name = \"fan\"\ngravity_m_s2 = [0, 0, -9.81]\n\
@@ -172,9 +174,9 @@ fn fan(wind_m_s: f64, rate_rad_s: f64) -> Machine {
     config::parse(&text, "fan.toml").unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// WT-63. A blade in strips that an edgewise wind drives once per turn: the motion found by shooting against a march from rest with the same
-/// steps. Inboard the air hardly passes and the strips remember long, so that the march comes nearer by a fifth in each turn: 3e-6 rad after 36,
-/// 1e-8 after 60. What shooting has found repeats to 1e-8 over six turns.
+/// WT-63. A blade with strips, excited once per revolution by an edgewise wind: the motion found by shooting against a simulation from rest
+/// with the same steps. Inboard the air speed is low and the lag states decay slowly, so the simulation approaches by only a fifth per
+/// revolution: 3e-6 rad after 36, 1e-8 after 60. The motion found by shooting repeats to 1e-8 over six revolutions.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn wt63_a_blade_in_strips() {
@@ -215,8 +217,8 @@ fn wt63_a_blade_in_strips() {
     assert!(leaves < 1e-8, "leaves by {leaves:.1e}");
 }
 
-/// WT-67. A run that does not begin at 0 s, from another azimuth: the motion over the turn is the same, by the azimuth. Steps are the same,
-/// times have one digit less.
+/// WT-67. A run that does not begin at 0 s, from another azimuth: the motion over the revolution is the same as a function of azimuth. The
+/// steps are the same, times have one digit less.
 #[test]
 fn wt67_a_turn_begins_at_any_time() {
     let swing = Swing {
@@ -251,8 +253,9 @@ fn wt67_a_turn_begins_at_any_time() {
     assert!(miss < 1e-8, "{miss:.1e}");
 }
 
-/// WT-64. Floquet's modes of the rotor that gravity does not disturb are Coleman's, at three speeds: exponents to the error of 720 steps,
-/// 4e-6 of a motion at 6 Hz, and 1e-5 allowed; the same thing moves in each, by its name. The tower takes part; the shaft is held in both.
+/// WT-64. Without gravity, the Floquet modes of the rotor equal those by the Coleman transformation, at three speeds: exponents to the
+/// error of 720 steps, 4e-6 for a motion at 6 Hz, with 1e-5 allowed; corresponding modes have the same name. The tower participates; the
+/// shaft speed is prescribed in both.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn wt64_floquet_beside_coleman() {
@@ -284,7 +287,7 @@ fn wt64_floquet_beside_coleman() {
     assert!(worst < 1e-5, "{worst:.1e}");
 }
 
-/// WT-65. Looking for the rotor used to take loads, wind and the state away. It leaves them to the bit.
+/// WT-65. The search for the rotor used to discard loads, wind and state. It leaves them unchanged, bit-identical.
 #[test]
 fn wt65_looking_for_the_rotor_changes_nothing() {
     let mut plant = Plant::new(Arc::new(windy(WIND_TEXT)));

@@ -1,4 +1,4 @@
-//! The turbine in wind at work: operating points beside OpenFAST, a shaft that has turned a million times, real time.
+//! The turbine operating in wind: operating points against OpenFAST, a shaft angle of a million revolutions, real time.
 
 use crate::counting_allocator::allocations;
 use crate::turbine::machine::*;
@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 const RPM: f64 = PI / 30.0;
 
-/// The rotor on a stand under AeroDyn's rules, at a given speed and pitch. Its blades are damped to settle soon, which moves no
-/// steady state.
+/// The rotor on a stand with AeroDyn's formulas, at a given speed and pitch. Its blades are damped to settle quickly, which does not change
+/// the steady state.
 fn at_point(wind_m_s: f64, speed_rpm: f64, pitch_deg: f64) -> Plant {
     let mut machine = windy(&on_a_stand(WIND_TEXT));
     let air = machine.air.as_mut().expect("air");
@@ -36,10 +36,11 @@ fn at_point(wind_m_s: f64, speed_rpm: f64, pitch_deg: f64) -> Plant {
     plant
 }
 
-/// WT-21. The flexible rotor over wind: thrust and torque, and the tip's deflection, of OpenFAST's steady states. How line loads reach its
-/// structural nodes moves OpenFAST's own deflections by 0.5 %, with the load on flexible blades behind them; three parts in a thousand of
-/// the map's largest are allowed, and two of the coefficients, twice what is seen. In the plane it is six: the pitching moment of the air on bent blades
-/// does twice the work on ElastoDyn's slopes that it does on the attitudes (M4), and the tips stand 2 mm further in the plane at 15 m/s and no pitch.
+/// WT-21. The flexible rotor as a function of wind speed: thrust, torque and tip deflection of OpenFAST's steady states. The mapping of
+/// line loads to its structural nodes changes OpenFAST's own deflections by 0.5 %, and with them the loads on flexible blades; the allowed
+/// difference is 0.3 % of the map's largest deflection, and 0.2 % for the coefficients, twice the observed one. In the plane it is 0.6 %:
+/// the aerodynamic pitching moment on bent blades does twice as much work on ElastoDyn's slopes as on the attitudes (M4), and the tips are
+/// 2 mm further in the plane at 15 m/s and zero pitch.
 #[test]
 fn wt21_flexible_rotor_over_wind() {
     let (names, rows) = table(include_str!("../../reference/turbine/openfast_aeromap_flexible.csv"));
@@ -55,7 +56,7 @@ fn wt21_flexible_rotor_over_wind() {
         plant.step(20.0).expect("twenty seconds");
         let outputs = plant.outputs();
         let (air, tip) = (outputs.rotor()[0], outputs.modal()[0].deflection_m);
-        // out of the rotor's plane and in it: the blade's frame is pitched about its axis, towards feather
+        // out of the rotor plane and in it: the blade's frame is pitched about its axis, towards feather
         let (sine, cosine) = pitch.to_radians().sin_cos();
         let (out, within) = (tip.z * cosine - tip.y * sine, -(tip.y * cosine + tip.z * sine));
         let thrust = air.thrust_n / of(row, "RtFldFxh_N") - 1.0;
@@ -65,7 +66,7 @@ fn wt21_flexible_rotor_over_wind() {
             "WT-21 {wind:4} m/s {speed:7.4} rpm {pitch:7.4} deg: thrust {thrust:+.1e}, torque {torque:+.1e}, tip {out:.4} m ({out_off:+.4}), \
              {within:.4} m ({in_off:+.4})"
         );
-        // deflections over the largest of the map, 6.5 and 0.84 m: some pass through zero
+        // deflections relative to the largest of the map, 6.5 and 0.84 m: some pass through zero
         let own = [thrust.abs(), torque.abs(), out_off.abs() / 6.481, in_off.abs() / 0.839];
         worst.iter_mut().zip(own).for_each(|(worst, own)| *worst = worst.max(own));
     }
@@ -74,8 +75,8 @@ fn wt21_flexible_rotor_over_wind() {
     assert!(worst[2] < 3e-3 && worst[3] < 6e-3, "deflections off by {worst:?}");
 }
 
-/// WT-22. A shaft that has turned a million times: the turbine moves on as one that has not. The angle then has 1e-9 rad for its last
-/// digit, 6e-8 m at the tips, which is all that may differ over 2 s; it is not wrapped.
+/// WT-22. With a shaft angle of a million revolutions the turbine moves like one starting at zero. The angle is not wrapped; its last digit
+/// is then 1e-9 rad, 6e-8 m at the tips, the only difference over 2 s.
 #[test]
 fn wt22_a_million_turns_change_nothing() {
     let run = |turns: f64| {
@@ -94,7 +95,7 @@ fn wt22_a_million_turns_change_nothing() {
     assert!((far_tip - tip).norm() < 1e-6 && (far_air.speed_rad_s / air.speed_rad_s - 1.0).abs() < 1e-7);
 }
 
-/// The example in real-time mode, with turbulence, on steps of 5 ms of air and structure.
+/// The example in real-time mode, with turbulence, with aerodynamic and structural steps of 5 ms.
 fn in_real_time(real_time: bool) -> Plant {
     let turbulence = "[wind]\nreference_height_m = 90.0\ndownwind = [1, 0, 0]\nshear_exponent = 0.2\n[wind.turbulence]\nseed = 7\n\
                       mean_m_s = 12.0\nstandard_deviation_m_s = 2.0\npoints = [7, 7]\nspacing_m = [24.0, 24.0]\nplanes = 64\nplane_interval_s = 0.25\n\n[surface.blade]";
@@ -111,8 +112,8 @@ fn in_real_time(real_time: bool) -> Plant {
 }
 
 /// WT-23. Real time at 5 ms under turbulence, with pitch and torque set at every step as a controller sets them: the work per step is
-/// bounded, nothing is repeated or allocated, and the motion is that of the accurate mode: over 8 s the rotor's speed to 1e-4, tip and
-/// tower to 2 % of their largest; steps of 5 ms damp the pitch drives' 29 Hz and resolve the blades' 1 Hz to their square, 1e-3.
+/// bounded, nothing is repeated or allocated, and the motion is that of the accurate mode: over 8 s the rotor speed to 1e-4, tip and tower
+/// to 2 % of their largest values; steps of 5 ms damp the pitch drives' 29 Hz and resolve the blades' 1 Hz to 1e-3, with second order.
 #[test]
 fn wt23_real_time_at_five_milliseconds() {
     let run = |mut plant: Plant| {
@@ -154,14 +155,14 @@ fn wt23_real_time_at_five_milliseconds() {
         off(2),
         statistics.unconverged
     );
-    // one march on trial and one for good, two stages each, four iterations at most
+    // one trial and one final integration, two stages each, at most four iterations
     assert!(most <= 16, "{most} iterations in a step");
     assert_eq!((statistics.rejections, statistics.failures), (0, 0));
     assert!(off(0) < 1e-4 && off(1) < 0.02 && off(2) < 0.02);
 }
 
-/// WT-84. A turning flexible turbine in wind from every side, with the skewed wake: it runs from 0 to 180° of yaw, with and without dynamic
-/// inflow, and the thrust stays below that of a wall across the wind at the speed of the tips.
+/// WT-84. A rotating flexible turbine in wind from every direction, with the skewed-wake model: simulations succeed from 0 to 180° of yaw,
+/// with and without dynamic inflow, and the thrust stays below that of a solid disc normal to a wind at the tip speed.
 #[test]
 fn wt84_any_yaw_with_a_skewed_wake() {
     for inflow in ["", "dynamic_inflow = true\n"] {

@@ -1,4 +1,5 @@
-//! Motions that every turn repeats: against harmonic balance, Hill's equation, Coleman's closed form and marches that have died down.
+//! Periodic motions with the period of one revolution: against harmonic balance, Hill's equation, Coleman's closed form and simulations
+//! whose transients have decayed.
 
 use crate::turbine::beside::slowest_pair;
 use crate::turbine::machine::*;
@@ -11,7 +12,7 @@ use nalgebra::{Complex, DMatrix, Vector2};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// A plant at the start of a periodic turn, with its modes if directions are given.
+/// A plant at the start of a periodic revolution, with its modes if directions are given.
 struct Found {
     plant: Plant,
     turn: Turn,
@@ -38,7 +39,7 @@ fn find(
     Ok(Found { plant, turn, motion, floquet })
 }
 
-/// A coordinate at the samples of the turn.
+/// A coordinate at the samples of the revolution.
 fn over_the_turn(found: &mut Found, name: &str) -> Vec<f64> {
     let place = place(&found.plant, name);
     let mut list = Vec::new();
@@ -50,7 +51,7 @@ fn over_the_turn(found: &mut Found, name: &str) -> Vec<f64> {
     list
 }
 
-/// A hinge of 0.3 rad amplitude, damped.
+/// A damped hinge that oscillates with an amplitude of 0.3 rad.
 const SWING: Swing = Swing {
     mass_kg: 50.0,
     inertia_kg_m2: 550.0,
@@ -62,12 +63,13 @@ const SWING: Swing = Swing {
     speed_rad_s: 1.2,
 };
 
-/// The same where the speed is twice the frequency of the blade, barely damped: gravity drives it, and the motion is unstable.
+/// The same hinge, barely damped, with a speed of twice the frequency of the blade: gravity excites it parametrically, and the motion is
+/// unstable.
 const DRIVEN: Swing = Swing { speed_rad_s: 8.05, damping_n_m_s_rad: 10.0, ..SWING };
 
-/// WT-40. One blade on a lag hinge under gravity: harmonic balance with 48 points (their highest harmonics are below 1e-13) for the
-/// motion, Hill's equation about it for the multipliers. Fixed steps of fourth order: 1440 of a turn leave 1e-8, and multipliers by
-/// differences are good to 1e-7; allowed is 1e-6 of exponents.
+/// WT-40. One blade on a lag hinge under gravity: harmonic balance with 48 points (their highest harmonics are below 1e-13) for the motion,
+/// Hill's equation about it for the multipliers. Fixed steps of fourth order: 1440 per revolution have an error of 1e-8, and multipliers by
+/// differences one of 1e-7; 1e-6 is allowed for exponents.
 #[test]
 fn wt40_a_blade_that_swings() {
     for (what, swing, unstable) in [("damped", SWING, false), ("driven", DRIVEN, true)] {
@@ -101,8 +103,8 @@ fn wt40_a_blade_that_swings() {
         if unstable {
             assert!(largest.re < -1.0 && largest.im == 0.0, "half the speed: {largest}");
             assert!((floquet.modes[0].exponent_1_s.im / swing.speed_rad_s - 0.5).abs() < 1e-9);
-            // a march leaves what shooting finds: from 1e-5 rad beside it the distance grows by the multiplier in each turn, up to
-            // what the other direction has left, (0.87/1.13)^40, and to what is not linear at 1e-3 rad
+            // a simulation departs from the unstable motion found by shooting: from a distance of 1e-5 rad the distance grows by the
+            // multiplier in each revolution, up to the remainder of the other direction, (0.87/1.13)^40, and the nonlinearity at 1e-3 rad
             let leaves = leaving(&mut found, 40);
             println!("WT-40 {what}: leaves by {leaves:.4} per turn");
             assert!((leaves / largest.re.abs() - 1.0).abs() < 1e-2, "{leaves}");
@@ -110,7 +112,7 @@ fn wt40_a_blade_that_swings() {
     }
 }
 
-/// Growth per turn of a march from 1e-5 rad beside a motion, over its last turns.
+/// Growth per revolution of the distance of a simulation, started 1e-5 rad from a motion, over its last revolutions.
 fn leaving(found: &mut Found, turns: usize) -> f64 {
     let period_s = found.turn.period_s();
     found.plant.restore(&found.motion.start).expect("the begin");
@@ -130,8 +132,8 @@ fn leaving(found: &mut Found, turns: usize) -> f64 {
     distances[turns - 1] / distances[turns - 2]
 }
 
-/// Linear equations of [`Resonance`] with any number of blades: support along y and z, then lag angles; multipliers of a turn by
-/// Runge–Kutta.
+/// Multipliers of one revolution, by Runge–Kutta, of the linear equations of [`Resonance`] with any number of blades: support along y and
+/// z, then lag angles.
 fn resonance_multipliers(rotor: &Resonance, speed_rad_s: f64) -> Vec<Complex<f64>> {
     let (n, w) = (2 + rotor.blades, speed_rad_s);
     let s = rotor.mass_kg * rotor.arm_m;
@@ -181,7 +183,7 @@ fn resonance_multipliers(rotor: &Resonance, speed_rad_s: f64) -> Vec<Complex<f64
     turn.complex_eigenvalues().iter().copied().collect()
 }
 
-/// Largest distance of found multipliers from the nearest of a list, over their magnitude.
+/// Largest distance of found multipliers from the nearest of a list, relative to their magnitude.
 fn multipliers_off(floquet: &Floquet, expected: &[Complex<f64>]) -> f64 {
     let off = |value: Complex<f64>| {
         let near = |other: &Complex<f64>| (other - value).norm().min((other.conj() - value).norm());
@@ -190,10 +192,10 @@ fn multipliers_off(floquet: &Floquet, expected: &[Complex<f64>]) -> f64 {
     floquet.modes.iter().map(|mode| off(mode.multiplier)).fold(0.0, f64::max)
 }
 
-/// WT-41. Ground resonance. Three blades on a support alike in both directions: exponents and frequencies are Coleman's, and those of
-/// the averaged model; the growing one is found. Two blades on an uneven support: the multipliers are those of the linear equations
-/// written out by hand, the averaged model misses the growth. Eigenvalues of the undamped rotor come in pairs close together: an error
-/// `e` of products by differences, 1e-8, moves them by up to its root over their distance; allowed is 1e-5.
+/// WT-41. Ground resonance. Three blades on an isotropic support: exponents and frequencies are Coleman's, and those of the averaged model;
+/// the growing one is found. Two blades on an anisotropic support: the multipliers are those of the linear equations derived by hand; the
+/// averaged model does not show the growth. Eigenvalues of the undamped rotor come in close pairs: an error `e` of products by differences,
+/// 1e-8, can move them by the square root of `e`, depending on their distance; 1e-5 is allowed.
 #[test]
 fn wt41_floquet_where_coleman_holds_and_where_not() {
     let rotor = Resonance::of(3);
@@ -248,7 +250,8 @@ fn wt41_floquet_where_coleman_holds_and_where_not() {
     assert!(missed > 0.1, "averaging loses growth: {missed}");
 }
 
-/// The example with more damping, so that the transient of a simulation of three minutes decays: the nacelle leaves a third of the tower's.
+/// The example with more damping, so that the transient decays in a simulation of three minutes: with the nacelle only a third of the
+/// tower's damping remains.
 fn damped() -> Machine {
     let mut machine = turbine();
     for (name, ratio) in [("tower", 0.2), ("blade1", 0.05), ("blade2", 0.05), ("blade3", 0.05)] {
@@ -261,8 +264,8 @@ fn damped() -> Machine {
 const SPEED_RAD_S: f64 = 12.1 * PI / 30.0;
 
 /// WT-42. The 5 MW turbine without aerodynamics, with tilt and gravity, shaft at 12.1 rpm. The state at the start of a turn compared with a
-/// simulation with variable steps at a tolerance of 1e-9 whose transient has decayed: 1e-8 of coordinates is the error of the simulation
-/// accumulated over its memory; rates of modes of ten times the speed are ten times as far off.
+/// simulation with variable steps at a tolerance of 1e-9 whose transient has decayed: 1e-8 for coordinates is the accumulated error of the
+/// simulation; errors of rates of modes at ten times the rotor speed are ten times as large.
 #[test]
 fn wt42_the_turbine_under_gravity() {
     let machine = damped();
@@ -286,7 +289,7 @@ fn wt42_the_turbine_under_gravity() {
     let (off_q, off_v) = (off(&q, &marched_q), off(&v, &marched_v) / SPEED_RAD_S);
     println!("WT-42: off the march by {off_q:.1e}, rates {off_v:.1e}, of {largest:.3} m");
     assert!(off_q < 1e-8 && off_v < 1e-7, "{off_q:.1e} {off_v:.1e}");
-    // gravity moves the edge of a blade once per turn, nothing else does
+    // gravity excites the edgewise motion of a blade once per revolution; there is no other excitation
     let once = |found: &mut Found| {
         let edge = over_the_turn(found, "blade1.mode[3]");
         let wave = (0..SAMPLES)
@@ -303,8 +306,8 @@ fn wt42_the_turbine_under_gravity() {
 }
 
 /// WT-43. The example with gravity: fifteen modes about its periodic motion, named in the ground frame. Without gravity they are those of
-/// the averaged model, which then is exact, to the error of the steps: fourth order, 2e-6 of the yaw's 6 Hz with 29 steps in a period.
-/// Short: without gravity.
+/// the averaged model, which is then exact, to the error of the steps: fourth order, 2e-6 for the yaw mode at 6 Hz with 29 steps per
+/// period. Short studies: without gravity.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn wt43_modes_of_the_turbine() {
@@ -333,7 +336,7 @@ fn wt43_modes_of_the_turbine() {
         println!("WT-43 {what}: {} modes, off the averaged by {worst:.1e}", floquet.modes.len());
         assert_eq!((floquet.modes.len(), floquet.coarse, floquet.unfound), (15, 0, 0), "{what}");
         assert!(floquet.unseen.is_none(), "{what}");
-        // what averaging leaves out moves modes in second order
+        // averaging changes modes only in second order
         let spread = floquet.averaged.as_ref().expect("an average").spread;
         println!("WT-43 {what}: stiffness changes by {spread:.1e}");
         assert!(worst < spread.max(1e-5), "{what}: {worst:.1e} {spread:.1e}");
@@ -343,7 +346,7 @@ fn wt43_modes_of_the_turbine() {
                 let averaged = mode.averaged_1_s.expect("an average");
                 (averaged - mode.exponent_1_s).norm() / averaged.norm()
             };
-            // of the modes that the longer steps follow; beyond 1440 steps what is left is that of the products, some 1e-7
+            // for the modes resolved by the longer steps; beyond 1440 steps the error is that of the products, about 1e-7
             let coarse = find(&machine, None, SPEED_RAD_S, 432, 30).expect("a motion").floquet.expect("modes").modes;
             let highest_hz = coarse.iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
             assert!(coarse.len() < 15 && highest_hz < 432.0 / 24.0 * SPEED_RAD_S / TAU * 1.05, "{highest_hz} Hz");
@@ -357,7 +360,7 @@ fn wt43_modes_of_the_turbine() {
     }
 }
 
-/// The refusal of a machine.
+/// Asserts that a machine has no periodic motion, with an error that contains the words.
 fn refused(machine: &Machine, shaft: Option<&str>, speed_rad_s: f64, words: &[&str]) {
     let told = match find(machine, shaft, speed_rad_s, 144, 0) {
         Err(told) => told,
@@ -368,7 +371,7 @@ fn refused(machine: &Machine, shaft: Option<&str>, speed_rad_s: f64, words: &[&s
     }
 }
 
-/// WT-44. What has no periodic motion is refused by name.
+/// WT-44. Machines without a periodic motion are rejected with the cause.
 #[test]
 fn wt44_refusals() {
     let swing = SWING.machine();
@@ -379,11 +382,11 @@ fn wt44_refusals() {
     refused(&swing, Some("shafts"), 1.0, &["shaft shafts", "no joint"]);
     assert!(Turn::of(&swing, Some("shaft"), None, 144).unwrap_err().contains("give its speed"));
     assert!(Turn::of(&swing, Some("shaft"), Some(1.0), 0).unwrap_err().contains("0 steps"));
-    // a second joint that moves by a law
+    // a second joint with a prescribed motion
     let mut moved = swing.clone();
     hinge_mut(&mut moved, "lag").motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 1.0]));
     refused(&moved, Some("shaft"), 1.0, &["joint lag", "law of time"]);
-    // so slow that a turn takes two years: the hinge is at rest at every azimuth
+    // so slow that a revolution takes two years: the hinge is in equilibrium at every azimuth
     let slow = Swing { speed_rad_s: 1e-7, ..SWING };
     let mut found = find(&swing, Some("shaft"), slow.speed_rad_s, 144, 0).expect("a motion");
     let lag = over_the_turn(&mut found, "lag.angle");
@@ -391,11 +394,11 @@ fn wt44_refusals() {
     let left = left.fold(0.0, f64::max);
     println!("WT-44: at rest at every azimuth to {left:.1e} rad/s²");
     assert!(left < 1e-7, "{left:.1e}");
-    // a hinge without spring whose weight turns it over: against the hub it turns without end
+    // a hinge without spring whose weight makes it rotate over: relative to the hub it rotates without end
     let loose = Swing { spring_n_m_rad: 0.0, damping_n_m_s_rad: 0.0, ..SWING };
     let told = find(&loose.machine(), Some("shaft"), 0.05, 144, 0).err().expect("no motion");
     assert!(told.contains("no turn of the shaft is periodic") || told.contains("no convergence"), "{told}");
-    // stops in its way
+    // end stops within the range of the motion
     let mut stopped = swing.clone();
     hinge_mut(&mut stopped, "lag").end_stops = Some(foldwing::machine::EndStops {
         lower_rad: None,
@@ -404,17 +407,17 @@ fn wt44_refusals() {
         damping_n_m_s_rad: 1e3,
     });
     refused(&stopped, Some("shaft"), SWING.speed_rad_s, &["joint lag", "stops"]);
-    // a thousand times the speed: the hinge is stiffened by centrifugal forces, and stays in its place
+    // at a thousand times the speed the hinge is stiffened by centrifugal forces, and does not move
     let mut fast = find(&swing, Some("shaft"), 1000.0 * SWING.speed_rad_s, 720, 0).expect("a motion");
     let lag = over_the_turn(&mut fast, "lag.angle");
     assert!(lag.iter().all(|lag| lag.abs() < 1e-4), "{lag:?}");
-    // the other way round
+    // reverse rotation
     let back = find(&swing, Some("shaft"), -SWING.speed_rad_s, 720, 2).expect("a motion");
     assert!(back.floquet.expect("modes").modes[0].multiplier.norm() < 1.0);
 }
 
-/// WT-45. In wind: the example at 8 m/s with shear, tilt and gravity, shaft held at 9.16 rpm. The state compared with a simulation of the
-/// same machine whose transient decays as the slowest Floquet mode: 1e-3 of it.
+/// WT-45. In wind: the example at 8 m/s with shear, tilt and gravity, shaft speed prescribed at 9.16 rpm. The state is compared with a
+/// simulation of the same machine, whose transient decays as the slowest Floquet mode: 1e-3 of this.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn wt45_the_turbine_in_wind() {
@@ -451,7 +454,7 @@ fn wt45_the_turbine_in_wind() {
     let (marched_q, _) = marched.free_state();
     let off = q.iter().zip(&marched_q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     println!("WT-45: off the march of {turns} turns by {off:.1e} m or rad");
-    // the march comes nearer as its slowest mode decays: the tower's to the side, of the start's distance
+    // the simulation approaches as its slowest mode, the tower's side-to-side mode, decays, relative to the initial distance
     let floquet = plant.floquet(&turn, &motion, 36).expect("modes");
     assert_eq!(motion.states, floquet.states);
     assert_eq!(motion.states, 2 * q.len(), "no feature in use lags");
@@ -460,7 +463,8 @@ fn wt45_the_turbine_in_wind() {
     let allowed = begun * slowest.norm().powi(turns) + 1e-5;
     println!("WT-45: begins {begun:.2} off, allowed {allowed:.1e}");
     assert!(off < allowed, "{off:.1e} {allowed:.1e}");
-    // after 22 turns others are (0.54/0.92)^22 = 1e-5 of it, which is 1e-2 m large beside 1e-6 m of the closed turn
+    // after 22 revolutions other modes are (0.54/0.92)^22 = 1e-5 of it; its magnitude is 1e-2 m, compared with 1e-6 m of the closed
+    // revolution
     let expected = slowest_pair(&distances);
     let miss = (slowest - expected).norm().min((slowest.conj() - expected).norm());
     println!("WT-45: slowest mode {slowest:.6}, the march's {expected:.6}, off by {miss:.1e}");

@@ -1,4 +1,4 @@
-//! Modal bodies in the recursions: elimination against a dense matrix, tangent against differences, power of loads.
+//! Modal bodies in the recursions: elimination against a dense matrix, the tangent against differences, and the power of loads.
 
 use crate::trees::Random;
 use crate::turbine::machine::{law, turbine};
@@ -14,8 +14,8 @@ use foldwing::multibody::tangent::{JointTangent, Surroundings, Tangent};
 use foldwing::multibody::{Model, Workspace, station};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
-/// A tower, a rigid body on a hinge aside of its top, a blade with twist on that, and a mass at the blade's tip; loads in both frames along
-/// the bodies and at the ends.
+/// A tower, a rigid body on a hinge offset from its top, a twisted blade on that body, and a mass at the blade's tip; loads in both frames
+/// along the bodies and at the ends.
 fn tree([axial_shortening, section_rotation]: [bool; 2]) -> Model {
     let machine = turbine();
     let law_of = |name: &str| {
@@ -80,7 +80,7 @@ fn setting(seed: u64) -> Setting {
     keeping(seed, [true, true])
 }
 
-/// With and without shortening and rotation of sections.
+/// A setting with or without shortening and rotation of sections.
 fn keeping(seed: u64, keeps: [bool; 2]) -> Setting {
     let model = tree(keeps);
     let mut random = Random::new(seed);
@@ -108,8 +108,8 @@ impl Setting {
     }
 }
 
-/// WT-08. The articulated-body elimination of modal bodies against a dense matrix: columns of the mass from residuals of unit
-/// accelerations, stiffness and symmetric damping from the elements. 1e-11 of the solution: condition numbers of 1e5.
+/// WT-08. The articulated-body elimination of modal bodies against a dense matrix: columns of the mass matrix from residuals of unit
+/// accelerations, stiffness and symmetric damping from the elements. Tolerance 1e-11 of the solution, for condition numbers of 1e5.
 #[test]
 fn wt08_elimination_is_that_of_the_dense_matrix() {
     for seed in 1..=3 {
@@ -156,8 +156,8 @@ fn wt08_elimination_is_that_of_the_dense_matrix() {
     }
 }
 
-/// WT-09. The exact static tangent against differences of the residual at rest, on a root that turns, with loads that are dead and
-/// that follow; and its factor against itself. Sixth-order differences of 1e-2 leave 1e-9.
+/// WT-09. The exact static tangent against differences of the static residual, on a rotating root, with dead and follower loads; and its
+/// factorisation against the tangent. Sixth-order differences of 1e-2 have an error of 1e-9.
 #[test]
 fn wt09_tangent_is_the_derivative_of_the_residual() {
     for seed in 1..=3 {
@@ -168,7 +168,7 @@ fn wt09_tangent_is_the_derivative_of_the_residual() {
     }
 }
 
-/// WT-54. The same for bodies that do not shorten, whose sections do not turn, and both.
+/// WT-54. WT-09 for bodies without shortening, without rotation of sections, and without both.
 #[test]
 fn wt54_tangent_of_bodies_that_keep_less() {
     for keeps in [[false, true], [true, false], [false, false]] {
@@ -179,7 +179,7 @@ fn wt54_tangent_of_bodies_that_keep_less() {
     }
 }
 
-/// Error of the tangent beside differences, and of its factor.
+/// Errors of the tangent relative to differences, and of its factorisation.
 fn tangent_errors(setting: &Setting) -> (f64, f64) {
     let (model, n) = (&setting.model, setting.q.len());
     let mut work = Workspace::new(model);
@@ -209,8 +209,8 @@ fn tangent_errors(setting: &Setting) -> (f64, f64) {
     (worst, back)
 }
 
-/// WT-10. A load at a station does the power on the coordinates that it does at the place: forces go by the map that gives the
-/// velocities.
+/// WT-10. The power of a load at a station equals that of its generalised forces on the coordinates: forces are mapped by the transpose of
+/// the velocity map.
 #[test]
 fn wt10_loads_do_the_power_of_their_places() {
     let mut setting = setting(4);
@@ -233,7 +233,7 @@ fn wt10_loads_do_the_power_of_their_places() {
     assert!((power - on_coordinates).abs() < 1e-10 * power.abs());
 }
 
-/// WT-11. Velocities and accelerations of places and sections are the rates of their positions and attitudes.
+/// WT-11. Velocities and accelerations of points and sections are the rates of their positions and attitudes.
 #[test]
 fn wt11_places_move_as_their_positions_change() {
     let setting = setting(5);
@@ -255,7 +255,8 @@ fn wt11_places_move_as_their_positions_change() {
         let (before, now, after) = (moving(-step), moving(0.0), moving(step));
         let velocity = (after.motion.position_m - before.motion.position_m) / (2.0 * step);
         let acceleration = (after.motion.velocity_m_s - before.motion.velocity_m_s) / (2.0 * step);
-        // the way is a polynomial of fourth order in time: its differences are off by the square of the step, 1e-8 of some 1e2 m/s³
+        // the position is a polynomial of fourth order in time: its differences have an error of the square of the step, 1e-8 of about 1e2
+        // m/s³
         assert!((velocity - now.motion.velocity_m_s).norm() < 1e-5, "station {index}: {velocity}");
         assert!((acceleration - now.acceleration_m_s2).norm() < 1e-5, "station {index}: {acceleration}");
         let turned = Rotation3::from_matrix_unchecked(after.motion.rotation * before.motion.rotation.transpose());

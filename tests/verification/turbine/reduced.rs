@@ -1,5 +1,5 @@
 //! The paper's reduced model: `examples/turbine/nrel_5mw_reduced.toml` compared with its explicit equations, and its errors relative to the
-//! whole turbine.
+//! full model of the turbine.
 
 use crate::trees::Random;
 use crate::turbine::machine::*;
@@ -26,13 +26,13 @@ fn body<'m>(machine: &'m Machine, name: &str) -> &'m Body {
     machine.bodies.iter().find(|body| body.name == name).expect("a body of this name")
 }
 
-/// One shape of a body: sums over the cells, `x` from 0 to 1.
+/// Integrals of one shape of a body: sums over the cells, `x` from 0 to 1.
 struct Sums {
     /// `Σ m φ`, `Σ m φ²` and the mass in kg.
     first: f64,
     second: f64,
     mass: f64,
-    /// `∫ EI φ''²` in N/m, and the damping that follows from it.
+    /// `∫ EI φ''²` in N/m, and the corresponding damping.
     stiffness: f64,
     damping: f64,
 }
@@ -60,8 +60,8 @@ fn sums(law: &ModalLaw, shape: &Shape, bending: &foldwing::beam::profile::Profil
     all
 }
 
-/// The reduced equations `M q̈ = f` in two frames, the ground's and the rotor's: tower fore-aft and side-side (towards `-y`, to the
-/// right of who looks downwind), then flap (downwind) and edge (ahead) of each blade.
+/// The reduced equations `M q̈ = f` in two frames, of the ground and of the rotor: tower fore-aft and side-side (towards `-y`, to the right
+/// looking downwind), then flap (downwind) and edge (in the direction of rotation) of each blade.
 fn by_hand(machine: &Machine, time_s: f64, q: &[f64], u: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
     let tower = law(body(machine, "tower"));
     let blade = law(body(machine, "blade1"));
@@ -85,7 +85,7 @@ fn by_hand(machine: &Machine, time_s: f64, q: &[f64], u: &[f64]) -> (DMatrix<f64
         (mass[(1, e)], mass[(e, 1)]) = (edge.first * cosine, edge.first * cosine);
         force[f] = -flap.stiffness * q[f] - flap.damping * u[f];
         let square = SPEED_RAD_S * SPEED_RAD_S;
-        // the edge runs away from its place as the rotor turns, and nothing pulls it back
+        // the centrifugal force acts along the edgewise displacement, and without shortening there is no restoring term
         force[e] = (edge.second * square - edge.stiffness) * q[e] - edge.damping * u[e];
         force[e] += 9.80665 * edge.first * sine;
         force[1] += edge.first * (2.0 * SPEED_RAD_S * u[e] * sine + square * q[e] * cosine) + square * lever * sine;
@@ -99,7 +99,7 @@ fn blade_lever(law: &ModalLaw) -> f64 {
     (0..law.cells).map(|k| (k as f64 + 0.5) * cell).map(|s| law.mass_kg_m.at(s) * cell * (s + 1.5)).sum()
 }
 
-/// WT-51. Mass matrix and accelerations of the reduced turbine at random states and azimuths: those of its equations written out, to
+/// WT-51. Mass matrix and accelerations of the reduced turbine at random states and azimuths: equal to those of the explicit equations, to
 /// 1e-12 of the largest entry and acceleration.
 #[test]
 fn wt51_reduced_turbine_is_the_reduced_equations() {
@@ -133,7 +133,7 @@ fn wt51_reduced_turbine_is_the_reduced_equations() {
     assert!(worst[1] < 1e-12, "accelerations are off by {:.1e}", worst[1]);
 }
 
-/// A machine with all its modal bodies that keep shortening and rotation, or not.
+/// A machine whose modal bodies all have, or do not have, shortening and rotation.
 fn keeping(mut machine: Machine, [axial_shortening, section_rotation]: [bool; 2]) -> Machine {
     let names: Vec<String> =
         machine.bodies.iter().filter(|body| body.is_modal()).map(|body| body.name.clone()).collect();
@@ -144,8 +144,8 @@ fn keeping(mut machine: Machine, [axial_shortening, section_rotation]: [bool; 2]
     machine
 }
 
-/// Largest error of the energy account over two seconds of free motion, of the energy at the start: the tower half a metre aside, the
-/// blades bent by two metres, the rotor turning.
+/// Largest error of the energy balance over two seconds of free motion, relative to the initial energy: the tower displaced by half a
+/// metre, the blades bent by two metres, the rotor rotating.
 fn account_error(keeps: [bool; 2], tolerance: f64) -> f64 {
     let mut machine = keeping(turbine(), keeps);
     law_mut(&mut machine, "tower").flap[0].start_m = 0.5;
@@ -170,8 +170,8 @@ fn account_error(keeps: [bool; 2], tolerance: f64) -> f64 {
     worst / elastic
 }
 
-/// WT-52. The energy account from a large swing, slopes of 0.05 rad. Velocities are the rates of places and attitudes, with and without shortening
-/// and rotation of the sections, and its error is that of the solver: it falls with the tolerance.
+/// WT-52. The energy balance of a large oscillation with slopes of 0.05 rad. Velocities are the rates of positions and attitudes, with and
+/// without shortening and rotation of the sections, so the only error is that of the solver: it falls with the tolerance.
 #[test]
 fn wt52_energy_closes() {
     for shortening in [true, false] {
@@ -185,9 +185,9 @@ fn wt52_energy_closes() {
     }
 }
 
-/// WT-86. An unbalanced rotor of one blade at 70 rad/s on a modal tower, which whirls under it with slopes of some 0.05 rad, over 5 s: the account
-/// of the energy, over the kinetic energy, falls with the tolerance. With sections that turn at the rates of their slopes alone, as in
-/// ElastoDyn, 1e-3 remained at any tolerance.
+/// WT-86. An unbalanced rotor of one blade at 70 rad/s on a modal tower, which whirls with slopes of about 0.05 rad, over 5 s: the error of
+/// the energy balance, relative to the kinetic energy, falls with the tolerance. With sections that rotate only at the rates of their
+/// slopes, as in ElastoDyn, an error of 1e-3 remained at any tolerance.
 #[test]
 fn wt86_energy_of_a_whirling_tower_closes() {
     let text = "name = \"unbalanced\"\ngravity_m_s2 = [0, 0, 0]\n[modal_body.tower]\nlength_m = 3.0\nnodes = 20\nstations = [0.0, 1.0]\n\
@@ -220,8 +220,8 @@ fn wt86_energy_of_a_whirling_tower_closes() {
     assert!(fine < 1e-5 && fine < 0.1 * coarse, "{coarse:e} {fine:e}");
 }
 
-/// WT-53. Without shortening nothing stiffens a blade that turns: flap stays where it is, edge falls as `ω² - Ω²`, to round-off of the
-/// modes; beside OpenFAST's blade that is what the setting costs.
+/// WT-53. Without shortening a rotating blade is not stiffened: the flap frequency is constant, edge falls as `ω² - Ω²`, to round-off of
+/// the modes; the difference from OpenFAST's blade is the error of this setting.
 #[test]
 fn wt53_without_shortening_blades_do_not_stiffen() {
     let plain = |keeps: [bool; 2]| {
@@ -258,7 +258,7 @@ fn wt53_without_shortening_blades_do_not_stiffen() {
     assert!(largest > 0.05, "shortening does count: {largest}");
 }
 
-/// WT-55. The settings are refused by name where they are misspelt, no truth values, or on bodies that do not bend in given shapes.
+/// WT-55. The settings are rejected with their name if misspelt, not Boolean, or on bodies that are not modal.
 #[test]
 fn wt55_settings_are_refused_by_name() {
     let text = with_polars(TEXT);
@@ -291,8 +291,8 @@ fn wt55_settings_are_refused_by_name() {
     }
 }
 
-/// WT-57. Places along a body, not its ends alone: without rotation no slope of the section, without shortening none of the axis, and
-/// the same deflections as with both; in the middle of cells, on their borders and at the end, twisted or not.
+/// WT-57. Positions along a body, not only its ends: without rotation the sections do not rotate, without shortening there is no axial
+/// displacement, and deflections are the same as with both; in the middle of cells, on their borders and at the end, twisted or untwisted.
 #[test]
 fn wt57_places_keep_what_the_body_keeps() {
     let machine = turbine();
@@ -328,8 +328,9 @@ fn wt58_air_knows_which_sections_turn() {
     }
 }
 
-/// WT-82. A line load on two stations bends a blade whose shape is s² as it should, by its third, where sections turn; where they do not, by the
-/// half that acts on the tip. Parked across a light wind, ends loaded; the bend is 1e-4 of the length, its square is left out.
+/// WT-82. For a blade with the shape s², a uniform line load on two stations has the correct generalised force, a third of the load, if
+/// sections rotate; if they do not, it is the half that acts on the tip. Parked in a light wind, with loads at the ends; the deflection is
+/// 1e-4 of the length, and its square is neglected.
 #[test]
 fn wt82_line_loads_are_those_of_the_sections() {
     let bend = |section_rotation: bool| {
@@ -390,7 +391,7 @@ step_s = 0.02
     assert!(turning != 0.0 && (fixed / turning - 1.5).abs() < 1e-3, "{turning:e} {fixed:e}");
 }
 
-/// The reduced example has the figures of the whole one: bodies with their first shapes, masses, chords, polars.
+/// The reduced example has the data of the full one: bodies with their first shapes, masses, chords, polars.
 #[test]
 fn reduced_example_is_the_same_turbine() {
     let (whole, reduced) = (windy(WIND_TEXT), windy(TEXT));
@@ -416,7 +417,8 @@ fn reduced_example_is_the_same_turbine() {
     assert_eq!((one.polars, one.sections, one.features), (other.polars, other.sections, other.features));
 }
 
-/// The turbine of a text as the reference has it: AeroDyn's rules, pitch locked, and the tower aside at the start.
+/// The turbine of a text with the settings of the reference: AeroDyn's formulas, pitch locked, and the tower displaced sideways at the
+/// start.
 fn in_the_benchmark(text: &str, aside_m: f64) -> Plant {
     let mut machine = windy(text);
     let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
@@ -432,7 +434,7 @@ fn in_the_benchmark(text: &str, aside_m: f64) -> Plant {
     start(machine)
 }
 
-/// Seven quantities with small errors by the paper, and the side-side motion.
+/// Seven quantities that have small errors according to the paper, and the side-side motion.
 fn quantities(plant: &Plant) -> [f64; 8] {
     let outputs = plant.outputs();
     let (tower, blade, rotor) = (outputs.modal()[0], outputs.modal()[1], outputs.rotor()[0]);
@@ -448,8 +450,8 @@ fn quantities(plant: &Plant) -> [f64; 8] {
     ]
 }
 
-/// Means from 30 s on, peaks to peaks up to 20 s, and the decay of the difference of two runs, one with the tower aside: largest from 50 to
-/// 60 s over that from 20 to 30 s.
+/// Means from 30 s on, peak-to-peak values up to 20 s, and the decay of the difference of two runs, one with the tower displaced sideways:
+/// its largest value from 50 to 60 s divided by that from 20 to 30 s.
 fn benchmark(text: &str) -> ([f64; 8], [f64; 8], f64) {
     let (mut plant, mut other) = (in_the_benchmark(text, 0.0), in_the_benchmark(text, 0.02));
     let (mut mean, mut low, mut high) = ([0.0; 8], [f64::MAX; 8], [f64::MIN; 8]);
@@ -477,16 +479,16 @@ fn benchmark(text: &str) -> ([f64; 8], [f64; 8], f64) {
     (mean, std::array::from_fn(|i| high[i] - low[i]), swing[1] / swing[0])
 }
 
-/// WT-56. The paper's Fig. 12: the reduced turbine loses the mean of the tower's side-side motion and most of its damping; of the
-/// others the means (but that of the tip in the plane, which needs the twist) and the first swings stay within 10 %. Whole only:
-/// four runs of 60 s.
+/// WT-56. The paper's Fig. 12: the reduced turbine loses the mean of the tower's side-side motion and most of its damping; for the other
+/// quantities the means (except that of the in-plane tip deflection, which depends on the twist) and the first oscillations are within 10
+/// %. Full studies only: four runs of 60 s.
 #[test]
 #[ignore = "minutes: make validate"]
 fn wt56_reduced_turbine_loses_the_side_side_motion() {
     let (whole, reduced) = (benchmark(WIND_TEXT), benchmark(TEXT));
     println!("WT-56 whole: {whole:?}\nWT-56 reduced: {reduced:?}");
     assert!((whole.0[0] - 0.0462).abs() < 2e-4 && reduced.0[0].abs() < 1e-3, "{} {}", whole.0[0], reduced.0[0]);
-    // over 30 s, ten periods: what a ratio of 1.13 % leaves, and one of 0.48 %
+    // over 30 s, ten periods: the remainder with a damping ratio of 1.13 %, and with 0.48 %
     assert!(whole.2 < 0.5 && reduced.2 > 1.5 * whole.2, "{} {}", whole.2, reduced.2);
     for i in 1..7 {
         assert!((reduced.0[i] / whole.0[i] - 1.0).abs() < 0.1, "mean {i}: {} {}", whole.0[i], reduced.0[i]);

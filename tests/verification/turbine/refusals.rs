@@ -5,12 +5,12 @@ use foldwing::config;
 use foldwing::plant::Plant;
 use std::sync::Arc;
 
-/// The example with one change, refused.
+/// Error message for the example with one change.
 fn refusal(from: &str, to: &str) -> String {
     refusal_of(TEXT, from, to)
 }
 
-/// A text with one change, refused.
+/// Error message for a text with one change.
 fn refusal_of(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "the example has {from:?}");
     match config::parse(&text.replacen(from, to, 1), "turbine.toml") {
@@ -19,7 +19,7 @@ fn refusal_of(text: &str, from: &str, to: &str) -> String {
     }
 }
 
-/// WT-07. Each with the key, and what is allowed instead.
+/// WT-07. Each message names the key and the allowed values.
 #[test]
 fn wt07_refusals_name_place_and_cure() {
     for (from, to, words) in [
@@ -68,7 +68,7 @@ fn wt07_refusals_name_place_and_cure() {
     assert_eq!(told.matches("gauge.root").count(), 1, "{told}");
 }
 
-/// WT-24. Every bad value of a generator, with its key and what is allowed.
+/// WT-24. Every invalid value of a generator, with its key and the allowed values.
 #[test]
 fn wt24_bad_generators_are_named() {
     let text = with_polars(WIND_TEXT);
@@ -131,14 +131,14 @@ fn wt24_bad_generators_are_named() {
         );
         assert!(!told.contains("generator.rows") && !told.contains("generator.gear_ratio"), "{told:.900}");
     }
-    // power held from an invalid speed
+    // constant power starting at an invalid speed
     let to = "table_rpm_N_m = [[-20.0, 5.0], [-10.0, 3.0]]";
     let told =
         refusal_of(&text.replace("above_table = \"constant_torque\"", "above_table = \"constant_power\""), table, to);
     assert!(told.contains(key) && told.contains("a last row at a speed > 0"), "{told:.900}");
 }
 
-/// WT-25. A rotor whose blades are not all there: copies without a surface are named.
+/// WT-25. A rotor with incomplete blades: copies without an aerodynamic surface are named.
 #[test]
 fn wt25_blades_without_air_are_named() {
     let text = with_polars(WIND_TEXT);
@@ -146,13 +146,13 @@ fn wt25_blades_without_air_are_named() {
     for word in ["surface", "blade2, a blade like blade1, without a surface", "body = \"blade\" denotes all copies"] {
         assert!(told.contains(word), "{word:?} is missing in\n{told:.900}");
     }
-    // two blades and one are rotors
+    // rotors with one or two blades are valid
     for count in ["count = 1 ", "count = 2 ", "count = 5 "] {
         windy(&WIND_TEXT.replacen("count = 3 ", count, 1));
     }
 }
 
-/// WT-26. Polars with holes, and truncated wind files: unreadable ones are errors, implausible ones are warnings.
+/// WT-26. Polars with gaps, and truncated wind files: unreadable ones are errors, implausible ones are warnings.
 #[test]
 fn wt26_holes_in_polars_and_winds_are_named() {
     let sound = with_polars(WIND_TEXT);
@@ -176,7 +176,7 @@ fn wt26_holes_in_polars_and_winds_are_named() {
             assert!(told.contains(word), "{rows}: {word:?} is missing in\n{told:.600}");
         }
     }
-    // rows left out of a polar that is not the same all round
+    // rows missing in a polar that is not constant
     let text = with("[[-180, 0, 0.5, 0], [-20, -0.9, 0.3, 0], [20, 0.9, 0.3, 0], [180, 0, 0.5, 0]]");
     let doubts = config::doubts(&text);
     assert_eq!(doubts.len(), 1, "{doubts:?}");
@@ -184,7 +184,7 @@ fn wt26_holes_in_polars_and_winds_are_named() {
         doubts[0].key.starts_with("polar.cylinder1") && doubts[0].reason == "no row between -180 and -20 deg",
         "{doubts:?}"
     );
-    // a polar that is the same all round needs no rows between
+    // a constant polar needs no rows in between
     assert_eq!(config::doubts(&with("[[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]")), Vec::new());
 
     let wind = "[wind]\nreference_height_m = 90.0\nreference_length_m = 126.0\ntable = ROWS\n\n[surface.blade]";
@@ -196,8 +196,8 @@ fn wt26_holes_in_polars_and_winds_are_named() {
     assert!(doubts[0].reason == "the wind ends at 10 s, the run at 60 s", "{doubts:?}");
 }
 
-/// WT-27. A pitch beyond the polar's range has a load: angles of attack go round. Pitched by a whole turn, and by 200 and -160 deg, the
-/// air does the same to round-off.
+/// WT-27. A pitch beyond the polar's range still gives loads: angles of attack are periodic. Pitched by a full revolution, and by 200 and
+/// -160 deg, the aerodynamic loads are equal to round-off.
 #[test]
 fn wt27_pitch_goes_round() {
     let thrust_n = |pitch_deg: f64| {

@@ -1,4 +1,4 @@
-//! Blades on lag hinges around a hub on springs.
+//! Blades on lag hinges at a hub on springs.
 
 use foldwing::config;
 use foldwing::machine::Machine;
@@ -6,23 +6,23 @@ use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// A hub on springs of equal stiffness in both directions across its shaft, with `blades` rigid blades on lag hinges: the machine of
-/// Coleman and Feingold's ground resonance.
+/// A hub on springs in the two directions normal to its shaft, with `blades` rigid blades on lag hinges: the machine of Coleman and
+/// Feingold's ground resonance.
 pub struct Resonance {
     pub blades: usize,
-    /// Blade: mass, inertia about its hinge, distance of its centre from the hinge and of the hinge from the shaft, hinge spring.
+    /// Blade: mass, inertia about its hinge, distance of its centre of mass from the hinge and of the hinge from the shaft, hinge spring.
     pub mass_kg: f64,
     pub inertia_kg_m2: f64,
     pub arm_m: f64,
     pub hinge_m: f64,
     pub spring_n_m_rad: f64,
-    /// Support: mass with the hub, stiffness along y and z.
+    /// Support: mass including the hub, stiffness along y and z.
     pub support_kg: f64,
     pub support_n_m: [f64; 2],
 }
 
 impl Resonance {
-    /// The rotor with so many blades.
+    /// The rotor with a number of blades.
     pub fn of(blades: usize) -> Self {
         Self {
             blades,
@@ -75,7 +75,7 @@ impl Resonance {
     }
 
     /// Roots `ω` of `(κ − I(ω − Ω)²)(K − Mω²) − B/2 S²ω⁴ = 0`, `κ = k + S e Ω²`: motions `e^{iωt}` of hub and blades as complex numbers in
-    /// the plane of the rotor; negative ones whirl backward.
+    /// the rotor plane; negative roots are backward whirl.
     pub fn closed_form(&self, speed_rad_s: f64) -> Vec<Complex<f64>> {
         let (i, s, w) = (self.inertia_kg_m2, self.mass_kg * self.arm_m, speed_rad_s);
         let mass = self.support_kg + self.blades as f64 * self.mass_kg;

@@ -1,4 +1,4 @@
-//! The turbine with blades that are geometrically exact beams, against BeamDyn, finite elements and a rod solved by scipy.
+//! The turbine with geometrically exact beams as blades, against BeamDyn, finite elements and a rod solved with scipy.
 
 use crate::turbine::machine::*;
 use crate::whole::is_whole;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// The text of the example with strain-based blades.
 const STRAIN_TEXT: &str = include_str!("../../../examples/turbine/nrel_5mw_strain.toml");
 
-/// A blade of the example alone, clamped with its inner end at the origin, x up the blade.
+/// A single blade of the example, clamped with its inner end at the origin, x along the blade.
 fn blade() -> Machine {
     let mut machine = windy(STRAIN_TEXT);
     machine.air = None;
@@ -27,7 +27,7 @@ fn blade() -> Machine {
     machine
 }
 
-/// Deflection of the tip at rest under a dead force there.
+/// Static deflection of the tip under a dead force there.
 fn tip_under(mut machine: Machine, force_n: Vector3<f64>) -> Vector3<f64> {
     let body = &mut machine.bodies[0];
     body.station_positions_m = vec![body.length_m];
@@ -37,8 +37,8 @@ fn tip_under(mut machine: Machine, force_n: Vector3<f64>) -> Vector3<f64> {
     plant.outputs().modal()[0].deflection_m
 }
 
-/// WT-35. 8 m/s at 9.1311 rpm with dynamic inflow, beside OpenFAST with BeamDyn's blades: means over the last whole turn, of 60 s or,
-/// in short, of 13.5 s, when the wake has not come to rest: 3 % then, for which the slower time constant of 9 s accounts.
+/// WT-35. 8 m/s at 9.1311 rpm with dynamic inflow, against OpenFAST with BeamDyn blades: means over the last full revolution, of 60 s or,
+/// in short studies, of 13.5 s, when the wake has not yet settled: 3 % then, because of the slower time constant of 9 s.
 #[test]
 fn wt35_rotor_of_beams_beside_beamdyn() {
     let mut machine = windy(STRAIN_TEXT);
@@ -81,8 +81,8 @@ fn wt35_rotor_of_beams_beside_beamdyn() {
     assert!((means[1] + 0.326).abs() < 0.02, "in plane {}", means[1]);
 }
 
-/// WT-36. A tenth of the stiffness under dead forces at the tip, beside `studies/soft_blade.py`: a rod that stretches, twists and
-/// bends, by shooting. The modal blade, of second order and without twist, is shown beside.
+/// WT-36. A tenth of the stiffness under dead forces at the tip, against `studies/soft_blade.py`: a rod with stretch, twist and bending, by
+/// shooting. The results of the modal blade, of second order and without twist, are printed for comparison.
 #[test]
 fn wt36_soft_blade_beside_a_rod() {
     for (force_n, tip_m) in [
@@ -109,15 +109,15 @@ fn wt36_soft_blade_beside_a_rod() {
             "WT-36 {force_n:?} N: tip {expected:?}; 12, 48, 192 pairs off by {errors:?}; modal blade {bent:?}, {modal_error:.3}"
         );
         assert!(errors[2] < 1e-4, "{errors:?}");
-        // the last metre is twenty times softer than the one before: pairs longer than its stations see it blurred
+        // the last metre is twenty times softer than the one before: pairs longer than its stations average it
         assert!(errors[1] < 5e-4 && errors[0] < 3e-3, "{errors:?}");
         assert!(modal_error > 0.03, "{modal_error}");
     }
 }
 
-/// WT-37. Frequencies of the blade at rest beside finite elements in two planes without shear (numpy, 240 elements): 3e-3, of which
-/// the stretch of the twisted blade and the rotary inertia of its elements are shares. BeamDyn's blade, whose shear stiffness is a
-/// tenth of the axial one, has 0.6858 and 1.0806 Hz by the same finite elements with shear: what condensation leaves out.
+/// WT-37. Frequencies of the blade at standstill against finite elements in two planes without shear (numpy, 240 elements): 3e-3, partly
+/// due to the stretch of the twisted blade and the rotary inertia of its elements. BeamDyn's blade, whose shear stiffness is a tenth of the
+/// axial one, has 0.6858 and 1.0806 Hz by the same finite elements with shear: the error of condensation.
 #[test]
 fn wt37_frequencies_beside_finite_elements() {
     let mut plant = Plant::new(Arc::new(blade()));
@@ -131,8 +131,8 @@ fn wt37_frequencies_beside_finite_elements() {
     assert!(share[0] < -0.008 && share[1] < -0.02, "shear counts in this blade: {share:?}");
 }
 
-/// WT-38. Shares of the damping by strain: ratio `β share ω/2` of each mode of a uniform beam, by both kinds of element, and an
-/// energy account that closes while it swings in every direction.
+/// WT-38. Stiffness-proportional damping with a factor for each strain: damping ratio `β factor ω/2` of each mode of a uniform beam, with
+/// both kinds of element, and an energy balance that closes while it vibrates in every direction.
 #[test]
 fn wt38_damping_by_shares() {
     for element in ["linear", "constant"] {
@@ -148,7 +148,7 @@ fn wt38_damping_by_shares() {
         still.gravity_m_s2 = Vector3::zeros();
         let mut plant = Plant::new(Arc::new(still));
         plant.initialize(0.0).expect("a start");
-        // flap, lag, flap, twist or lag: the share is that of the frequency's stiffness
+        // flap, lag, flap, twist or lag: the factor is that of the strain with the mode's stiffness
         let modes = plant.study().modes(3).expect("modes");
         for (mode, share) in modes.iter().zip([1.0, 0.25, 1.0]) {
             let due = 0.5 * 1e-3 * share * 2.0 * PI * mode.frequency_hz;

@@ -1,11 +1,11 @@
-//! A blade that swings under gravity: its machine, harmonic balance, Hill's equation.
+//! A blade that oscillates under gravity: its machine, harmonic balance, Hill's equation.
 
 use foldwing::config;
 use foldwing::machine::Machine;
 use nalgebra::{Complex, DMatrix, DVector, Matrix2};
 use std::f64::consts::{PI, TAU};
 
-/// A blade on a hinge at a distance from a level shaft, under gravity.
+/// A blade on a hinge at a distance from a horizontal shaft, under gravity.
 #[derive(Clone, Copy)]
 pub struct Swing {
     pub mass_kg: f64,
@@ -33,7 +33,8 @@ impl Swing {
         config::parse(&text, "swing.toml").unwrap_or_else(|refused| panic!("{refused}"))
     }
 
-    /// `I ζ̈ + d ζ̇ + k ζ + m e c Ω² sin ζ + m g c cos(ψ + ζ) = 0`: what is left of it, over `I`, and its slope by `ζ`.
+    /// `I ζ̈ + d ζ̇ + k ζ + m e c Ω² sin ζ + m g c cos(ψ + ζ) = 0`: its static part divided by `I`, and the derivative of this with respect
+    /// to `ζ`.
     pub fn left(&self, azimuth_rad: f64, lag_rad: f64) -> [f64; 2] {
         let (s, w) = (self.mass_kg * self.arm_m, self.speed_rad_s);
         let centrifugal = s * self.hinge_m * w * w;
@@ -45,7 +46,7 @@ impl Swing {
         .map(|x| x / self.inertia_kg_m2)
     }
 
-    /// Harmonic balance at `n` points of the turn: the values there, by Newton's method with the Fourier matrix of derivatives.
+    /// Harmonic balance at `n` points of the revolution: the values there, by Newton's method with the Fourier differentiation matrix.
     pub fn balanced(&self, n: usize) -> DVector<f64> {
         let w = self.speed_rad_s;
         // derivative of the trigonometric interpolation at an even number of points
@@ -74,7 +75,7 @@ impl Swing {
         lag
     }
 
-    /// Multipliers of Hill's equation about a motion of given harmonics, by 40 000 steps of Runge–Kutta.
+    /// Multipliers of Hill's equation about a motion given by its values, by 40 000 steps of Runge–Kutta.
     pub fn multipliers(&self, lag: &DVector<f64>) -> [Complex<f64>; 2] {
         let n = lag.len();
         let steps = 40_000;

@@ -1,4 +1,4 @@
-//! Free motion without air against OpenFAST's.
+//! Free motion without aerodynamics against OpenFAST.
 
 use crate::turbine::machine::*;
 use crate::whole::is_whole;
@@ -7,8 +7,8 @@ use foldwing::plant::Plant;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Columns of the reference with the freedom, the sign and the offset that make them ours: OpenFAST's edge coordinate points
-/// against the leading edge, and its generator angle is 3π/2 with blade 1 up.
+/// Columns of the reference with the corresponding degree of freedom, and the factor and offset that convert them: OpenFAST's edge
+/// coordinate points away from the leading edge, and its generator angle is 3π/2 with blade 1 up.
 const COLUMNS: [(&str, &str, f64, f64); 16] = [
     ("Q_TFA1_m", "tower.mode[1]", 1.0, 0.0),
     ("Q_TFA2_m", "tower.mode[2]", 1.0, 0.0),
@@ -28,14 +28,14 @@ const COLUMNS: [(&str, &str, f64, f64); 16] = [
     ("Q_B3E1_m", "blade3.mode[3]", -1.0, 0.0),
 ];
 
-/// Tips 2 m out of plane and 1 m in plane: what OpenFAST makes of them.
+/// Initial tip deflections of 2 m out of plane and 1 m in plane, converted to shape coordinates by OpenFAST.
 fn bend(machine: &mut Machine, blade: &str) {
     let law = law_mut(machine, blade);
     law.flap[0].start_m = 1.807489;
     law.edge[0].start_m = -1.2460705;
 }
 
-/// Largest differences over a column's peak to peak.
+/// Largest differences divided by the peak-to-peak value of a column.
 fn misses(plant: &mut Plant, text: &str, columns: &[(&str, &str, f64, f64)], end_s: f64) -> Vec<f64> {
     let (names, rows) = table(text);
     let find = |name: &str| names.iter().position(|known| *known == name).expect("a column");
@@ -57,10 +57,10 @@ fn misses(plant: &mut Plant, text: &str, columns: &[(&str, &str, f64, f64)], end
     worst.iter().zip(&places).map(|(worst, [column, _])| worst / span(*column)).collect()
 }
 
-/// WT-04. Rotor at rest, generator free, no torque: all 16 coordinates over 20 s (5 s in the default suite), peak to peak over the
-/// 20 s. The reference's own error is up to 2.3e-4 of peak to peak. The reference turns sections at the rates of their small angles (M4): with
-/// these the bounds are a few of its errors; with the rates of the attitudes, which balance energies, a hundredth is allowed, twice what the tower's
-/// second shape shows, which moves by 0.4 mm.
+/// WT-04. Rotor at rest, generator free, no torque: all 16 coordinates over 20 s (5 s in the default suite), peak to peak over the 20 s.
+/// The error of the reference is up to 2.3e-4 of peak to peak. In the reference, sections rotate at the rates of their small angles (M4):
+/// with these the bounds are a few times its error; with the rates of the attitudes, which conserve energy, 1 % is allowed, twice the
+/// difference of the tower's second shape, which moves by 0.4 mm.
 #[test]
 fn wt04_free_motion_of_all_coordinates() {
     let mut machine = turbine();
@@ -69,7 +69,7 @@ fn wt04_free_motion_of_all_coordinates() {
     tower.edge[0].start_m = -0.300_000_01;
     (1..=3).for_each(|blade| bend(&mut machine, &format!("blade{blade}")));
     hinge_mut(&mut machine, "yaw").start_angle_rad = 0.2f64.to_radians();
-    // the tower's second shape moves by half a millimetre in all
+    // the tower's second shape moves by only half a millimetre
     machine.solver.tolerance = 1e-9;
     let mut as_elastodyn = machine.clone();
     for name in ["tower", "blade1", "blade2", "blade3"] {

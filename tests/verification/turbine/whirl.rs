@@ -1,4 +1,4 @@
-//! Modes of rotating rotors in the ground frame: compared with closed forms and OpenFAST, and errors.
+//! Modes of rotors in rotation, in the ground frame: compared with closed forms and OpenFAST; errors.
 
 use crate::turbine::machine::*;
 use crate::turbine::resonance::Resonance;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 const RPM: f64 = PI / 30.0;
 
-/// The modes of a machine whose rotor turns.
+/// The modes of a machine whose rotor rotates.
 fn whirls(
     machine: &Machine,
     shaft: Option<&str>,
@@ -24,7 +24,7 @@ fn whirls(
     plant.study().whirl_modes(0.0, &rotor, speed_rad_s, count)
 }
 
-/// The rotor of the example on a stand that does not move, without cone and tilt, its shaft turned at a given speed.
+/// The rotor of the example on a rigid stand, without cone and tilt, its shaft at a given speed.
 fn rotor_on_a_stand() -> Machine {
     let text = on_a_stand(TEXT);
     let mut machine = config::parse(&text, "stand.toml").unwrap_or_else(|refused| panic!("{refused}"));
@@ -33,14 +33,14 @@ fn rotor_on_a_stand() -> Machine {
     machine
 }
 
-/// Share of a whirl in a mode.
+/// Participation of a whirl in a mode.
 fn share(mode: &ModeShape, whirl: Whirl) -> f64 {
     mode.whirl.iter().filter(|part| part.whirl == Some(whirl)).map(|part| part.share).sum()
 }
 
-/// WT-17. Blades on a hub that nothing bends do not feel each other: from the ground each of OpenFAST's modes of one blade,
-/// `λ`, becomes a collective one, and whirls of `λ ± iΩ`. Bounds as in WT-02, of the magnitude of `λ`; blades must be pure to
-/// round-off of the closest pair, 1e-6.
+/// WT-17. Blades on a rigid hub are uncoupled: in the ground frame each of OpenFAST's modes of one blade, `λ`, becomes a collective mode,
+/// and whirls of `λ ± iΩ`. Bounds as in WT-02, relative to the magnitude of `λ`; modes must be pure whirls to round-off of the closest
+/// pair, 1e-6.
 #[test]
 fn wt17_blades_on_a_stand_whirl_with_the_speed() {
     let machine = rotor_on_a_stand();
@@ -55,7 +55,7 @@ fn wt17_blades_on_a_stand_whirl_with_the_speed() {
             let blade = Complex::new(-zeta * size, size * (1.0 - zeta * zeta).sqrt());
             for (whirl, sign) in [(Whirl::Collective, 0.0), (Whirl::Forward(1), 1.0), (Whirl::Backward(1), -1.0)] {
                 let expected = blade + Complex::new(0.0, sign * speed_rad_s);
-                // at rest all three are the same, and any mixture of them is a mode
+                // at standstill all three are the same, and any combination of them is a mode
                 let pure = |mode: &&ModeShape| speed_rad_s == 0.0 || share(mode, whirl) > 1.0 - 1e-6;
                 let of_kind = modes.iter().filter(pure);
                 let nearest =
@@ -68,9 +68,9 @@ fn wt17_blades_on_a_stand_whirl_with_the_speed() {
     assert!(worst < 2e-5, "off by {worst:.1e}");
 }
 
-/// WT-18. The example at rest: the modes in the ground frame are those of the machine, computed without any transformation, to round-off of
-/// their fourteen digits through two more products of matrices. Compared with OpenFAST's at standstill they lack gravity, which softens the
-/// tower under the nacelle: 2 % are allowed, 1.8 % of the tower's frequency are observed. Motions have the names of NREL/TP-500-38060,
+/// WT-18. The example at standstill: the modes in the ground frame equal those of the machine, computed without any transformation, to
+/// round-off of fourteen digits after two more matrix products. Unlike OpenFAST's modes at standstill they exclude gravity, which softens
+/// the tower under the nacelle: 2 % is allowed, 1.8 % of the tower's frequency is observed. Motions have the names of NREL/TP-500-38060,
 /// Table 9-1.
 #[test]
 fn wt18_modes_at_standstill_have_their_names() {
@@ -98,8 +98,8 @@ fn wt18_modes_at_standstill_have_their_names() {
     assert_eq!(whirls, [standing, standing, Some(Whirl::Collective), standing, standing]);
 }
 
-/// WT-19. Ground resonance: the isotropic rotor on a symmetric support has the roots of a quartic, real but for a band of
-/// speeds in which blades that lag and support drive each other; the growth there is found too. Three, four and five blades.
+/// WT-19. Ground resonance: the isotropic rotor on a symmetric support has the roots of a quartic, real except in a range of speeds in
+/// which the lag motion of the blades and the support excite each other; the growth rate there agrees too. Three, four and five blades.
 #[test]
 fn wt19_ground_resonance_is_colemans() {
     let (mut worst, mut growing) = (0.0f64, 0);
@@ -109,7 +109,7 @@ fn wt19_ground_resonance_is_colemans() {
         for speed_rad_s in [1.0, 8.0, 15.0, 19.0, 21.0, 22.0, 23.0, 25.0, 30.0, 60.0, -15.0] {
             let modes = whirls(&machine, None, speed_rad_s, 2 * blades + 3).expect("modes");
             for root in rotor.closed_form(speed_rad_s) {
-                // e^{iωt} in the plane: λ = iω, or its conjugate where it turns backward
+                // e^{iωt} in the plane: λ = iω, or its conjugate for backward whirl
                 let value = Complex::new(0.0, 1.0) * root;
                 let expected = if value.im < 0.0 { value.conj() } else { value };
                 let near = |mode: &&ModeShape| (mode.eigenvalue_1_s - expected).norm();
@@ -123,14 +123,14 @@ fn wt19_ground_resonance_is_colemans() {
         }
     }
     println!("WT-19: eigenvalues {worst:.1e}, {growing} grow");
-    // where two roots meet, at the edge of the band, an error e in the equations moves them by its root; speeds keep off that edge
+    // where two roots meet, at the edge of that range, an error e in the equations moves them by √e; the speeds avoid that edge
     assert!(worst < 1e-8, "off by {worst:.1e}");
     assert!(growing >= 3, "{growing} roots grow: the band is missed");
 }
 
-/// WT-28. Thin uniform rods on hinges at the share `e` of the radius, without springs: flap `ν² = 1 + 3/2 e/(1 − e)`, lag
-/// `ν² = 3/2 e/(1 − e)` per turn (the closed forms of helicopter books, e.g. Johnson, Helicopter Theory, section 5); the
-/// rod's inertia about itself, 1e-9 kg m², moves them by 1e-11 of themselves.
+/// WT-28. Thin uniform rods on hinges at the fraction `e` of the radius, without springs: flap `ν² = 1 + 3/2 e/(1 − e)`, lag `ν² = 3/2 e/(1
+/// − e)` per revolution (the closed forms of helicopter books, e.g. Johnson, Helicopter Theory, section 5); the rod's inertia about its
+/// axis, 1e-9 kg m², changes them by a relative 1e-11.
 #[test]
 fn wt28_hinges_at_an_offset() {
     let (radius_m, speed_rad_s) = (10.0, 20.0);
@@ -184,7 +184,8 @@ fn refusal(found: Result<Vec<ModeShape>, PlantError>, words: &[&str]) {
     }
 }
 
-/// WT-20. What has no modes from the ground is refused by name: unlike blades, a missing one, a support that two blades feel, no rotor.
+/// WT-20. Machines without modes in the ground frame are rejected with the cause: unequal blades, a missing blade, a flexible support with
+/// two blades, no rotor.
 #[test]
 fn wt20_rotors_that_are_not_isotropic_are_refused() {
     let three = Resonance::of(3);
@@ -195,10 +196,10 @@ fn wt20_rotors_that_are_not_isotropic_are_refused() {
     // a softer hinge
     let softer = changed(&three.text(), "stiffness_N_m_rad = 2000.0", "stiffness_N_m_rad = 1990.0");
     refusal(whirls(&parse(&softer), None, 10.0, 6), &["not isotropic", "stiffness", "lag"]);
-    // one blade off its place
+    // one blade at a wrong azimuth
     let off = changed(&three.text(), "mount_rotation_deg = [120", "mount_rotation_deg = [121");
     refusal(whirls(&parse(&off), None, 10.0, 6), &["blade1 is 121", "blade0", "spaced evenly"]);
-    // one blade of four away
+    // one blade of four missing
     let four = Resonance::of(4).text();
     let (kept, _) = four.split_once("[rigid_body.blade3]").expect("a fourth blade");
     let missing = format!("{kept}[simulation]\nstop_time_s = 1.0\nstep_s = 0.01\n");
@@ -231,10 +232,10 @@ fn wt20_rotors_that_are_not_isotropic_are_refused() {
     }
 }
 
-/// WT-20. Reverse rotation transposes the equations: mass and stiffness are symmetric, gyroscopic terms skew, so that eigenvalues are
-/// unchanged, up to the part of the damping that is not symmetric (M6), 1e-6 of them, of which ten times is allowed. At ten times its speed
-/// the machine has all its modes; at a thousand times it has them too or no steady state, far beyond it has none, and the error has the
-/// speed and the remedy.
+/// WT-20. Reverse rotation transposes the equations: mass and stiffness are symmetric, gyroscopic terms skew, so eigenvalues are unchanged,
+/// up to the asymmetric part of the damping (M6), 1e-6 of them, of which ten times is allowed. At ten times its speed the machine has all
+/// its modes; at a thousand times it has all of them or no steady state; far beyond it has none, and the error gives the speed and the
+/// remedy.
 #[test]
 fn wt20_speeds_beyond_reason_have_an_answer() {
     let modes = |speed_rpm: f64| whirls(&turbine(), None, speed_rpm * RPM, 12);
@@ -266,9 +267,9 @@ fn wt20_speeds_beyond_reason_have_an_answer() {
     }
 }
 
-/// WT-85. Modes over the speed from standstill, where the modes of equal blades on a hub at rest have one frequency and any combination of
-/// them is a mode: none is lost up to 12 rpm, nor back, at steps of 1 to 12 rpm, on stands of several stiffnesses. At each speed there are
-/// as many as at 3 rpm, and on a stiff stand each motion of the blades occurs once.
+/// WT-85. Modes over the speed from standstill, where the modes of equal blades have one frequency and any combination of them is a mode:
+/// none is lost up to 12 rpm, nor on the way back, at steps of 1 to 12 rpm, on stands of several stiffnesses. At each speed there are as
+/// many as at 3 rpm, and on a stiff stand each motion of the blades occurs once.
 #[test]
 fn wt85_no_mode_is_lost_from_standstill() {
     let on_tower = |factor: f64| {

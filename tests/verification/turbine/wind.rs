@@ -1,4 +1,4 @@
-//! The turbine in wind against OpenFAST: blade elements on blades and tower that bend, generator, feathering.
+//! The turbine in wind against OpenFAST: blade-element aerodynamics on flexible blades and tower, generator, feathering.
 
 use crate::counting_allocator::allocations;
 use crate::turbine::machine::*;
@@ -17,7 +17,7 @@ fn in_wind() -> Machine {
     windy(WIND_TEXT)
 }
 
-/// The example as the reference has it: AeroDyn's rule for the ends of the blades, pitch held.
+/// The example with the settings of the reference: AeroDyn's end-loss formula, pitch locked.
 fn as_openfast(wind_m_s: f64) -> Machine {
     let mut machine = in_wind();
     let air = machine.air.as_mut().expect("air");
@@ -32,14 +32,14 @@ fn as_openfast(wind_m_s: f64) -> Machine {
     machine
 }
 
-/// The shaft turned at a constant speed.
+/// Prescribes a constant shaft speed.
 fn turn(machine: &mut Machine, speed_rpm: f64) {
     let shaft = hinge_mut(machine, "shaft");
     shaft.motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, speed_rpm * RPM]));
     (shaft.start_rate_rad_s, shaft.generator) = (0.0, None);
 }
 
-/// Column of the reference, what it is here, factor and offset.
+/// Column of the reference, the corresponding quantity here, factor and offset.
 type Column = (&'static str, fn(&Plant) -> f64, f64, f64);
 
 fn coordinate(plant: &Plant, name: &str) -> f64 {
@@ -68,12 +68,12 @@ const SERIES: [Column; 15] = [
 /// Results of a run at the times of a reference.
 struct Compared {
     name: &'static str,
-    /// Largest difference over the peak to peak of the reference, from a time on.
+    /// Largest difference after a given time, divided by the peak-to-peak value of the reference.
     worst: f64,
     mean: [f64; 2],
 }
 
-/// Runs to `end_s` and compares columns of the reference from `from_s` on; `act` may change inputs before each row.
+/// Runs to `end_s` and compares columns of the reference starting at `from_s`; `act` may change inputs before each row.
 fn compare(
     plant: &mut Plant,
     text: &str,
@@ -134,7 +134,7 @@ fn show(case: &str, found: &[Compared]) {
     }
 }
 
-/// Compares with the bounds of `wind_bounds.csv`, shares of peak to peak by case and column; the file has the reasons.
+/// Asserts the bounds of `wind_bounds.csv`, as fractions of peak to peak by case and column; the file gives the reasons.
 fn hold(case: &str, found: &[Compared]) {
     show(case, found);
     let file = format!("{}/tests/verification/turbine/wind_bounds.csv", env!("CARGO_MANIFEST_DIR"));
@@ -150,8 +150,8 @@ fn hold(case: &str, found: &[Compared]) {
     }
 }
 
-/// WT-12. The paper's benchmark, 11.4 m/s with the generator's law from 12.1 rpm and no deflection, 16 coordinates: series over
-/// 20 s (5 s in the default suite), and the eight means over 45 to 60 s.
+/// WT-12. The paper's benchmark, 11.4 m/s with the generator's torque–speed law, from 12.1 rpm and no deflection, 16 coordinates: series
+/// over 20 s (5 s in the default suite), and the eight means over 45 to 60 s.
 #[test]
 fn wt12_benchmark_at_rated_wind() {
     let text = include_str!("../../reference/turbine/openfast_u11p4_16dof.csv");
@@ -189,20 +189,20 @@ fn wt13_fixed_speed() {
     hold(if is_whole() { "WT-13 whole" } else { "WT-13" }, &found);
 }
 
-/// WT-14. The generator is disconnected at 15 s, all blades feather at 8 deg/s from 15.5 s: series from 15 to 40 s. Whole only: it needs
-/// the benchmark before it.
+/// WT-14. The generator is disconnected at 15 s, all blades feather at 8 deg/s from 15.5 s: series from 15 to 40 s. Full studies only: it
+/// continues the benchmark.
 #[test]
 #[ignore = "minutes: make validate"]
 fn wt14_generator_failure_with_feathering() {
-    // ten times as stiff: OpenFAST's blades turn without lag
+    // ten times as stiff: OpenFAST's blades pitch without lag
     failure("WT-14", |pitch, drive| {
         pitch.motion = JointMotion::Free;
         pitch.motor = Motor { stiffness_n_m_rad: 10.0 * drive.stiffness_n_m_rad, ..drive };
     });
 }
 
-/// WT-59. The same with blades that feather as OpenFAST's do: their angle changes without an effect of the rate. The cause of the error of
-/// WT-14, the impulses on bent blades, is removed, so that the rest of the machine is held to the bounds of the other series.
+/// WT-59. WT-14 with blades that feather as in OpenFAST, where the pitch rate has no effect. The cause of the error in WT-14, the impulses
+/// on bent blades, is removed, so that the rest of the machine must meet the bounds of the other series.
 #[test]
 fn wt59_courses_of_the_pitch_need_ascending_times() {
     for points in [vec![], vec![(1.0, 0.0)], vec![(1.0, 0.0), (1.0, 0.5)], vec![(0.0, 0.0), (1.0, f64::NAN)]] {
@@ -242,7 +242,7 @@ fn failure(case: &str, feather: impl Fn(&mut OneFreedom, Motor)) {
         ("RotSpeed_rpm", (|plant| plant.outputs().rotor()[0].speed_rad_s) as fn(&Plant) -> f64, 1.0 / RPM, 0.0),
     ];
     let found = compare(&mut start(machine), text, &columns, [15.0, 40.0], |plant, row_s| {
-        // rows are 0.2 s apart: what happens at 15 s acts from that row on, what happens at 15.5 s lies between two
+        // rows are 0.2 s apart: the event at 15 s acts from that row on, the one at 15.5 s is between two rows
         let joint = |name: &str| joints.iter().position(|known| known == name).expect("a joint");
         let now_s = plant.time_s();
         if now_s >= 15.0 - 1e-9 {
@@ -272,8 +272,8 @@ fn wt15_dynamic_inflow() {
     hold(if is_whole() { "WT-15 whole" } else { "WT-15" }, &found);
 }
 
-/// WT-16. A step of the turbine in wind allocates nothing, and a snapshot in mid-air goes on bit for bit, generator and pitch
-/// commands included.
+/// WT-16. Steps of the turbine in wind allocate no memory, and a run from a snapshot is bit-identical, generator and pitch commands
+/// included.
 #[test]
 fn wt16_steps_do_not_allocate_and_snapshots_hold_all() {
     let mut machine = in_wind();
@@ -297,7 +297,7 @@ fn wt16_steps_do_not_allocate_and_snapshots_hold_all() {
     assert_eq!(plant.outputs().generators()[0].torque_n_m, 0.0);
 }
 
-/// The example in wind is the example without air, with air, generator and pitch drives.
+/// The example in wind is the example without aerodynamics, plus aerodynamics, generator and pitch drives.
 #[test]
 fn both_examples_are_one_turbine() {
     let (still, windy) = (turbine(), in_wind());

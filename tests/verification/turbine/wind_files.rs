@@ -7,7 +7,7 @@ use foldwing::config;
 use foldwing::machine::{AirOptions, Machine};
 use std::path::Path;
 
-/// The example with other lines of `[wind]`, whose files lie in a folder.
+/// The example with other lines of `[wind]` that refer to files in a folder.
 fn read(wind: &str, folder: &Path) -> Result<(Machine, String), String> {
     let text = format!("{}\n[wind]\nreference_height_m = 90.0\n{wind}\n", with_polars(WIND_TEXT));
     let text = config::with_files(text, folder, "turbine.toml").map_err(|refused| refused.to_string())?;
@@ -45,7 +45,7 @@ fn wt39_wind_from_files() {
     let Source::Box(found) = source(&machine) else { panic!("a box") };
     assert_eq!(*found, config::read_turbsim(&bytes).expect("a field"));
     assert!(!text.contains("wind.bts") && text.contains("field = \""), "the text has the bytes");
-    // what rides in the FMU needs no folder
+    // a text with included files needs no folder
     assert_eq!(config::parse(&text, "turbine.toml").expect("a machine"), machine);
 
     let table = "table = [[0, 8, 0, 0, 0, 0.2, 0, 0], [10, 12, 5, 0.1, 0, 0.2, 0, 1]]";
@@ -81,15 +81,15 @@ fn wt39_wind_from_files() {
             assert!(told.contains(word), "{line}: {word:?} is missing in\n{told:.600}");
         }
     }
-    // a text alone does not know where its files are
+    // a text alone does not determine the folder of its files
     let text = format!("{}\n[wind]\nreference_height_m = 90.0\nfield_file = \"wind.bts\"\n", with_polars(WIND_TEXT));
     let told = config::parse(&text, "turbine.toml").expect_err("a text alone").to_string();
     assert!(told.contains("a model given as text states field"), "{told}");
     std::fs::remove_dir_all(folder).expect("a folder");
 }
 
-/// WT-66. A field of Bladed, as pyTurbSim's writer has it: by its height and side the same as read in Rust, `field_from` turns it, the
-/// bytes ride in the text; its summary must not contradict; every cut is refused by key and file.
+/// WT-66. A Bladed field as written by pyTurbSim: values by height and side are those read in Rust, `field_from` rotates it, its bytes are
+/// included in the text; its summary must be consistent; every truncation is rejected with key and file.
 #[test]
 fn wt66_fields_of_bladed() {
     let folder = std::env::temp_dir().join(format!("foldwing_bladed_{}", std::process::id()));
