@@ -5,7 +5,7 @@
 
 use crate::solve::equilibrium::{Cause, Effort, NoEquilibrium, Settings, StaticEquations, iterate};
 
-/// One equilibrium of the path.
+/// One equilibrium on the path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathPoint {
     /// Load factor.

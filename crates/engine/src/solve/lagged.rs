@@ -13,7 +13,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// Equations linearised about a state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lagged {
-    /// `M`, `C` and `K`.
+    /// Mass, damping and stiffness, `M`, `C` and `K`.
     pub second: SecondOrder,
     /// `G`: derivative of the residual with respect to the lag states.
     pub force: DMatrix<f64>,
@@ -316,7 +316,7 @@ impl Lagged {
                 break;
             }
         }
-        // a real pole stays real
+        // a real eigenvalue remains real
         if value.im == 0.0 {
             eigenvalue.im = 0.0;
         }

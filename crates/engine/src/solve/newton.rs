@@ -78,9 +78,9 @@ pub struct Stage<'a> {
     pub a: &'a mut [f64],
     /// Workspace for the residual.
     pub residual: &'a mut [f64],
-    /// `∂v/∂a` in s.
+    /// Derivative `∂v/∂a` in s.
     pub velocity_gain: f64,
-    /// `∂q/∂a` in s².
+    /// Derivative `∂q/∂a` in s².
     pub position_gain: f64,
 }
 

@@ -286,7 +286,7 @@ pub(crate) fn settle(equations: &mut Equations, residual: &mut [f64], point: &mu
     Ok(settle_by(equations, residual, point))
 }
 
-/// Computes [`settle`] with the factors of the mass matrix that the equations hold.
+/// Like [`settle`], with the factors of the mass matrix that the equations already hold.
 pub(crate) fn settle_by(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> f64 {
     let jump = equations.solve(residual);
     if !jump.is_finite() {

@@ -93,7 +93,7 @@ pub enum CoordinateQuantity {
     Position,
     /// Redundant parameter without unit, of a quaternion or a rotation matrix.
     Parameter,
-    /// Strain without unit.
+    /// Strain, dimensionless.
     Strain,
     /// Curvature in 1/m.
     Curvature,
@@ -316,7 +316,7 @@ impl System {
         Ok(due || self.told.drift > DRIFT || self.inputs_may_differ)
     }
 
-    /// Enters an event.
+    /// Enters event mode.
     pub fn enter_exchange_event(&mut self) -> Result<(), PlantError> {
         self.update_exchange()?;
         if let Some(outside) = &mut self.state.outside {
@@ -364,7 +364,7 @@ impl System {
         self.as_hybrid().next_kink_s()
     }
 
-    /// Leaves the event.
+    /// Leaves event mode.
     pub fn leave_exchange_event(&mut self) {
         if let Some(outside) = &mut self.state.outside {
             outside.entered = false;

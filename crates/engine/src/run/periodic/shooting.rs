@@ -70,7 +70,7 @@ impl NearbyMotion {
         self.share = share;
     }
 
-    /// Start of the next search.
+    /// States at the start of the next search.
     fn begin(&self) -> DVector<f64> {
         match &self.way {
             Some(way) if self.share != 0.0 => &self.states + way * self.share,
@@ -100,7 +100,7 @@ pub(super) struct Shooting<'p> {
     long: Option<Steps>,
 }
 
-/// Steps of marches.
+/// Step sizes of marches.
 struct Steps {
     machine: Arc<Machine>,
     /// Unused without aerodynamics.
