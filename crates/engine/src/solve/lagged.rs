@@ -43,7 +43,7 @@ const OWN: f64 = 1e-7;
 /// Participation of the lag states above which a mode that does not grow is counted as a lag mode, not as a motion of the machine.
 const LAG: f64 = 0.5;
 
-/// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue is attributed to them.
+/// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue that has not converged is attributed to them.
 const CROWD: f64 = 1e-2;
 /// Maximum number of rounds, between which the basis of shapes is extended.
 const MAXIMUM_ROUNDS: usize = 4;

@@ -30,7 +30,8 @@ const MAXIMUM_TURNS: usize = 12;
 const LONGEST: f64 = 0.5;
 /// Maximum number of halvings of a step that does not reduce the distance.
 const HALVINGS: usize = 5;
-/// Reduction of the distance by a Newton step above which the products are too inaccurate, because they belong to another revolution.
+/// Ratio of the distances after and before a Newton step above which the products are too inaccurate, because they belong to another
+/// revolution.
 const SLOW: f64 = 0.3;
 
 /// A state that is periodic over a revolution of the shaft.
