@@ -301,7 +301,7 @@ impl System {
     }
 
     /// Ends a step of the external integrator. Returns true if an event is due: an indicator was crossed, redundant parameters have
-    /// drifted, or a command is subject to a rate limit.
+    /// drifted, or a changed command is subject to a rate limit.
     pub fn complete_exchange_step(&mut self) -> Result<bool, PlantError> {
         self.update_exchange()?;
         let due = self.as_hybrid().arrived(|_| {});

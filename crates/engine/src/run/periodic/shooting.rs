@@ -161,8 +161,8 @@ impl<'p> Shooting<'p> {
         self.weights.len()
     }
 
-    /// Scales the coordinates of a stiff body by the speed after a release from their deflection, if that is larger than the deflection:
-    /// `frequencies` in rad/s for each coordinate alone.
+    /// Scales the coordinates of a stiff body by the rate that follows a release from a deflection, if that is larger than the deflection:
+    /// `frequencies_rad_s` are those of each coordinate alone.
     pub fn stiffen(&mut self, frequencies_rad_s: &[f64]) {
         for (weight, frequency_rad_s) in self.weights.iter_mut().zip(frequencies_rad_s) {
             *weight *= (frequency_rad_s / self.turn.speed_rad_s.abs()).max(1.0);
