@@ -41,7 +41,7 @@ impl fmt::Display for Place {
 /// One error. Displays as `place: value is not allowed; allowed: …`, with the remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// Path.
+    /// Path of the value.
     pub place: Place,
     /// The invalid value in SI units and radians, or a description of the present state.
     pub value: String,
@@ -96,7 +96,7 @@ pub(crate) enum Range {
     AtLeast(f64),
     /// Greater than a number.
     Above(f64),
-    /// From one number to another.
+    /// Between two numbers.
     Within(f64, f64),
 }
 

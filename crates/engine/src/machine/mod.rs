@@ -195,7 +195,7 @@ pub enum SpatialFreedom {
         /// Unit axis in the body's section frame.
         body_axis: Vector3<f64>,
     },
-    /// All rotations.
+    /// All rotations are free.
     Ball,
     /// All rotations and displacements; only on the root.
     Free,

@@ -89,7 +89,7 @@ impl Travel {
         }
     }
 
-    /// Unit of efforts.
+    /// Unit of the generalised force.
     pub fn effort_unit(self) -> &'static str {
         match self {
             Self::Rotation => "N.m",

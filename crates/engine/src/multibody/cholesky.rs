@@ -28,7 +28,7 @@ pub(super) fn cholesky<const N: usize>(matrix: &StrainMatrix<N>) -> Option<Strai
     Some(l)
 }
 
-/// `L⁻¹ b`.
+/// Forward substitution `L⁻¹ b`.
 #[inline]
 pub(super) fn forward<const N: usize>(l: &StrainMatrix<N>, mut b: Strain<N>) -> Strain<N> {
     for i in 0..N {
@@ -40,7 +40,7 @@ pub(super) fn forward<const N: usize>(l: &StrainMatrix<N>, mut b: Strain<N>) -> 
     b
 }
 
-/// `L⁻ᵀ b`.
+/// Back substitution `L⁻ᵀ b`.
 #[inline]
 pub(super) fn back<const N: usize>(l: &StrainMatrix<N>, mut b: Strain<N>) -> Strain<N> {
     for i in (0..N).rev() {

@@ -29,18 +29,18 @@ pub struct ClosureDescription {
     pub places: [(usize, f64); 2],
     /// Positions of the points relative to the sections' axes, section frames, m.
     pub offsets_m: [Vector3<f64>; 2],
-    /// Penalty.
+    /// Penalty on the gap.
     pub penalty: Penalty,
 }
 
 /// Closure in the tree: two points that must coincide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closure {
-    /// Nodes.
+    /// Nodes that carry the points.
     pub nodes: [usize; 2],
     /// Positions of the points relative to the nodes, node frames, m.
     pub offsets_m: [Vector3<f64>; 2],
-    /// Penalty.
+    /// Penalty on the gap.
     pub penalty: Penalty,
 }
 

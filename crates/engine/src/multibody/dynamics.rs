@@ -293,7 +293,7 @@ fn nodal_rates(origin: Vector3<f64>, turn: &Matrix3<f64>, rotation: &Matrix3<f64
     ]
 }
 
-/// `f_i = Σ_j m[i,j] e_j`.
+/// Products `f_i = Σ_j m[i,j] e_j` of a mass block with nodal vectors.
 #[inline]
 pub(crate) fn multiply(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     std::array::from_fn(|i| {
@@ -301,7 +301,7 @@ pub(crate) fn multiply(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vec
     })
 }
 
-/// `f_j = Σ_i m[i,j] e_i`.
+/// Products `f_j = Σ_i m[i,j] e_i` of the transposed mass block with nodal vectors.
 #[inline]
 pub(crate) fn multiply_transposed(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
     std::array::from_fn(|j| {
@@ -389,7 +389,7 @@ fn shared_elastic_forces<const N: usize>(
     }
 }
 
-/// `ε − ε₀ + β ε̇`.
+/// Strain for the elastic and viscous forces, `ε − ε₀ + β ε̇`.
 #[inline]
 pub(crate) fn excess_strain<const N: usize>(element: &Element, motion: Motion, beta: f64) -> Strain<N>
 where

@@ -135,7 +135,7 @@ pub fn modal_damping_power(model: &Model, v: &[f64]) -> f64 {
     model.bodies.iter().filter_map(|body| body.modal.as_ref()).map(|modal| modal.damping_w(v)).sum()
 }
 
-/// `Σ β_body q̇ᵀ K q̇` in W.
+/// Power `Σ β_body q̇ᵀ K q̇` dissipated by the stiffness-proportional damping, in W.
 pub fn stiffness_damping_power(model: &Model, v: &[f64], damping: &[Damping]) -> f64 {
     strain_form(model, |body, elements| match body.sheared {
         false => rate_form::<STRAINS>(body, elements, v),
@@ -147,7 +147,7 @@ pub fn stiffness_damping_power(model: &Model, v: &[f64], damping: &[Damping]) ->
     .sum()
 }
 
-/// `xᵀ K x` per body.
+/// Quadratic form `xᵀ K x` per body.
 fn strain_form<'a>(
     model: &'a Model,
     form: impl Fn(&Body, &[Element]) -> f64 + 'a,
@@ -298,7 +298,7 @@ fn nodal_velocities(node: &Node) -> [Vector3<f64>; 4] {
     [node.velocity, node.spin.cross(&x), node.spin.cross(&y), node.spin.cross(&z)]
 }
 
-/// `Σ m[i,j] a_i · b_j`.
+/// Bilinear form `Σ m[i,j] a_i · b_j`.
 fn quadratic(mass: &Matrix4<f64>, a: &[Vector3<f64>; 4], b: &[Vector3<f64>; 4]) -> f64 {
     multiply(mass, b).iter().zip(a).map(|(mb, a)| a.dot(mb)).sum()
 }

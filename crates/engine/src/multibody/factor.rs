@@ -20,11 +20,11 @@ use std::array::from_fn;
 /// Weights `a`, `b`, `c` of mass, damping and stiffness in the matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weights {
-    /// `a`, of the mass.
+    /// Weight `a` of the mass.
     pub mass: f64,
-    /// `b` in s, of the damping.
+    /// Weight `b` of the damping, in s.
     pub damping: f64,
-    /// `c` in s², of the stiffness.
+    /// Weight `c` of the stiffness, in s².
     pub stiffness: f64,
 }
 
@@ -53,7 +53,7 @@ impl FreedomTangent {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the pivot of coordinate {coordinate} is not positive")]
 pub struct BadPivot {
-    /// Index in `q` of the pivot.
+    /// Index of the pivot in `q`.
     pub coordinate: usize,
 }
 

@@ -21,7 +21,7 @@ use nalgebra::Vector3;
 /// Position and direction of a gauge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaugePoint {
-    /// Body.
+    /// Index of the body.
     pub body: usize,
     /// Distance from the body's inner end in m.
     pub position_m: f64,
@@ -95,7 +95,7 @@ where
     Element: Strained<N>,
 {
     if model.bodies[body].elements == 0 {
-        return Strain::zeros(); // a rigid body
+        return Strain::zeros(); // rigid bodies have no strain
     }
     match model.bodies[body].kind {
         ElementKind::Constant => between_centres(model, motion.q, body, position_m),
@@ -137,7 +137,7 @@ where
     Element: Strained<N>,
 {
     if model.bodies[body].elements == 0 {
-        return Strain::zeros(); // a rigid body
+        return Strain::zeros(); // rigid bodies have no strain
     }
     if model.bodies[body].kind == ElementKind::Constant {
         return between_centres(model, q, body, position_m);

@@ -72,7 +72,7 @@ pub enum Base {
 pub struct Body {
     /// Attachment of its inner end.
     pub base: Base,
-    /// Parent ← body at angle zero.
+    /// Attitude of the body, parent ← body, at angle zero.
     pub mount: Matrix3<f64>,
     /// Offset of its first node from its carrier node, in that node's frame, m; zero on the root.
     pub offset_m: Vector3<f64>,
@@ -155,7 +155,7 @@ impl NodeMass {
 /// A load station.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
-    /// Body.
+    /// Index of the body.
     pub body: usize,
     /// Element, or inner half of the pair, that contains it; for a rigid body, the index at which its elements would start.
     pub element: usize,
@@ -234,7 +234,7 @@ impl Model {
             .collect();
         model.reference_length_m = path_m.iter().copied().fold(0.0, f64::max);
         if model.reference_length_m == 0.0 {
-            model.reference_length_m = 1.0; // frames without extent
+            model.reference_length_m = 1.0; // the machine has no extent
         }
         model
     }

@@ -18,11 +18,11 @@ use std::array::from_fn;
 pub struct Slope {
     /// `e_x + ε` in the section's axes.
     local: Vector3<f64>,
-    /// `d`.
+    /// Slope vector `d`.
     pub(crate) vector: Vector3<f64>,
-    /// `R ε̇` in 1/s.
+    /// Rate of the slope in the section's axes, `R ε̇`, in 1/s.
     strained: Vector3<f64>,
-    /// `R ε̈` in 1/s².
+    /// Second rate of the slope in the section's axes, `R ε̈`, in 1/s².
     pulled: Vector3<f64>,
     /// `d̈ + α ḋ`, inertial: multiplied by the mass, like [`Node::load_rate`].
     load_rate: Vector3<f64>,
@@ -35,7 +35,7 @@ impl Slope {
         Self { local: zero, vector: zero, strained: zero, pulled: zero, load_rate: zero }
     };
 
-    /// `[d r_y r_z]`.
+    /// Axes `[d r_y r_z]` of the section, with the slope in place of `r_x`.
     #[inline]
     pub(crate) fn axes(&self, node: &Node) -> Matrix3<f64> {
         let mut axes = node.rotation;
@@ -151,7 +151,7 @@ impl Ends<'_> {
         forces::<false>(self.element, rates)
     }
 
-    /// `aᵀ m̂ b` for two fields.
+    /// Bilinear form `aᵀ m̂ b` of two fields.
     pub fn form(&self, a: &[[Vector3<f64>; 4]; 2], b: &[[Vector3<f64>; 4]; 2]) -> f64 {
         self.forces(b).as_flattened().iter().zip(a.as_flattened()).map(|(force, a)| a.dot(force)).sum()
     }
@@ -237,9 +237,9 @@ pub(super) struct SlopeInertia {
     pub axes: [Matrix3<f64>; 2],
     /// Lumped inertias of the ends, eq. (D10) with these axes.
     pub lumps: [ArticulatedInertia; 2],
-    /// `H_{aε}`, `H_{bε}`.
+    /// Couplings `H_{aε}` and `H_{bε}` of the inner and outer ends.
     pub couplings: [Coupling; 2],
-    /// `H_{εε}`.
+    /// Inertia `H_{εε}` of the strains.
     pub own: Matrix3<f64>,
 }
 

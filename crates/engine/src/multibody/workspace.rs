@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Motion of a node relative to the root frame, and the sum of the wrenches on it so far.
 #[derive(Debug, Clone, Copy)]
 pub struct Node {
-    /// Root ← node.
+    /// Attitude, root ← node.
     pub rotation: Matrix3<f64>,
     /// Position in m.
     pub position: Vector3<f64>,
@@ -178,7 +178,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// Zero.
+    /// Zero vectors.
     pub const ZERO: Self = Self { linear: Vector3::new(0.0, 0.0, 0.0), angular: Vector3::new(0.0, 0.0, 0.0) };
 }
 

@@ -35,8 +35,8 @@ const MINIMUM_MOTION_TOLERANCE: f64 = 1e-12;
 /// of the run: if this continues, loads without prediction would be more accurate, and the error grows with each step. A start with small
 /// loads has two or three such steps.
 const MAXIMUM_STRAYED: u32 = 4;
-/// Upper bound on the contraction of the load changes from one trial to the next up to which it is assumed to continue, and lower bound on
-/// the assumed contraction, because other directions follow.
+/// Bounds on the contraction of the load changes per trial: it is assumed to continue only up to the first, and never to be faster than the
+/// second, because other directions follow.
 const MAXIMUM_RATE: f64 = 0.1;
 const MINIMUM_RATE: f64 = 0.02;
 /// Fraction of the tolerance below which the next change is predicted instead of computed.

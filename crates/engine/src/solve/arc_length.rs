@@ -5,7 +5,7 @@
 
 use crate::solve::equilibrium::{Cause, Effort, NoEquilibrium, Settings, StaticEquations, iterate};
 
-/// One equilibrium of the path.
+/// One equilibrium on the path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathPoint {
     /// Load factor.
@@ -154,7 +154,7 @@ fn advance(
             return Err(Cause::NotFinite(correction));
         }
         moved += equations.product(&change, &change).sqrt() + more.abs();
-        // a correction longer than the step leads to another branch
+        // corrections that add up to more than the step lead to another branch
         if moved > step {
             return Err(Cause::NotConverged { iterations: correction, correction: size });
         }

@@ -65,13 +65,13 @@ impl Continuation {
 /// A completed step: its ends and the stages in between.
 #[derive(Debug, Clone, Copy)]
 pub struct Taken<'a> {
-    /// Start.
+    /// Point at the start.
     pub start: &'a Point,
     /// Stages between the ends, [`Continuation::inner_stages`] of them; without auxiliary accelerations.
     pub stages: &'a [Point],
-    /// End.
+    /// Point at the end.
     pub end: &'a Point,
-    /// Weights.
+    /// Weights of the stages.
     pub continuation: &'a Continuation,
 }
 

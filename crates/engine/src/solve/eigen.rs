@@ -50,7 +50,7 @@ struct Work {
     im: Vec<f64>,
 }
 
-/// `(a + bi)/(c + di)`.
+/// Complex quotient `(a + bi)/(c + di)`.
 fn quotient(a: f64, b: f64, c: f64, d: f64) -> (f64, f64) {
     let value = Complex::new(a, b) / Complex::new(c, d);
     (value.re, value.im)

@@ -74,7 +74,7 @@ pub enum Cause {
     /// The tangent is singular: a coordinate can move without resistance.
     #[error("no stiffness in coordinate {0}")]
     Singular(usize),
-    /// Too many iterations.
+    /// The iteration did not converge in the allowed number of iterations.
     #[error("no convergence in {iterations} iterations, last correction {correction:.1e}")]
     NotConverged {
         /// Number of iterations.

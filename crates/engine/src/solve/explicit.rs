@@ -32,7 +32,7 @@ impl Rk4 {
         }
     }
 
-    /// Last correction of the last step, since there is no error estimate.
+    /// Solution of the equations of the last stage, in place of an error estimate, which this method lacks.
     pub fn remainder(&self) -> &[f64] {
         &self.residual
     }

@@ -48,8 +48,7 @@ pub fn principal_1_s(multiplier: Complex<f64>, period_s: f64) -> Complex<f64> {
 /// Determines the exponent of a multiplier from its motion: `motion[k]` are the coordinates, in the ground frame, at the fraction `k/K` of
 /// the revolution. `weights` are the masses of the coordinates.
 ///
-/// With `p(t) = u(t) e^{−λt}`, which is periodic over the revolution, the participation of the harmonic `h` is proportional to `Σ m
-/// |p_h|²`.
+/// With `p(t) = u(t) e^{−λt}`, which is periodic over the revolution, a harmonic `h` participates in proportion to `Σ m |p_h|²`.
 pub fn resolve(
     multiplier: Complex<f64>,
     period_s: f64,

@@ -13,7 +13,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// Equations linearised about a state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lagged {
-    /// `M`, `C` and `K`.
+    /// Mass, damping and stiffness, `M`, `C` and `K`.
     pub second: SecondOrder,
     /// `G`: derivative of the residual with respect to the lag states.
     pub force: DMatrix<f64>,
@@ -43,7 +43,7 @@ const OWN: f64 = 1e-7;
 /// Participation of the lag states above which a mode that does not grow is counted as a lag mode, not as a motion of the machine.
 const LAG: f64 = 0.5;
 
-/// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue is attributed to them.
+/// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue that has not converged is attributed to them.
 const CROWD: f64 = 1e-2;
 /// Maximum number of rounds, between which the basis of shapes is extended.
 const MAXIMUM_ROUNDS: usize = 4;
@@ -316,7 +316,7 @@ impl Lagged {
                 break;
             }
         }
-        // a real pole stays real
+        // a real eigenvalue remains real
         if value.im == 0.0 {
             eigenvalue.im = 0.0;
         }

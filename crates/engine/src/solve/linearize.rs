@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 /// `M δq̈ + C δq̇ + K δq = −∂r/∂u δu` about a state, over the degrees of freedom.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SecondOrder {
-    /// `M`.
+    /// Mass matrix `M`.
     pub mass: DMatrix<f64>,
     /// `C`: damping, gyroscopic terms.
     pub damping: DMatrix<f64>,
@@ -52,7 +52,7 @@ pub struct LaggedInputs {
 /// Inertia of a machine whose mass matrix has small eigenvalues, and the effect of accelerations on outputs: products with the matrix and
 /// its inverse lose digits by cancellation, which sweeps along the tree avoid.
 pub trait Accelerations {
-    /// `M x`, column by column.
+    /// Inertia forces `M x`, column by column.
     fn inertia(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64>;
     /// Changes of the outputs due to accelerations.
     fn shown(&mut self, accelerations: &DMatrix<f64>) -> DMatrix<f64>;

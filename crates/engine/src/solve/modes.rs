@@ -16,7 +16,7 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// `|λ|/2π` in Hz.
+    /// Frequency `|λ|/2π` in Hz.
     pub fn frequency_hz(&self) -> f64 {
         self.eigenvalue_1_s.norm() / std::f64::consts::TAU
     }

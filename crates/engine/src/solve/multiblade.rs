@@ -110,9 +110,9 @@ impl Multiblade {
         components
     }
 
-    /// Participation of the motions in a mode, eq. (L26): coordinate of the first blade, or of another part, whirl of the blades, and
-    /// fraction of `Σ m |z|²` with the diagonal of the transformed mass; the sum is 1. Forward is the direction of rotation of the rotor at
-    /// `speed_rad_s`.
+    /// Participation of each motion in a mode, eq. (L26): coordinate of the first blade or of another part, whirl of the blades, and
+    /// fraction of `Σ m |z|²` with the diagonal of the transformed mass; the fractions add up to 1. Forward is the direction of rotation of
+    /// the rotor at `speed_rad_s`.
     pub fn shares(
         &self,
         shape: &DVector<Complex<f64>>,

@@ -78,9 +78,9 @@ pub struct Stage<'a> {
     pub a: &'a mut [f64],
     /// Workspace for the residual.
     pub residual: &'a mut [f64],
-    /// `∂v/∂a` in s.
+    /// Derivative `∂v/∂a` in s.
     pub velocity_gain: f64,
-    /// `∂q/∂a` in s².
+    /// Derivative `∂q/∂a` in s².
     pub position_gain: f64,
 }
 
@@ -116,7 +116,7 @@ pub fn iterate(
     let (mut previous, mut slower, mut refreshed) = (f64::INFINITY, 0.0_f64, false);
     let (mut moves, mut settled) = (0, false);
     let mut iteration = 0;
-    // a bounded effort stays bounded
+    // no additional iterations if the effort is bounded
     while iteration < most + if most_iterations.is_some() { 0 } else { moves } {
         equations.residual(stage.time_s, stage.q, stage.v, stage.a, stage.residual);
         iteration += 1;

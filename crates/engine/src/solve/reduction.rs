@@ -46,7 +46,7 @@ pub enum NoReduction {
         /// Condition number of the eigenvectors.
         condition: f64,
     },
-    /// Too few or too many states.
+    /// The requested number of states is too small or too large.
     #[error("{order} states cannot be kept: allowed are {least} to {most}{}", if *.least > 1 { ", as motions that do not decay stay whole" } else { "" })]
     Order {
         /// Requested order.

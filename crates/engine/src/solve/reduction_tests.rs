@@ -15,7 +15,7 @@ fn chain(modes: &[(f64, f64)]) -> StateSpace {
     StateSpace { a, b, c, d: DMatrix::from_element(2, 2, 0.01) }
 }
 
-/// `C (iω − A)⁻¹ B + D`.
+/// Frequency response `C (iω − A)⁻¹ B + D`.
 fn gain(model: &StateSpace, frequency_1_s: f64) -> DMatrix<Complex<f64>> {
     let n = model.a.nrows();
     let factors =

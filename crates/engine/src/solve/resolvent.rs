@@ -9,9 +9,9 @@ pub enum Resolvent {
     Diagonal(Vec<f64>),
     /// `L = Q H Qᵀ`, `H` upper Hessenberg.
     Hessenberg {
-        /// `Q`.
+        /// Orthogonal matrix `Q`.
         turned: DMatrix<f64>,
-        /// `H`.
+        /// Upper Hessenberg matrix `H`.
         upper: DMatrix<f64>,
     },
 }

@@ -14,7 +14,7 @@ use crate::solve::tableau::{ESDIRK3, ESDIRK4, SDIRK2, TR_BDF2, Tableau};
 pub enum Method {
     /// Generalised-α, second order, with its spectral radius at infinity.
     GeneralizedAlpha {
-        /// In `[0, 1]`.
+        /// Spectral radius at infinity, in `[0, 1]`.
         rho_infinity: f64,
     },
     /// TR-BDF2, second order.

@@ -3,11 +3,11 @@
 /// An ESDIRK method: explicit first stage, constant diagonal `γ`, stiffly accurate (its last row is `b`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tableau<'a> {
-    /// Name.
+    /// Name of the method.
     pub name: &'a str,
     /// Rows below the diagonal of stages 2, 3, …; row `i` has `i + 1` entries.
     pub rows: &'a [&'a [f64]],
-    /// Diagonal.
+    /// Diagonal coefficient `γ`.
     pub gamma: f64,
     /// `b − b̂`: weights of the error estimate.
     pub error: &'a [f64],

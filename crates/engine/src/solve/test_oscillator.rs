@@ -2,7 +2,7 @@
 
 use crate::solve::{EquationsOfMotion, Powers, Singular};
 
-/// `q̈ + ω² q = 0`.
+/// Harmonic oscillator `q̈ + ω² q = 0`.
 pub(super) struct Oscillator {
     pub omega_1_s: f64,
     factor: f64,

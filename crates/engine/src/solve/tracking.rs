@@ -45,7 +45,7 @@ pub struct Crossing<M> {
     pub branch: usize,
     /// Value of the parameter.
     pub at: f64,
-    /// The mode there.
+    /// The mode at that value.
     pub mode: M,
     /// Whether the mode grows beyond this value; otherwise it grows before it.
     pub begins: bool,

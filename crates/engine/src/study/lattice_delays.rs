@@ -32,7 +32,7 @@ impl Parts {
         Self { re: DMatrix::zeros(rows, columns), im: DMatrix::zeros(rows, columns) }
     }
 
-    /// `one + factor · other`.
+    /// The sum `one + factor · other`.
     fn sum(one: &DMatrix<f64>, other: &DMatrix<f64>, factor: Complex<f64>) -> Self {
         Self { re: one.zip_map(other, |one, other| one + factor.re * other), im: other * factor.im }
     }

@@ -24,7 +24,7 @@ const MATRICES: f64 = 5.0;
 /// A linear model in discrete time, `x⁺ = A x + B u`, `y = C x + D u`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledSpace {
-    /// The matrices.
+    /// Matrices `A`, `B`, `C` and `D`.
     pub matrices: StateSpace,
     /// Step in s.
     pub step_s: f64,
@@ -186,7 +186,7 @@ impl Study<'_> {
         })
     }
 
-    /// `C` and `D`, eq. (L29).
+    /// Matrices `C` and `D`, eq. (L29).
     fn sampled_outputs(
         &mut self,
         coupled: &Coupled,

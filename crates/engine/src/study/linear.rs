@@ -23,14 +23,14 @@ use crate::system::System;
 use crate::system::freedoms::Freedom;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Argument of the outputs.
+/// Variables with respect to which outputs are differentiated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Argument {
-    /// The coordinates.
+    /// With respect to the coordinates.
     Position,
-    /// Their rates.
+    /// With respect to their rates.
     Rate,
-    /// Their accelerations.
+    /// With respect to their accelerations.
     Acceleration,
 }
 
@@ -52,11 +52,11 @@ pub enum Beside<'f> {
 pub struct InstantRates {
     /// Rates of all coordinates.
     pub rates: Vec<f64>,
-    /// Their accelerations.
+    /// Accelerations of all coordinates.
     pub accelerations: Vec<f64>,
     /// Rates of the aerodynamic lag states in their units per s, in the order of linear models.
     pub of_lags: Vec<f64>,
-    /// Outputs.
+    /// Outputs at the instant.
     pub outputs: Outputs,
 }
 

@@ -153,7 +153,7 @@ impl Study<'_> {
     }
 }
 
-/// `−Re λ/|λ|`; 0 for `λ = 0`.
+/// Damping ratio `−Re λ/|λ|`; 0 for `λ = 0`.
 fn damping_ratio(eigenvalue_1_s: Complex<f64>) -> f64 {
     let size = eigenvalue_1_s.norm();
     if size == 0.0 { 0.0 } else { -eigenvalue_1_s.re / size }

@@ -242,7 +242,8 @@ mod tests {
 
     /// A vane on a shaft of 4.5 N·m/rad with an aerodynamic moment `m(θ)`, from a piecewise linear polar, has equilibria at `θ = m(θ)`:
     /// 0.095 rad on a plateau, and 0.42 rad after a steep rise. The tangent at 0 points to 0.2 rad, beyond the rise, from where the next
-    /// correction has the same length and leads to the distant equilibrium. The path from still air ends on the plateau.
+    /// correction has the same length and leads to the distant equilibrium. The path from still air leads to the equilibrium on the
+    /// plateau.
     #[test]
     fn the_path_does_not_jump_to_another_rest() {
         let corners =

@@ -84,7 +84,7 @@ pub struct Growth {
 /// The position where a beam's curvature changes the most from one element, or half of a pair, to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coarseness {
-    /// Body.
+    /// Index of the body.
     pub body: usize,
     /// Distance from its inner end in m.
     pub place_m: f64,

@@ -76,7 +76,7 @@ pub enum Departure {
 /// An equilibrium, and how it was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rest {
-    /// Load steps and iterations.
+    /// Numbers of load steps and iterations.
     pub effort: Effort,
     /// Reason why the search left the path.
     pub departure: Option<Departure>,

@@ -12,7 +12,7 @@ use crate::system::state::State;
 pub(crate) struct Stop {
     /// Impulse on the outer body in the direction of `+θ` in N·m·s.
     pub impulse_n_m_s: f64,
-    /// Kinetic energy lost in J.
+    /// Dissipated kinetic energy in J.
     pub energy_j: f64,
 }
 
@@ -25,7 +25,7 @@ const LOOP_INERTIA: f64 = 1e6;
 /// Energies of stopping joints.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Stopped {
-    /// Kinetic energy lost in J.
+    /// Dissipated kinetic energy in J.
     pub lost_j: f64,
     /// Work in J done at prescribed joints to keep their rates.
     pub work_j: f64,

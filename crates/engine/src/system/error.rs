@@ -8,7 +8,7 @@ pub enum PlantError {
         "no convergence at t = {time_s} s with internal steps down to {step_s:.1e} s, worst at {place}: {cause}; {advice}"
     )]
     NoConvergence {
-        /// Last good time in s.
+        /// Last valid time in s.
         time_s: f64,
         /// Internal step in s at which the integrator stopped, below the smallest allowed one.
         step_s: f64,
@@ -24,7 +24,7 @@ pub enum PlantError {
     NotFinite {
         /// End of the step in s.
         time_s: f64,
-        /// The largest input.
+        /// Name of the largest input.
         cause: String,
     },
     /// The maximum computational effort of one communication step was exceeded.
@@ -32,13 +32,13 @@ pub enum PlantError {
         "reached only t = {time_s} s after {most} iterations, with a last internal step of {step_s:.1e} s; {cause}; use shorter communication steps, or allow a larger solver.tolerance"
     )]
     TooMuchWork {
-        /// Last good time in s.
+        /// Last valid time in s.
         time_s: f64,
         /// Maximum number of Newton iterations in one communication step, including trial marches of the aeroelastic coupling.
         most: u64,
         /// Next internal step in s.
         step_s: f64,
-        /// The largest input.
+        /// Name of the largest input.
         cause: String,
     },
     /// Accelerations that are too large for the aerodynamic step.
@@ -52,13 +52,13 @@ pub enum PlantError {
         lengths: f64,
         /// Aerodynamic step in s.
         step_s: f64,
-        /// The largest input.
+        /// Name of the largest input.
         cause: String,
     },
     /// The time is so large that adding a step is lost in round-off.
     #[error("a step of {step_s:.1e} s does not advance the time t = {time_s} s; start nearer to 0 s")]
     Clock {
-        /// Last good time in s.
+        /// Last valid time in s.
         time_s: f64,
         /// Internal step in s.
         step_s: f64,
@@ -119,7 +119,7 @@ pub enum PlantError {
     ClosedSheets {
         /// Time in s.
         time_s: f64,
-        /// Bodies that carry them.
+        /// Names of the bodies that carry the lattices.
         bodies: [String; 2],
         /// Largest distance in m.
         gap_m: f64,
@@ -135,9 +135,9 @@ pub enum PlantError {
     CrossedSheets {
         /// Time in s.
         time_s: f64,
-        /// Bodies that carry them.
+        /// Names of the bodies that carry the lattices.
         bodies: [String; 2],
-        /// Depth in m.
+        /// Penetration depth in m.
         depth_m: f64,
     },
     /// No static equilibrium was found.

@@ -13,7 +13,7 @@ use crate::system::joint_forces;
 use crate::system::state::State;
 use std::sync::Arc;
 
-/// Maximum length of the first step after a crossing, as a fraction of the step before it.
+/// Maximum length of the first step after a crossing, as a fraction of the step before the crossing.
 const STEP_SHARE_AFTER_CROSSING: f64 = 0.1;
 /// Limit of the displacement relative to the machine's length, or of the rotation of a section in rad, that a jump of the accelerations may
 /// cause within an aerodynamic step: a light wing in a suddenly applied wind reaches 1, by the twist of its sections.
@@ -286,7 +286,7 @@ pub(crate) fn settle(equations: &mut Equations, residual: &mut [f64], point: &mu
     Ok(settle_by(equations, residual, point))
 }
 
-/// Computes [`settle`] with the factors of the mass matrix that the equations hold.
+/// Like [`settle`], with the factors of the mass matrix that the equations already hold.
 pub(crate) fn settle_by(equations: &mut Equations, residual: &mut [f64], point: &mut Point) -> f64 {
     let jump = equations.solve(residual);
     if !jump.is_finite() {

@@ -93,7 +93,7 @@ pub enum CoordinateQuantity {
     Position,
     /// Redundant parameter without unit, of a quaternion or a rotation matrix.
     Parameter,
-    /// Strain without unit.
+    /// Strain, dimensionless.
     Strain,
     /// Curvature in 1/m.
     Curvature,
@@ -301,7 +301,7 @@ impl System {
     }
 
     /// Ends a step of the external integrator. Returns true if an event is due: an indicator was crossed, redundant parameters have
-    /// drifted, or a command is subject to a rate limit.
+    /// drifted, or a changed command is subject to a rate limit.
     pub fn complete_exchange_step(&mut self) -> Result<bool, PlantError> {
         self.update_exchange()?;
         let due = self.as_hybrid().arrived(|_| {});
@@ -316,7 +316,7 @@ impl System {
         Ok(due || self.told.drift > DRIFT || self.inputs_may_differ)
     }
 
-    /// Enters an event.
+    /// Enters event mode.
     pub fn enter_exchange_event(&mut self) -> Result<(), PlantError> {
         self.update_exchange()?;
         if let Some(outside) = &mut self.state.outside {
@@ -364,7 +364,7 @@ impl System {
         self.as_hybrid().next_kink_s()
     }
 
-    /// Leaves the event.
+    /// Leaves event mode.
     pub fn leave_exchange_event(&mut self) {
         if let Some(outside) = &mut self.state.outside {
             outside.entered = false;

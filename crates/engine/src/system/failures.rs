@@ -212,7 +212,7 @@ impl System {
         let (failures, memories) = (&self.machine.failures, &self.state.failures);
         let equations = &mut self.equations;
         equations.failure_s = next_s(failures, memories);
-        // limits that are already exceeded at the start
+        // bounds that are already exceeded at `start`
         let waits = |index: usize| failures[index].when.is_some() && memories[index].brought_s.is_none();
         let tripped = equations.forces.joints().iter().zip(&self.state.joints);
         if tripped.clone().any(|(joint, memory)| (0..memories.len()).any(|i| waits(i) && joint.has_tripped(i, memory)))

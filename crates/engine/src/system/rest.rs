@@ -1,4 +1,4 @@
-//! Test for static equilibrium.
+//! Test whether a state is a static equilibrium.
 
 use crate::system::System;
 

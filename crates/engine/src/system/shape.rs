@@ -22,7 +22,7 @@ pub struct SectionShape {
     pub place_m: f64,
     /// Position in the root frame in m.
     pub position_m: Vector3<f64>,
-    /// Root ← section.
+    /// Attitude, root ← section.
     pub rotation: Matrix3<f64>,
     /// Strains `(εx, κx, κy, κz)`; –, 1/m.
     pub strain: Strain,
@@ -65,11 +65,11 @@ pub fn energy_share_names() -> [&'static str; ENERGY_SHARES] {
 /// displacement divided by the machine's length, is 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeShape {
-    /// `|λ|/2π` in Hz.
+    /// Frequency `|λ|/2π` in Hz.
     pub frequency_hz: f64,
-    /// `−Re λ/|λ|`.
+    /// Damping ratio `−Re λ/|λ|`.
     pub damping_ratio: f64,
-    /// `λ` in 1/s.
+    /// Eigenvalue `λ` in 1/s.
     pub eigenvalue_1_s: Complex<f64>,
     /// Fractions of the elastic energy in the strains and in joint springs ([`energy_share_names`]); zero for rigid-body modes.
     pub shares: [f64; ENERGY_SHARES],
@@ -219,7 +219,7 @@ pub struct SectionState {
     pub velocity_m_s: Vector3<f64>,
     /// Angular velocity in rad/s.
     pub angular_velocity_rad_s: Vector3<f64>,
-    /// Root ← section.
+    /// Attitude, root ← section.
     pub rotation: Matrix3<f64>,
     /// Strain measures `(γ₁, k₁, k₂, k₃)` of the element: strains minus the natural strains, NOTATION eq. (G7); –, 1/m.
     pub measures: Strain,

@@ -31,7 +31,7 @@ impl System {
         let mut strains = Vec::new();
         for (index, (body, description)) in model.bodies.iter().zip(&self.machine.bodies).enumerate() {
             if body.elements == 0 {
-                continue; // rigid
+                continue; // rigid bodies have no strain
             }
             let elements = &model.elements[body.first_element..body.first_element + body.elements];
             let stride = if body.kind == ElementKind::Linear { 2 } else { 1 };

@@ -24,8 +24,8 @@ pub struct RotorSettings {
 }
 
 impl RotorSettings {
-    /// A rotor on the named hub that rotates clockwise about its `x` axis, which points downwind; with tip and root losses, without loads
-    /// at the ends, skewed or dynamic wake, or dynamic stall.
+    /// A rotor on the named hub that rotates clockwise about its `x` axis, which points downwind; with tip and hub losses and zero loads at
+    /// the ends, without skewed wake, dynamic inflow and dynamic stall.
     pub fn on(hub: impl Into<String>, hub_radius_m: f64) -> Self {
         Self {
             hub: hub.into(),

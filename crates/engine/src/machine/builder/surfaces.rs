@@ -417,8 +417,8 @@ fn lines_apart(surface: &SurfaceBuilder, positions_m: &[f64], chords: &[ChordLin
     narrow.is_none()
 }
 
-/// Edges of strips on a body with edges at given positions: every part between these is divided evenly and has its proportion of the
-/// strips, at least one. The lattice ends a quarter of a strip before a free end.
+/// Edges of strips on a body with edges at given positions: every part between these is divided evenly into a number of strips in
+/// proportion to its length, at least one. The lattice ends a quarter of a strip before a free end.
 fn edges_m(length_m: f64, breaks_m: &[f64], strips: usize, free: [bool; 2]) -> Vec<f64> {
     let ends_m: Vec<f64> = [0.0].iter().chain(breaks_m).chain(&[length_m]).copied().collect();
     let parts = ends_m.len() - 1;

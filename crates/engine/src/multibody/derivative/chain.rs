@@ -36,9 +36,9 @@ pub(super) struct Shift {
 /// Effect of a coordinate on the outer end of its link or joint, root frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Column {
-    /// Displacement per unit.
+    /// Displacement per unit of the coordinate.
     pub linear: Timed,
-    /// Rotation per unit.
+    /// Rotation per unit of the coordinate.
     pub angular: Timed,
     /// Derivative of the coordinate's force with respect to a rotation of the inner node: `linear × F + angular × M`.
     pub turned: Vector3<f64>,

@@ -19,9 +19,9 @@ const NONE: Four = [Vector3::new(0.0, 0.0, 0.0); 4];
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Field {
     rotates: bool,
-    /// `2 [Ω]×`.
+    /// Matrix of the Coriolis acceleration, `2 [Ω]×`.
     coriolis: Matrix3<f64>,
-    /// `[Ω̇]× + [Ω]×²`.
+    /// Matrix of the Euler and centrifugal accelerations, `[Ω̇]× + [Ω]×²`.
     frame: Matrix3<f64>,
 }
 
@@ -56,7 +56,7 @@ impl Field {
 /// A node at the point of linearisation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spot {
-    /// `[ω̇]× + [ω]×²`.
+    /// `[ω̇]× + [ω]×²`, see [`second`].
     pub second: Matrix3<f64>,
     /// Axes of the node in the root frame.
     axes: [Timed; 3],
@@ -76,7 +76,7 @@ impl Spot {
         Self { second, axes: [axis(0), axis(1), axis(2)], by_turn: Matrix3::zeros() }
     }
 
-    /// Stores the derivative of the moment of the given forces on the axes.
+    /// Stores the derivative, with respect to a rotation of the axes, of the moment of the forces on them.
     fn set_forces(&mut self, forces: &Four) {
         let mut by_turn = Matrix3::zeros();
         for (axis, force) in self.axes.iter().zip(&forces[1..]) {

@@ -47,10 +47,10 @@ struct Link {
 /// The linearised recursion at a point.
 #[derive(Debug, Clone)]
 pub struct Derivative {
-    /// Per node.
+    /// Link or joint of each node.
     links: Vec<Link>,
     spots: Vec<Spot>,
-    /// Per coordinate.
+    /// Column of each coordinate.
     columns: Vec<Column>,
     /// Mass-proportional damping per body in 1/s.
     alphas: Vec<f64>,

@@ -22,7 +22,7 @@ pub struct OneFreedom {
     freedom: Freedom,
     /// Inverse of the pivot; 0 for a held joint.
     inverse_pivot: f64,
-    /// `P s` of the screw `s`.
+    /// Product `P s` of the articulated inertia and the screw `s`.
     pushed: Pair,
     right_hand: f64,
     /// Angular acceleration of the carrier about the joint axis in rad/s², from [`crate::multibody::dynamics`], for a motor whose rotor

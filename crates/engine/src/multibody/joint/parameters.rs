@@ -51,7 +51,7 @@ fn euler_map(zeta: &[f64]) -> SMatrix<f64, 3, 4> {
 /// Attitude of a joint and the maps between its parameters and its degrees of freedom, parent's frame.
 #[derive(Debug, Clone, Copy)]
 pub struct JointPose {
-    /// Parent ← body.
+    /// Attitude, parent ← body.
     pub rotation: Matrix3<f64>,
     /// Offset of the body's inner end in m; zero except for free joints.
     pub offset_m: Vector3<f64>,
@@ -63,7 +63,7 @@ pub struct JointPose {
     pub spin_map: SMatrix<f64, 3, MAX_PARAMETERS>,
     /// Rates of the parameters per angular velocity, with satisfied constraints.
     pub parameter_map: SMatrix<f64, MAX_PARAMETERS, 3>,
-    /// The parameters.
+    /// Parameters of the joint.
     pub eta: [f64; MAX_PARAMETERS],
 }
 

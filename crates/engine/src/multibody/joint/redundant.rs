@@ -20,11 +20,11 @@ struct RedundantFactor {
     inverse: Matrix3<f64>,
     /// Inverse of the whole inertia, for free joints.
     whole: Matrix6<f64>,
-    /// `P S`, velocity rows.
+    /// Product `P S` of the articulated inertia and the motion subspace, velocity rows.
     velocity: Matrix3<f64>,
-    /// `P S`, spin rows.
+    /// Product `P S`, spin rows.
     spin: Matrix3<f64>,
-    /// `P (0; constraint axis)`.
+    /// Product `P (0; constraint axis)`.
     constraint: Pair,
     /// Right-hand side of the degrees of freedom.
     right_hand: Vector6<f64>,
@@ -53,7 +53,7 @@ impl RedundantFactor {
 pub struct RedundantWork {
     /// Attitude and maps, parent's frame.
     pub pose: JointPose,
-    /// Root ← parent.
+    /// Attitude of the parent, root ← parent.
     pub parent: Matrix3<f64>,
     /// Rotation axes of the degrees of freedom in the root frame, as columns.
     pub axes: Matrix3<f64>,

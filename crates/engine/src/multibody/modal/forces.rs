@@ -97,7 +97,7 @@ impl Modal {
         })
     }
 
-    /// `Σ ½ qᵀK q` in J.
+    /// Elastic energy `½ qᵀK q` in J.
     pub(crate) fn elastic_j(&self, q: &[f64]) -> f64 {
         let q = &q[self.range()];
         let row = |i: usize| (0..q.len()).map(|j| self.element.stiffness[(i, j)] * q[j]).sum::<f64>();

@@ -20,7 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 /// A modal body's element with its position in `q`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modal {
-    /// The element.
+    /// Element with the shapes.
     pub element: ModalElement,
     /// Index of its first coordinate.
     pub coordinate: usize,
@@ -143,7 +143,7 @@ impl ModalWork {
     }
 }
 
-/// `Σ a_i b_i`.
+/// Scalar product `Σ a_i b_i`.
 #[inline]
 fn square(a: &[f64; MAXIMUM_MODES], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

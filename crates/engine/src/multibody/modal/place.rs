@@ -76,7 +76,7 @@ impl Modal {
 }
 
 impl Place<'_> {
-    /// Root ← section.
+    /// Attitude, root ← section.
     #[inline]
     pub(crate) fn rotation(&self, node: &Node) -> Matrix3<f64> {
         node.rotation * self.turn.rotation()

@@ -27,9 +27,9 @@ pub(super) type TwistByStrains<const N: usize> = SMatrix<f64, 6, N>;
 pub(super) struct LinkTangent<const N: usize> {
     /// `J`: twist of the outer end per strain.
     pub jacobian: TwistByStrains<N>,
-    /// `d`.
+    /// Vector `d` from the inner to the outer end.
     arm: Vector3<f64>,
-    /// `F_b`.
+    /// Force `F_b` at the outer end.
     force: Vector3<f64>,
     /// Change of `JᵀW` with the strains, `H_loc`.
     curvature: StrainMatrix<N>,
@@ -92,7 +92,7 @@ impl<const N: usize> LinkTangent<N> {
         shift
     }
 
-    /// Twist of the outer end.
+    /// Twist of the outer end due to a change of the strains and the twist of the inner end.
     pub fn displaced(&self, strain: &Strain<N>, inner: &Vector6<f64>) -> Vector6<f64> {
         let turn: Vector3<f64> = inner.fixed_rows::<3>(3).into_owned();
         let mut outer = self.jacobian * strain + inner;

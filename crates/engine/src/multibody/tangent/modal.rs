@@ -138,7 +138,7 @@ impl ModalTangent {
         part
     }
 
-    /// Twist of the outer end.
+    /// Twist of the outer end due to changes of the coordinates and the twist of the first node.
     pub fn displaced(&self, x: &[f64], inner: &Vector6<f64>) -> Vector6<f64> {
         self.shift() * inner + self.partial * self.read(x)
     }

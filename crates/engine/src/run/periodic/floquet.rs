@@ -44,7 +44,7 @@ pub struct FloquetMode {
     pub multiplier: Complex<f64>,
     /// Exponent `λ` in 1/s, with the frequency in the ground frame of the harmonic with the largest participation.
     pub exponent_1_s: Complex<f64>,
-    /// `|λ|/2π` in Hz.
+    /// Frequency `|λ|/2π` in Hz.
     pub frequency_hz: f64,
     /// Damping ratio `−Re λ/|λ|`; 0 for a degree of freedom without stiffness and damping ([`FloquetMode::is_neutral`]).
     pub damping_ratio: f64,

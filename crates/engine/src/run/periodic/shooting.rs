@@ -30,7 +30,8 @@ const MAXIMUM_TURNS: usize = 12;
 const LONGEST: f64 = 0.5;
 /// Maximum number of halvings of a step that does not reduce the distance.
 const HALVINGS: usize = 5;
-/// Reduction of the distance by a Newton step above which the products are too inaccurate, because they belong to another revolution.
+/// Ratio of the distances after and before a Newton step above which the products are too inaccurate, because they belong to another
+/// revolution.
 const SLOW: f64 = 0.3;
 
 /// A state that is periodic over a revolution of the shaft.
@@ -70,7 +71,7 @@ impl NearbyMotion {
         self.share = share;
     }
 
-    /// Start of the next search.
+    /// States at the start of the next search.
     fn begin(&self) -> DVector<f64> {
         match &self.way {
             Some(way) if self.share != 0.0 => &self.states + way * self.share,
@@ -100,7 +101,7 @@ pub(super) struct Shooting<'p> {
     long: Option<Steps>,
 }
 
-/// Steps of marches.
+/// Step sizes of marches.
 struct Steps {
     machine: Arc<Machine>,
     /// Unused without aerodynamics.
@@ -160,8 +161,8 @@ impl<'p> Shooting<'p> {
         self.weights.len()
     }
 
-    /// Scales the coordinates of a stiff body by the speed after a release from their deflection, if that is larger than the deflection:
-    /// `frequencies` in rad/s for each coordinate alone.
+    /// Scales the coordinates of a stiff body by the rate that follows a release from a deflection, if that is larger than the deflection:
+    /// `frequencies_rad_s` are those of each coordinate alone.
     pub fn stiffen(&mut self, frequencies_rad_s: &[f64]) {
         for (weight, frequency_rad_s) in self.weights.iter_mut().zip(frequencies_rad_s) {
             *weight *= (frequency_rad_s / self.turn.speed_rad_s.abs()).max(1.0);

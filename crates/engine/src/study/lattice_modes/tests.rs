@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 const STEP_S: f64 = 0.01;
 
-/// The eigenvalues of a soft wing that rolls against a spring are independent of the far wake: a wake of 235 rows, for which a motion that
-/// decays as fast as the highest mode oscillates overflows between the first and the last row, gives the eigenvalues of a wake of 40 rows.
-/// The additional rows change them by 1e-4.
+/// The eigenvalues of a soft wing that rolls against a spring are independent of the far wake: with a wake of 235 rows they equal those
+/// with 40 rows, although a motion whose decay rate equals the frequency of the highest mode overflows between the first and the last row.
+/// The additional rows change the eigenvalues by 1e-4.
 #[test]
 fn modes_are_found_beside_a_wake_of_many_rows() {
     let modes = |wake_rows: usize| {

@@ -140,7 +140,7 @@ impl Sample {
 }
 
 /// Change of the wind since the start of an aerodynamic step due to the rates of the inputs, without jumps. Velocities are averaged
-/// relative to air with the same change, so that an accelerated root in still air and a wing in accelerated air see the same flow.
+/// relative to air with the same change, so that an accelerated root in still air and a wing in accelerated air have the same flow.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Gain {
     /// Velocity in m/s.

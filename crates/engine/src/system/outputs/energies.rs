@@ -1,4 +1,4 @@
-//! Energies.
+//! Energies of the machine and accounts of work and dissipation.
 
 use crate::multibody::energy;
 use crate::system::outputs::Present;

@@ -166,7 +166,7 @@ impl Outputs {
         spatial, spatial_mut: [SpatialOutputs];
         /// Per body: force and moment of the joint on the body's inner end, root frame, at that end.
         joint_reactions, joint_reactions_mut: [Wrench];
-        /// Axial strain per gauge.
+        /// Axial strain at each gauge.
         gauges, gauges_mut: [f64];
         /// Per position of [`Machine::internal_loads`]: force and moment of the part outboard of the section on the part inboard of it,
         /// section frame.
