@@ -254,7 +254,8 @@ fn em05_failures_at_the_begin_of_a_step() {
         (
             "acceleration",
             |fmu| fmu.set("root.acceleration.z", 1e200),
-            "root.acceleration.z = 1e200 m/s2; if it responds to root.force, the carrier must be heavier than the wing \
+            "root.acceleration.z = 1e200 m/s2; if this input is computed from root.force, the carrier must be heavier \
+             than the wing \
              (0.063 kg)",
         ),
     ];
@@ -281,7 +282,8 @@ fn em05_failures_at_the_begin_of_a_step() {
     }
     let told = |(_, _, largest): (_, _, &str)| {
         format!(
-            "fmi2DoStep: no accelerations at t = 0.001 s: they are not finite; the largest input is {largest}; check the inputs \
+            "fmi2DoStep: no accelerations at t = 0.001 s: the accelerations are not finite; the largest input is \
+             {largest}; check the inputs \
              and parameters from then on"
         )
     };
@@ -443,7 +445,7 @@ fn em07_failures_of_the_initialisation() {
     fmu.told(
         unsafe { fmi2ExitInitializationMode(c) },
         fmi2Error,
-        "fmi2ExitInitializationMode: no accelerations at t = 0 s: they are not finite; the largest input is \
+        "fmi2ExitInitializationMode: no accelerations at t = 0 s: the accelerations are not finite; the largest input is \
          gravity.z = -1e300 m/s2; check the inputs and parameters from then on",
     );
     fmu.set("gravity.z", 0.0);

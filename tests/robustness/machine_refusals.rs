@@ -654,11 +654,13 @@ fn parts_by_name() {
         (inner().body(beam("outer"), fold().on("mount")), "a body, not a joint (\"mount\" holds \"inner\")"),
         (
             inner().body(beam("outer"), fold().on("outer")),
-            "joint \"fold\", parent: \"outer\" is not allowed; allowed: a parent that ends at the root; here the parents go in a cycle: outer -> outer",
+            "joint \"fold\", parent: \"outer\" is not allowed; allowed: a chain of parents that ends at the root; here \
+             the parents form a cycle: outer -> outer",
         ),
         (
             inner().body(beam("a"), Joint::ball("ja").on("b")).body(beam("b"), Joint::ball("jb").on("a")),
-            "joint \"ja\", parent: \"b\" is not allowed; allowed: a parent that ends at the root; here the parents go in a cycle: a -> b -> a",
+            "joint \"ja\", parent: \"b\" is not allowed; allowed: a chain of parents that ends at the root; here the \
+             parents form a cycle: a -> b -> a",
         ),
         (inner().body(beam("inner"), fold()), "body \"inner\": the name \"inner\" is not allowed"),
         (inner().body(beam("outer"), fold().on_at("inner", 0.2)), "joint \"fold\", parent_position_m: 0.2"),
@@ -731,8 +733,8 @@ fn parts_by_name() {
             inner().closure(Closure::between("pin", ["root", "inner"], 1.0)),
             "two bodies: a loop cannot be closed on the root",
         ),
-        (inner().surface(LiftingSurface::on("inner", 4)), "surface \"inner\": a surface, gust or flap without air"),
-        (inner().air(Air::strips()), "air, model: air without a surface"),
+        (inner().surface(LiftingSurface::on("inner", 4)), "surface \"inner\": a surface, gust or flap without aerodynamics"),
+        (inner().air(Air::strips()), "air, model: aerodynamics without a surface"),
         (inner().air(Air::strips()).surface(LiftingSurface::on("x", 4)), "surface \"x\", body: \"x\""),
         (
             inner().air(Air::strips()).surface(LiftingSurface::on("inner", 4)),

@@ -248,7 +248,7 @@ fn wt34_tables_of_the_model_file() {
         (
             "eta = [0.0, 0.5, 1.0], axial",
             "eta = [0.0, 0.5, 0.9], axial",
-            "'section.blade.along.eta': 3 places from 0 to 0.9",
+            "'section.blade.along.eta': 3 positions from 0 to 0.9",
         ),
         ("eta = [0.0, 0.5, 1.0], axial", "eta = [0.0, 1.0, 0.5], axial", "'section.blade.along.eta': 0.5 after 1"),
         ("eta = [0.0, 0.5, 1.0], axial", "axial", "'section.blade.along.eta' is missing"),

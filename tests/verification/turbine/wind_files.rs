@@ -84,7 +84,7 @@ fn wt39_wind_from_files() {
     // a text alone does not know where its files are
     let text = format!("{}\n[wind]\nreference_height_m = 90.0\nfield_file = \"wind.bts\"\n", with_polars(WIND_TEXT));
     let told = config::parse(&text, "turbine.toml").expect_err("a text alone").to_string();
-    assert!(told.contains("a model given as text states field"), "{told}");
+    assert!(told.contains("a model given as text must have field"), "{told}");
     std::fs::remove_dir_all(folder).expect("a folder");
 }
 

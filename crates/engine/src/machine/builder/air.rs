@@ -205,8 +205,8 @@ impl AirBuilder {
     fn ground_plane(&self, mirror: Option<Vector3<f64>>, checker: &mut Checker) -> Option<Option<Plane>> {
         let Some((normal, distance_m)) = self.ground else { return Some(None) };
         if self.model != Model::Lattice {
-            let allowed = "ground under a lattice alone";
-            checker.refuse_state(&["air", "ground_normal"], "ground under another model of the air", allowed);
+            let allowed = "a ground only with a vortex lattice";
+            checker.refuse_state(&["air", "ground_normal"], "a ground with another aerodynamic model", allowed);
             return None;
         }
         let place = ["air", "ground_normal"];
@@ -215,7 +215,7 @@ impl AirBuilder {
             return None;
         };
         if mirror.is_some_and(|mirror| mirror.dot(&unit).abs() > ACROSS) {
-            let allowed = "a normal across mirror_normal: images of images close only at a right angle";
+            let allowed = "a normal perpendicular to mirror_normal";
             checker.refuse(&place, array_text(normal.as_slice()), allowed);
             return None;
         }
@@ -314,7 +314,7 @@ pub(super) fn build(
         let stray = stray.or(gusts.first().map(|gust| ["gust", gust.name.as_str()]));
         let stray = stray.or(flaps.first().map(|flap| ["control_surface", flap.name.as_str()]));
         if let Some(place) = stray {
-            checker.refuse_state(&place, "a surface, gust or flap without air", "a machine with air");
+            checker.refuse_state(&place, "a surface, gust or flap without aerodynamics", "a machine with aerodynamics");
         }
         return None;
     };
@@ -335,7 +335,7 @@ pub(super) fn build(
     }
     if surfaces.is_empty() {
         let allowed = "at least one surface";
-        checker.refuse_state(&["air", "model"], "air without a surface", allowed);
+        checker.refuse_state(&["air", "model"], "aerodynamics without a surface", allowed);
         return None;
     }
     let mirror = match air.mirror_normal {
@@ -386,7 +386,7 @@ pub(super) fn build(
         None => match fastest_m_s(&surfaces, bodies, air.wind_m_s, start_time_s) {
             Some(speed_m_s) => smallest_m / speed_m_s,
             None => {
-                let allowed = "a finite time > 0 s: it has no default if wing and air do not move relative to each other at the start";
+                let allowed = "a finite time > 0 s: it has no default if the wing does not move relative to the air at the start";
                 checker.refuse(&["air", "step_s"], "none", allowed);
                 return None;
             }
