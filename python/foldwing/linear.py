@@ -240,7 +240,7 @@ class LinearModel:
                 rest = f" and {len(dropped) - 3} more" if len(dropped) > 3 else ""
                 advice = "" if band is not None else "balance for a band (max_frequency_Hz), "
                 warnings.warn(
-                    f"the reduced model has no mode at {list_Hz}{rest} Hz, below {end_Hz:.4g} Hz; {advice}keep more states, or take fewer inputs "
+                    f"the reduced model omits modes at {list_Hz}{rest} Hz, below {end_Hz:.4g} Hz; {advice}keep more states, or take fewer inputs "
                     "and outputs",
                     stacklevel=2,
                 )

@@ -45,7 +45,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Model:
     except OSError as error:
         raise FilesError(f"{file}: cannot be read: {error}") from error
     if content.startswith(b"PK\x03\x04"):
-        raise UsageError(f"{file}: is an archive, as FMUs are, not a model file; `foldwing run` runs FMUs")
+        raise UsageError(f"{file}: is a ZIP archive such as an FMU, not a model file; `foldwing run` runs FMUs")
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .model import Model
 
 
-_VERDICTS = {True: "stable", False: "UNSTABLE", None: "stability not judged"}
+_VERDICTS = {True: "stable", False: "UNSTABLE", None: "stability not determined"}
 
 
 class Equilibrium:

@@ -556,7 +556,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
         std::fs::write(path("gust.toml"), format!("{small}\n{gust}origin_m = {origin_m}\n")).unwrap();
         let said = foldwing(&["modes", &path("gust.toml"), "--count", "2", "--lattice"]);
         if is_refused {
-            refuses(&said, 3, "gust \"early\" is over the surfaces at this time");
+            refuses(&said, 3, "gust \"early\" acts on the surfaces at this time");
         } else {
             succeeds(&said);
         }
@@ -682,7 +682,7 @@ fn mode_shapes_have_pages_and_vtk_files() {
             2,
             "cannot be used with",
         ),
-        (vec!["periodic", &wing, "--count", "0", "--view", &none], 2, "--count 0 leaves them out"),
+        (vec!["periodic", &wing, "--count", "0", "--view", &none], 2, "which --count 0 omits"),
         (vec!["simulate", &wing, "--stop", "1e-3", "--view", &none, "--compare", &page], 1, "is a page of mode shapes"),
         (vec!["modes", &wing, "--view", &wing], 2, "refusing to overwrite"),
     ] {
@@ -763,7 +763,7 @@ fn modes_prints_real_poles_and_static_the_stable_state() {
     std::fs::write(&path, text).unwrap();
     let path = path.to_str().unwrap();
     let hanging = succeeds(&foldwing(&["static", path]));
-    assert!(hanging.contains("stability: stable") && hanging.contains("downhill"), "{hanging}");
+    assert!(hanging.contains("stability: stable") && hanging.contains("found by descent"), "{hanging}");
     let upright = succeeds(&foldwing(&["static", path, "--branch", "path"]));
     assert!(upright.contains("UNSTABLE in 1 direction") && upright.contains("grows with 7.00"), "{upright}");
     let json: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&["static", path, "--json"]))).unwrap();

@@ -206,7 +206,7 @@ motor = {{ damping_N_m_s_rad = 0.1 }}
 #[test]
 fn joints_that_are_elsewhere_have_a_warning() {
     let latch = "latch = { angle_deg = 120.0, kind = \"rigid\" }";
-    let open = "warning: the latch of hinge, at 120 deg, is open in this equilibrium (at 90 deg)";
+    let open = "warning: the latch of joint hinge at 120 deg is open in this equilibrium; motor, spring and loads alone hold the joint at 90 deg";
     let trim = ["trim", "--solve-for", "hinge.external_torque", "--target", "hinge.angle=1.5707963", "--json"];
     for command in [&["static", "--json"][..], &trim] {
         let (told, json) = warnings(&pendulum(20.0, latch), command);
@@ -217,12 +217,12 @@ fn joints_that_are_elsewhere_have_a_warning() {
         let (told, _) = warnings(&pendulum(20.0, latch), &["static", "--set", setting]);
         assert!(!told.contains("warning"), "{setting}: {told}");
     }
-    let turned = "warning: hinge turns by 260 deg from its start angle to this equilibrium";
+    let turned = "warning: hinge rotates by 260 deg from its start angle to this equilibrium";
     assert!(warnings(&pendulum(-170.0, ""), &["static"]).0.contains(turned));
     for (start_deg, parts) in
         [(-80.0, ""), (-170.0, "end_stops = { lower_deg = -300.0, upper_deg = 100.0, stiffness_N_m_rad = 100.0 }")]
     {
         let (told, _) = warnings(&pendulum(start_deg, parts), &["static"]);
-        assert!(!told.contains("turns by"), "{start_deg} deg, {parts}: {told}");
+        assert!(!told.contains("rotates by"), "{start_deg} deg, {parts}: {told}");
     }
 }

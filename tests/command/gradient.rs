@@ -204,7 +204,7 @@ fn a_sweep_varies_an_entry_of_an_array() {
     assert_eq!(table.lines().count(), 3, "{table}");
     let refused = sweep("file:gravity_m_s2.3=1");
     let message = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(message.contains("3 is no entry of the array; its 3 entries begin with 0"), "{message}");
+    assert!(message.contains("3 is not an index of the array, which has 3 entries; indices start at 0"), "{message}");
 }
 
 /// Inputs over time: a value in each row is a number, both values of a jump too. The sum of the slopes by all rows is the slope by the input

@@ -201,7 +201,7 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
     off = np.max(np.abs(left).max(axis=0) / np.abs(answers).max(axis=0))
     assert off == pytest.approx(band.error_in_band, rel=0.05, abs=1e-6) and off < 0.01
     for hertz in [0.0, 200.0, float("nan")]:
-        with pytest.raises(fw.UsageError, match="the band must end above 0 Hz, and in discrete time below half the sampling rate"):
+        with pytest.raises(fw.UsageError, match="the upper end of the frequency band must be above 0 Hz, and in discrete time below half the sampling rate"):
             whole.reduce(4, max_frequency_Hz=hertz)
 
 

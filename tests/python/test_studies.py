@@ -98,7 +98,7 @@ def test_what_cannot_be_asked_is_refused_by_name(wing):
             goland.flutter(speeds)
     with pytest.raises(fw.UsageError, match="count: 61 is not in 1..=60"):
         goland.flutter([50.0, 60.0], count=61)
-    with pytest.raises(fw.UsageError, match="has no air; flutter needs"):
+    with pytest.raises(fw.UsageError, match="has no aerodynamics; flutter needs"):
         wing.flutter([5.0, 10.0])
     with pytest.raises(fw.UsageError, match="wind.velocity.x"):
         tip.trim("wind.velocty.x", {"root.force.z": 0.0})

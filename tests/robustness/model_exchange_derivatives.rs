@@ -251,7 +251,7 @@ fn me12_other_derivatives_are_refused_by_name() {
         fmu.refused(status, fmi2Error, &[words]);
     };
     let knowns = "knowns are continuous states, Real inputs, tunable parameters and time";
-    let unknowns = "unknowns are derivatives of states and Real outputs";
+    let unknowns = "unknowns must be derivatives of states and Real outputs";
     refuse("der(state.fold.angle)", "fold.start_angle", knowns);
     refuse("der(state.fold.angle)", "fold.angle", knowns);
     refuse("der(state.fold.angle)", "fold.release", "has type Boolean, not Real");

@@ -98,10 +98,12 @@ pub fn doubts_of_files(text: &str, folder: &Path) -> Vec<Doubt> {
             let share = shares.into_iter().fold(0.0, f64::max);
             if share > MAXIMUM_SHEAR {
                 let reason = format!(
-                    "no deflection by shear, {:.1} % of that by bending of body {body} under a force at its tip",
+                    "shear deflection is neglected, although it is {:.1} % of the bending deflection of body {body} \
+                     under a force at its tip",
                     100.0 * share
                 );
-                let advice = "frequencies come out too high, those of higher modes by more; shear = true on the body includes it";
+                let advice = "the computed frequencies are too high, most of all for higher modes; shear = true on the \
+                              body includes shear";
                 look.doubt(&["section", name, "file"], reason, advice);
             }
         }
@@ -147,7 +149,7 @@ impl Look<'_, '_> {
                     if !BAR_SPEED_M_S.contains(&speed_m_s) {
                         let key = if section.stiffness_si.is_some() { "stiffness_SI" } else { "axial_stiffness_N" };
                         let reason = format!(
-                            "with mass_kg_m = {} the speed of sound along the bar is {} m/s",
+                            "with mass_kg_m = {} the speed of longitudinal waves is {} m/s",
                             number(section.mass_kg_m),
                             number(speed_m_s)
                         );
@@ -242,7 +244,8 @@ impl Look<'_, '_> {
                 };
                 self.doubt(&["body", name, "length_m"], reason, advice);
             } else if length_m < MINIMUM_SLENDERNESS * thickness_m {
-                let thick = "the beams here have no shear deformation, for bodies ten times as long as thick";
+                let thick = "without shear = true the beam neglects shear deformation, which needs a body at least ten \
+                             times as long as thick";
                 let reason = format!("{} m long and {} m thick: {thick}", number(length_m), number(thickness_m));
                 let advice = "docs/guide/theory.md lists what is neglected; a rigid body may be sufficient";
                 self.doubt(&["body", name, "length_m"], reason, advice);
@@ -296,7 +299,7 @@ impl Look<'_, '_> {
             });
             if let Some([from, to]) = hole {
                 let reason = format!("no row between {} and {} deg", number(from[0]), number(to[0]));
-                let advice = "the coefficients run straight across; add the rows that are missing";
+                let advice = "the coefficients are interpolated linearly; add the missing rows";
                 self.doubt(&["polar", name, if polar.file.is_some() { "file" } else { "rows" }], reason, advice);
             }
         }
@@ -305,7 +308,7 @@ impl Look<'_, '_> {
         // one row is a steady wind
         if let Some(end_s) = table.last().map(|row| row[0]).filter(|end_s| table.len() > 1 && *end_s < stop_s) {
             let reason = format!("the wind ends at {} s, the run at {} s", number(end_s), number(stop_s));
-            self.doubt(&["wind", "table"], reason, "the last row holds from there on; was the table cut short?");
+            self.doubt(&["wind", "table"], reason, "the last row applies after that; is the table incomplete?");
         }
     }
 

@@ -79,11 +79,12 @@ fn shear(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -> 
     let share = shear_over_bending(&rows?).into_iter().fold(0.0, f64::max);
     (share > MAXIMUM_SHEAR && !body.shear).then(|| {
         let reason = format!(
-            "no deflection by shear, {:.1} % of that by bending of body {name} under a force at its tip",
+            "shear deflection is neglected, although it is {:.1} % of the bending deflection of body {name} under a \
+             force at its tip",
             100.0 * share
         );
         let advice =
-            "frequencies come out too high, those of higher modes by more; shear = true on the body includes it"
+            "the computed frequencies are too high, most of all for higher modes; shear = true on the body includes shear"
                 .to_owned();
         (path(&["section", &body.section]), reason, advice)
     })
@@ -97,10 +98,10 @@ fn warping(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -
     let added = share / (1.0 - share);
     (section.warping_stiffness_n_m4 > 0.0 && added > MAXIMUM_WARPING).then(|| {
         let reason = format!(
-            "an open section: where its joint restrains warping, body {name} is {} times as stiff in torsion as with GJ alone",
+            "an open section: where its joint restrains warping, body {name} is {} times as stiff in torsion as GJ alone gives",
             short(1.0 + added)
         );
-        let advice = "beams here warp freely; a closed section does not need it: docs/guide/sections.md".to_owned();
+        let advice = "the model assumes free warping; use a closed section if this matters: docs/guide/sections.md".to_owned();
         (path(&["section", &body.section]), reason, advice)
     })
 }

@@ -187,7 +187,7 @@ fn wt33_beamdyn_files() {
     assert!((arc_m - parabola).abs() < 1.5e-4, "{arc_m} {parabola}");
 
     for (found, due, reason) in [
-        ("2   station_total", "3   station_total", "cut short: the file ends before station 3 of 3"),
+        ("2   station_total", "3   station_total", "truncated: the file ends before station 3 of 3"),
         (" 1\n", " 0\n", "station 2 at 0 after 0"),
         ("10000000 0 0 0 0 1000000000", "9000000 0 0 0 0 1000000000", "the stiffness is not symmetric"),
         ("200000000 0 0 0 0 10000000", "200000000 0 0 0 0 x", "\"x\" in the stiffness of station 1"),
@@ -199,7 +199,7 @@ fn wt33_beamdyn_files() {
     }
     for (found, due, reason) in [
         ("1 member_total", "2 member_total", "member_total is 2"),
-        ("5 kp_total", "6 kp_total", "cut short: the file ends before key point 6 of 6"),
+        ("5 kp_total", "6 kp_total", "truncated: the file ends before key point 6 of 6"),
         ("-0 0 0 10", "1 0 0 10", "the first key point is not the origin"),
         ("0.4 20 2", "0.4 nan 2", "\"nan\" in key point 5"),
     ] {

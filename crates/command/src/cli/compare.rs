@@ -140,7 +140,7 @@ fn tolerance(text: &str) -> Result<(String, String, f64), Failure> {
     });
     parsed.ok_or_else(|| {
         Failure::Usage(format!(
-            "--tolerance {text}: must be NAME=X; allowed: a column and a number of 0 or more, fold.angle=1e-3"
+            "--tolerance {text}: must be NAME=X; allowed: a column and a number of 0 or more, such as fold.angle=1e-3"
         ))
     })
 }

@@ -179,7 +179,8 @@ pub(super) fn failure(error: FlutterError) -> Failure {
     match error {
         FlutterError::FirstSpeed { .. } | FlutterError::Stopped => Failure::Statics(text),
         FlutterError::NoWind { machine } => Failure::Usage(format!(
-            "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.y=-1"
+            "{machine}: the model has no wind, so its direction is undefined; set aerodynamics.wind_m_s, or --set \
+             wind.velocity.y=-1"
         )),
         FlutterError::Speeds => {
             Failure::Usage("--wind-m-s: needs two or more positive speeds in ascending order".to_owned())

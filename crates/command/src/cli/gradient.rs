@@ -303,7 +303,7 @@ impl Variants<'_> {
         if name.starts_with("solver.") || name.starts_with("file:solver.") {
             return Err(refused(
                 name,
-                "is a setting of the integrator: the steps of the run are those of the derivative",
+                "is a setting of the integrator: derivatives are computed for fixed time steps",
             ));
         }
         let (value, unit) = match (file_path(name), self.interface.find(name)) {

@@ -50,7 +50,7 @@ pub(super) fn grid_of(
     }
     let grid = Grid::new(start_s, stop_s, step_s);
     if grid.steps > MAXIMUM_STEPS {
-        return Err(Failure::Usage(format!("--step {step_s}: {} rows are more than {MAXIMUM_STEPS}", grid.steps)));
+        return Err(Failure::Usage(format!("--step {step_s}: {} rows exceed the maximum of {MAXIMUM_STEPS}", grid.steps)));
     }
     Ok(grid)
 }

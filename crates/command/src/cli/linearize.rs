@@ -223,11 +223,12 @@ fn dropped_in_words(model: &LinearModel, for_a_band: bool) -> Option<String> {
     let (shown, up_to_hz) = (shown.join(", "), accuracy.up_to_hz);
     Some(match for_a_band {
         true => format!(
-            "the reduced model has no mode at {shown}{rest}, below {up_to_hz:.4} Hz; keep more states, or take fewer inputs and outputs"
+            "the reduced model omits modes at {shown}{rest}, below {up_to_hz:.4} Hz; keep more states, or select fewer \
+             inputs and outputs"
         ),
         false => format!(
-            "the reduced model has no mode at {shown}{rest}, below {up_to_hz:.4} Hz; balance for a band (--max-frequency HZ), keep more \
-             states, or take fewer inputs and outputs"
+            "the reduced model omits modes at {shown}{rest}, below {up_to_hz:.4} Hz; balance for a frequency band \
+             (--max-frequency HZ), keep more states, or select fewer inputs and outputs"
         ),
     })
 }
@@ -246,8 +247,8 @@ pub(super) fn chosen<'a>(
         let named = rows.iter().any(|row| row.name.starts_with(name.trim_end_matches(['*', '.'])));
         if !named {
             return Err(Failure::Usage(format!(
-                "--inputs {name}: linear models of lattices hold the aerodynamic loads constant; choose other inputs, add --lattice, or \
-                 use strips (aerodynamics.model = \"strip\")"
+                "--inputs {name}: without --lattice the linear model of a vortex lattice holds the aerodynamic loads \
+                 constant; choose other inputs, add --lattice, or use strips (aerodynamics.model = \"strip\")"
             )));
         }
     }
@@ -273,7 +274,7 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
                 })?;
             if time_s > stop_s {
                 tell::note(&format!(
-                    "{option} {time} lies beyond the end of the simulation, {stop_s} s; the run continues up to it"
+                    "{option} {time} lies after the end of the simulation, {stop_s} s; the simulation is extended to this time"
                 ));
             }
             plant.initialize(start_s).map_err(statics)?;

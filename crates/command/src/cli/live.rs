@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let port = arguments.port;
     let server = Server::bind(port).map_err(|error| {
         Failure::Files(format!(
-            "--port {port}: cannot be taken on 127.0.0.1: {error}; give another one, or 0 for any that is free"
+            "--port {port}: cannot be opened on 127.0.0.1: {error}; choose another port, or 0 for any free port"
         ))
     })?;
     let mut session = Session::new(plant, interface, arguments.speed);

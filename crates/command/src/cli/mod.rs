@@ -338,7 +338,7 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
     let bytes = read_bytes(path)?;
     if bytes.starts_with(b"PK\x03\x04") {
         return Err(Failure::Refused(format!(
-            "{shown}: is an archive, as FMUs are, not a model file; `foldwing run` runs FMUs"
+            "{shown}: is a ZIP archive such as an FMU, not a model file; `foldwing run` runs FMUs"
         )));
     }
     let text = String::from_utf8(bytes).map_err(|error| {

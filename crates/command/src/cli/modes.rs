@@ -193,7 +193,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
         return campbell::run(&asked, &mut outlets);
     }
     if arguments.shaft.is_some() {
-        return Err(Failure::Usage(format!("--shaft belongs to --vary {}=…", campbell::KEY)));
+        return Err(Failure::Usage(format!("--shaft can be used only with --vary {}=…", campbell::KEY)));
     }
     arguments.branches.check(&outlets)?;
     let varied = Varied::new(&arguments.model, &arguments.settings, Some(over))?;

@@ -123,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     if path.extension().is_none_or(|extension| extension != "toml") {
         return Err(Failure::Usage(format!(
-            "{shown}: a model file ends in .toml; write {}",
+            "{shown}: the name of a model file must end in .toml; write {}",
             path.with_extension("toml").display()
         )));
     }

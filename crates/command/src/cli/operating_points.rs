@@ -139,10 +139,10 @@ impl Arguments {
             PointsError::TipSpeedRatio { .. } => text.replacen("tip_speed_ratio", "--tip-speed-ratio", 1),
             PointsError::Tolerance { .. } => text.replacen("tolerance", "--tolerance", 1),
             PointsError::SeveralSpeeds => {
-                "--speed-rpm: with --tip-speed-ratio one value is allowed, which the speed does not exceed".to_owned()
+                "--speed-rpm: with --tip-speed-ratio only one value is allowed, the maximum speed".to_owned()
             }
             PointsError::NoRadius => {
-                "--tip-speed-ratio: needs the air of a rotor (aerodynamics.model = \"bem\"); give --speed-rpm"
+                "--tip-speed-ratio: needs rotor aerodynamics (aerodynamics.model = \"bem\"); give --speed-rpm"
                     .to_owned()
             }
             PointsError::Unpaired { list, count, longest } => format!(
@@ -160,10 +160,12 @@ impl Arguments {
                 if unknown.is_pitch() { "--pitch-deg" } else { "--speed-rpm" }
             ),
             PointsError::NoWind { machine } => format!(
-                "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.x=1"
+                "{machine}: the model has no wind, so its direction is undefined; set aerodynamics.wind_m_s, or --set \
+                 wind.velocity.x=1"
             ),
             PointsError::NoPitchJoints { machine } => format!(
-                "{machine}: no revolute joints bear the blades on the hub, so nothing pitches them; name the joints with --pitch-joints"
+                "{machine}: no revolute joints connect the blades to the hub, so the pitch cannot be set; name the \
+                 pitch joints with --pitch-joints"
             ),
             PointsError::PitchJoint { joint } => format!(
                 "--pitch-joints {}: the model has no revolute joint {joint:?}",
@@ -182,9 +184,10 @@ impl Arguments {
         match error {
             PointError::NoTurn { .. } | PointError::Plant(_) => error.to_string(),
             PointError::AboveTarget { output, from, to, excess, .. } => format!(
-                "--target {target}: from {from} to {to} {output} is always above it, and by {excess:.6e} at the end; extend the range of --solve-for"
+                "--target {target}: {output} is above the target everywhere from {from} to {to}, by {excess:.6e} at \
+                 the end; extend the range of --solve-for"
             ),
-            PointError::NotHeld { .. } => format!("--target {target}: no value found that gives it"),
+            PointError::NotHeld { .. } => format!("--target {target}: no value was found that reaches the target"),
         }
     }
 }

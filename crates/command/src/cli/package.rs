@@ -144,7 +144,7 @@ pub(super) fn check_name(output: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     let shown = output.display();
-    Err(Failure::Usage(format!("{shown}: an FMU ends in .fmu; write {shown}.fmu")))
+    Err(Failure::Usage(format!("{shown}: the name of an FMU must end in .fmu; write {shown}.fmu")))
 }
 
 /// Writes the cross-check files of one platform, and prints their folder unless `silent`.
@@ -188,7 +188,7 @@ fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
 pub(super) fn reference(machine: &Machine) -> Result<Reference, Failure> {
     Reference::simulate(machine).map_err(|error| {
         Failure::Simulation(format!(
-            "{error}; it was the default experiment, whose result goes into the FMU: fix the model or its [simulation], or \
+            "{error}; the default experiment, whose result is stored in the FMU, failed: fix the model or its [simulation], or \
              package with --no-reference"
         ))
     })
@@ -211,6 +211,6 @@ fn library_beside_executable() -> Result<PathBuf, Failure> {
     if library.is_file() {
         Ok(library)
     } else {
-        Err(Failure::Files(format!("{}: no library beside this executable; give --library", library.display())))
+        Err(Failure::Files(format!("{}: no library next to this executable; give --library", library.display())))
     }
 }

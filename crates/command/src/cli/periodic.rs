@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let named = !arguments.outputs.is_empty();
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
     if arguments.view.is_some() && arguments.count == 0 {
-        return Err(Failure::Usage("--view shows the Floquet modes: --count 0 leaves them out".to_owned()));
+        return Err(Failure::Usage("--view shows the Floquet modes, which --count 0 omits; use a larger --count".to_owned()));
     }
     let view = outlets.place_if(arguments.view.as_deref(), Mark::PAGE)?;
     let found = find_watched(&machine, &options, &mut Progress::phase("periodic state").watch()).map_err(failure)?;
@@ -133,7 +133,7 @@ pub(super) fn failure(error: PeriodicError) -> Failure {
     match error {
         PeriodicError::Harmonics { .. } | PeriodicError::Tolerance { .. } => Failure::Usage(format!("--{text}")),
         PeriodicError::NoPerturbations => {
-            Failure::Usage("--perturbations 0: modes need at least 1; --count 0 leaves them out".to_owned())
+            Failure::Usage("--perturbations 0: modes need at least 1; --count 0 omits the modes".to_owned())
         }
         PeriodicError::Name(error) | PeriodicError::Setting(SettingError::Name(error)) => {
             Failure::Usage(name_message::<Variable>(&error))

@@ -87,13 +87,14 @@ fn notes(floquet: &Floquet, text: &mut String) {
     if floquet.coarse > 0 {
         let _ = writeln!(
             text,
-            "modes not shown, as the turn has fewer than 24 steps (--steps) or 2 of its {SAMPLES} samples in a period of theirs: {}",
+            "modes not shown, because the revolution has fewer than 24 steps (--steps) or 2 of its {SAMPLES} samples \
+             in one of their periods: {}",
             floquet.coarse
         );
     }
     if let Some(cause) = &floquet.unseen {
         let _ =
-            writeln!(text, "frequencies are those in the coordinates of the machine, not in the ground frame: {cause}");
+            writeln!(text, "frequencies are in the coordinates of the machine, not in the ground frame: {cause}");
     }
 }
 

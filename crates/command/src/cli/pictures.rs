@@ -126,7 +126,7 @@ impl<'a> Pictures<'a> {
             }
             if wanted.view.is_none() && beside::runs(&wanted.beside)? > 1 {
                 return Err(Failure::Usage(format!(
-                    "--compare {shown}: figures take tables (.csv); add --view for other runs"
+                    "--compare {shown}: only tables (.csv) can be shown in figures; add --view for models and pages"
                 )));
             }
         }

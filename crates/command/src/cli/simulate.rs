@@ -247,7 +247,7 @@ fn written(place: Place, write: impl FnOnce(&mut Outlet) -> io::Result<()>) -> R
 pub(super) fn one_standard_input<'a>(read: impl IntoIterator<Item = Option<&'a Path>>) -> Result<(), Failure> {
     let count = read.into_iter().flatten().filter(|path| *path == Path::new("-")).count();
     if count > 1 {
-        return Err(Failure::Usage("-: standard input can be one file only; name the other one".to_owned()));
+        return Err(Failure::Usage("-: standard input can be read only once; name the other file".to_owned()));
     }
     Ok(())
 }
@@ -322,7 +322,7 @@ impl<W: Write> Run<'_, W> {
         feed(self.inputs.as_ref(), self.interface, &mut self.plant, grid.start_s)?;
         self.plant.initialize(grid.start_s).map_err(failed)?;
         if self.lattices.is_some() && self.plant.lattice().is_none() {
-            return Err(Failure::Usage("--lattice: the model's air is not a vortex lattice".to_owned()));
+            return Err(Failure::Usage("--lattice: the model has no vortex lattice".to_owned()));
         }
         self.record(grid.start_s).map_err(writing)?;
         if let Some(timing) = &mut self.timing {

@@ -107,7 +107,7 @@ pub(super) fn judged(plant: &mut Plant, rest: &Rest) -> Result<Stability, PlantE
         return Ok(stability.clone());
     }
     if plant.has_linear_lattice() {
-        let cause = "in a lattice the branch \"path\" does not evaluate stability; the branch \"stable\" does";
+        let cause = "with a vortex lattice the branch \"path\" does not evaluate stability; use the branch \"stable\"";
         return Ok(Stability { not_judged: Some(cause.to_owned()), ..Stability::default() });
     }
     plant.study().stability()

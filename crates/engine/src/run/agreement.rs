@@ -238,7 +238,7 @@ impl Plant {
             .map_err(|error| gaps::failure(machine, settings, begin_s, error))?;
         let (change_n, size_n) = air.compare();
         if !change_n.is_finite() {
-            return Err(refusal(begin_s, "its loads are not finite"));
+            return Err(refusal(begin_s, "the loads are not finite"));
         }
         history.scale_n = history.scale_n.max(size_n);
         if air.settings.coupling == Coupling::Staggered {

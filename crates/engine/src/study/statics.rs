@@ -484,8 +484,8 @@ impl Study<'_> {
             let gap_m = closure.gap(&self.system.equations.work).position_m.norm();
             if gap_m > limit_m {
                 let cause = format!(
-                    "loop {:?} is open by {gap_m:.3e} m; hold the linkage (release = false, a spring, a latch) or \
-                     increase the loop's stiffness",
+                    "loop {:?} is open by {gap_m:.3e} m; lock or restrain the linkage (release = false, a spring, a \
+                     latch) or increase the loop's stiffness",
                     described.name
                 );
                 return Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause, diverges_m_s: None });

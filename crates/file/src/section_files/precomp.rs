@@ -81,7 +81,7 @@ pub(super) fn stations(text: &str) -> Result<Vec<Station>, StationFault> {
         stations.push(station(line, &values));
     }
     if stations.len() < 2 {
-        return Err(fault(text.lines().count() + 1, "cut short: fewer than two stations"));
+        return Err(fault(text.lines().count() + 1, "truncated: fewer than two stations"));
     }
     Ok(stations)
 }

@@ -139,7 +139,7 @@ fn lists(text: &str) -> Result<Lists, StationFault> {
             while depth(&list) > 0 {
                 let (_, more) = lines
                     .next()
-                    .ok_or_else(|| fault(index + 1, format!("cut short: the file ends before the end of {key}")))?;
+                    .ok_or_else(|| fault(index + 1, format!("truncated: the file ends before the end of {key}")))?;
                 list += " ";
                 list += more.trim();
             }

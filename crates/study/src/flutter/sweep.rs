@@ -49,7 +49,7 @@ pub enum FlutterError {
         count: usize,
     },
     /// The machine has no air.
-    #[error("{machine}: has no air; flutter needs [aerodynamics] with model = \"strip\" and surfaces")]
+    #[error("{machine}: has no aerodynamics; flutter needs [aerodynamics] with model = \"strip\" or \"uvlm\", and surfaces")]
     NoAir {
         /// Name of the machine.
         machine: String,
@@ -64,14 +64,15 @@ pub enum FlutterError {
         machine: String,
     },
     /// The flow starts with the run.
-    #[error("{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed flow; omit the key")]
+    #[error("{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed steady flow; omit the key")]
     UnsteadyStart {
         /// Name of the machine.
         machine: String,
     },
     /// The wind has no direction.
     #[error(
-        "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or a start value of wind.velocity"
+        "{machine}: the model has no wind, so its direction is undefined; set aerodynamics.wind_m_s, or a start value \
+         of wind.velocity"
     )]
     NoWind {
         /// Name of the machine.

@@ -187,7 +187,8 @@ impl Outlets {
             )));
         }
         if self.written.contains(&file) {
-            return Err(Failure::Usage(format!("{shown}: two results would go into this file; name another one")));
+            return Err(Failure::Usage(format!("{shown}: two results would be written to this file; name another file \
+                                               for one of them")));
         }
         let permissions = found.map(|found| found.permissions());
         if permissions.as_ref().is_some_and(fs::Permissions::readonly) {

@@ -36,7 +36,7 @@ impl Journal {
         let path = out.with_file_name(name);
         if out.exists() && !path.exists() {
             return Err(Failure::Usage(format!(
-                "--output {}: exists and has no record {} beside it; it is not overwritten: remove it or name another file",
+                "--output {}: exists without the record {} of a sweep; it is not overwritten: remove it or name another file",
                 out.display(),
                 path.display()
             )));
@@ -91,7 +91,7 @@ impl Journal {
             .map(|(name, _)| name.as_str())
             .collect();
         Err(Failure::Usage(format!(
-            "{place}: belongs to another sweep, these differ: {}; to start again, remove it and {}, or name another --output",
+            "{place}: belongs to another sweep, which differs in: {}; to start again, remove it and {}, or name another --output",
             changed.join("; "),
             out.display()
         )))

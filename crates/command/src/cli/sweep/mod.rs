@@ -66,7 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let clock = Instant::now();
     for (option, path) in [("--samples", &arguments.samples), ("--inputs", &arguments.inputs)] {
         if path.as_deref() == Some(Path::new("-")) {
-            return Err(Failure::Usage(format!("{option} -: a resumed sweep reads it again; name a file")));
+            return Err(Failure::Usage(format!("{option} -: standard input cannot be read again when the sweep is \
+                                               resumed; name a file")));
         }
     }
     let (machine, text) = read_model(&arguments.model)?;
