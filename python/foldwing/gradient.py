@@ -45,7 +45,7 @@ class GradientStudies:
         mode: str = "auto",
         inputs: Stimulus = None,
     ) -> Gradient:
-        """Compute derivatives of results of a run by numbers of the model, as `foldwing gradient`: the exact derivative of the discrete run,
+        """Compute derivatives of simulation results with respect to numbers of the model, as `foldwing gradient`: the exact derivative of the discrete run,
         through latches and end stops.
 
         Args:

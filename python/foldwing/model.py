@@ -607,7 +607,7 @@ class Model(RotorStudies, GradientStudies):
         Args:
             output: output file, ending in `.fmu`.
             linear: operating point of a linear model to include: `start`, `equilibrium`, or a time in s.
-            fmi: version of FMI, 2 or 3; with 3, stations and vectors are arrays, the latch is an event, and reference results are omitted.
+            fmi: version of FMI, 2 or 3; with 3, stations and vectors are arrays, latch closings are events, and reference results are omitted.
             interface: `cs` (co-simulation), `me` (Model Exchange), or both: `("cs", "me")`.
             scalars: with `fmi=3`, scalars under the names of FMI 2.0 instead of arrays.
             reference: run the default simulation for the reference results in the FMU.

@@ -497,7 +497,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
         foldwing(&[&["linearize", model.as_str(), "-o", &path(file)], &inputs[..], more].concat())
     };
     let said = succeeds(&linearize("x.json", &[]));
-    assert!(said.contains("in air, in discrete time with steps of 0.0025 s"), "{said}");
+    assert!(said.contains("with the vortex lattice, in discrete time with steps of 0.0025 s"), "{said}");
     let read = |name: &str| -> serde_json::Value {
         serde_json::from_str(&std::fs::read_to_string(path(name)).unwrap()).unwrap()
     };
@@ -650,8 +650,8 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     assert!(folder.path().join("p/root_locus.svg").exists());
 }
 
-/// Mode shapes: a page and VTK files, of modes, of flutter and of a rotor; what cannot be drawn is refused with its cause, before anything is
-/// written.
+/// Mode shapes: a page and VTK files, of modes, of flutter and of a rotor; what cannot be drawn is refused with its cause, before anything
+/// is written.
 #[test]
 fn mode_shapes_have_pages_and_vtk_files() {
     let folder = tempfile::tempdir().unwrap();

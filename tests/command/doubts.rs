@@ -128,8 +128,8 @@ const TIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_w
 
 /// A latch that closes at a speed: the free tip folds up with the speed until the latch holds it. One that opens: its weight holds the tip
 /// at a latch until the lift takes it off. The change is where the tip without a latch passes the angle, within a 256th of the interval:
-/// 0.03 m/s, over which the tip turns by up to 0.03 deg. A search for the equilibrium passed the latch with loads of other states, and found
-/// the tip latched at all speeds up to 21 m/s.
+/// 0.03 m/s, over which the tip turns by up to 0.03 deg. A search for the equilibrium passed the latch with loads of other states, and
+/// found the tip latched at all speeds up to 21 m/s.
 #[test]
 fn latches_close_and_open_between_speeds() {
     let text = std::fs::read_to_string(TIP).unwrap();
@@ -200,9 +200,9 @@ motor = {{ damping_N_m_s_rad = 0.1 }}
     )
 }
 
-/// Equilibria whose joints are not where they are meant to be went without a word: a latch that stays open, as with a start angle of 0 where
-/// the latch is elsewhere, and a hinge that has turned past its own parts. Trim has the warnings of `static`. A latch that cannot close and a
-/// joint that is held have none, nor has a hinge with end stops.
+/// Equilibria whose joints are not where they are meant to be went without a word: a latch that stays open, as with a start angle of 0
+/// where the latch is elsewhere, and a hinge that has turned past its own parts. Trim has the warnings of `static`. A latch that cannot
+/// close and a joint that is held have none, nor has a hinge with end stops.
 #[test]
 fn joints_that_are_elsewhere_have_a_warning() {
     let latch = "latch = { angle_deg = 120.0, kind = \"rigid\" }";

@@ -161,7 +161,7 @@ const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["compare", "table.csv", "table.csv", "--tolerance", "fold.angle"], "fold.angle", "must be NAME=X", 2),
     (&["compare", "table.csv", "table.csv", "--variables", "fold.angel"], "fold.angel", "fold.angle", 2),
     (&["completions", "bahs"], "bahs", "bash", 2),
-    (&["latency", "wing.toml", "--steps", "0"], "0", "0 is not in 1..=100000000", 2),
+    (&["latency", "wing.toml", "--steps", "0"], "0", "0 must be from 1 to 100000000", 2),
 ];
 
 /// Every mistake on the command line is shown under a caret with its cure.
@@ -243,7 +243,10 @@ fn the_implausible_is_warned_of() {
     );
     std::fs::write(folder.path().join("wing.toml"), &latch).unwrap();
     let answer = String::from_utf8_lossy(&foldwing(folder.path(), &["check", "wing.toml"]).stderr).into_owned();
-    assert!(answer.contains("warning: joint fold: the latch at 130 deg is never reached without a command"), "{answer}");
+    assert!(
+        answer.contains("warning: joint fold: the latch at 130 deg is never reached without a command"),
+        "{answer}"
+    );
     // a run prints it, too, but not if inputs or settings drive the joint differently from the file, and not with --quiet
     let never = "warning: joint fold: the latch at 130 deg is never reached without a command";
     for (more, told) in [(&[][..], true), (&["--set", "fold.angle_command=140 deg"], false), (&["--quiet"], false)] {

@@ -215,7 +215,10 @@ fn k06_a_changed_sweep_is_refused() {
     refuses(
         &mut with(&["--vary", "fold.start_angle=1,2.5"]),
         2,
-        &["results.csv.sweep: belongs to another sweep, which differs in: values of the keys;", "name another --output"],
+        &[
+            "results.csv.sweep: belongs to another sweep, which differs in: values of the keys;",
+            "name another --output",
+        ],
     );
     refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--step", "1e-3"]), 2, &["--start, --stop, --step"]);
     refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--set", "fold.release=0"]), 2, &["these differ: --set;"]);

@@ -78,7 +78,7 @@ fn em01_out_of_order() {
             fmi2Error,
             "fmi2CancelStep: not legal after fmi2ExitInitializationMode: asynchronous steps are not supported, so no \
              step can be cancelled",
-    );
+        );
         fmu.told(
             fmi2SetTime(c, 0.0),
             fmi2Error,
@@ -436,8 +436,7 @@ fn em07_failures_of_the_initialisation() {
     let fmu = Fmu::initializing(0.0);
     let c = fmu.component;
     fmu.set("solver.min_step", 0.1);
-    let text =
-        "fmi2ExitInitializationMode: solver.min_step, 1e-1 s, is longer than solver.max_step, 5e-3 s; change one of them";
+    let text = "fmi2ExitInitializationMode: solver.min_step, 1e-1 s, is longer than solver.max_step, 5e-3 s; change one of them";
     let before = fmu.serialize(fmu.save());
     fmu.told(unsafe { fmi2ExitInitializationMode(c) }, fmi2Error, text);
     fmu.set("solver.min_step", 1e-9);

@@ -733,7 +733,10 @@ fn parts_by_name() {
             inner().closure(Closure::between("pin", ["root", "inner"], 1.0)),
             "two bodies: a loop cannot be closed on the root",
         ),
-        (inner().surface(LiftingSurface::on("inner", 4)), "surface \"inner\": a surface, gust or flap without aerodynamics"),
+        (
+            inner().surface(LiftingSurface::on("inner", 4)),
+            "surface \"inner\": a surface, gust or flap without aerodynamics",
+        ),
         (inner().air(Air::strips()), "air, model: aerodynamics without a surface"),
         (inner().air(Air::strips()).surface(LiftingSurface::on("x", 4)), "surface \"x\", body: \"x\""),
         (

@@ -219,8 +219,10 @@ fn own_law(name: &str, file: &BodyFile, sections: &Sections, checker: &mut Check
     }
     let inner = inner?;
     if let (Built::Table(_), Some((key, _))) = (inner, tapered) {
-        checker
-            .refuse(&["body", name, key], "a body whose section is not a table; a table gives the properties at each station");
+        checker.refuse(
+            &["body", name, key],
+            "a body whose section is not a table; a table gives the properties at each station",
+        );
         return None;
     }
     let is_table = |built: &Built| matches!(built, Built::Table(_));
@@ -313,7 +315,8 @@ fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<N
         Ok(shape) => Some(shape),
         Err(steep) => {
             let found = format!("an axis with no extent along x at {} m", shortest(steep.position_m));
-            let allowed = "points no further apart than the arc length between them, and an axis at less than 90 deg from x";
+            let allowed =
+                "points no further apart than the arc length between them, and an axis at less than 90 deg from x";
             checker.refuse_as(&["body", name, "axis"], found, allowed);
             None
         }

@@ -74,7 +74,8 @@ pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Opt
     }
     let last = generator.table_rpm_n_m.last().map_or(0.0, |row| row[0]);
     if generator.above_table == AboveTableFile::ConstantPower && last <= 0.0 {
-        let allowed = "a last row at a speed > 0, above which its power is held constant; or above_table = \"constant_torque\"";
+        let allowed =
+            "a last row at a speed > 0, above which its power is held constant; or above_table = \"constant_torque\"";
         checker.refuse(&["joint", name, "generator", "table_rpm_N_m"], allowed);
         return None;
     }

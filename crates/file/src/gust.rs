@@ -54,17 +54,17 @@ fn stray(gust: &GustFile) -> Option<(&'static str, &'static str)> {
     let turbulent = matches!(shape, GustShapeFile::Dryden | GustShapeFile::VonKarman);
     let of_turbulence = "this key is only for turbulence (shape = \"dryden\" or \"von_karman\")";
     [
-        ("length_m", gust.length_m.is_some() && shape == GustShapeFile::SharpEdge, "no length_m with shape = \"sharp_edge\""),
+        (
+            "length_m",
+            gust.length_m.is_some() && shape == GustShapeFile::SharpEdge,
+            "no length_m with shape = \"sharp_edge\"",
+        ),
         (
             "length_m",
             gust.length_m.is_some() && shape == GustShapeFile::Table,
             "no length_m with shape = \"table\": the distances are in the rows",
         ),
-        (
-            "table",
-            gust.table.is_some() && shape != GustShapeFile::Table,
-            "this key only with shape = \"table\"",
-        ),
+        ("table", gust.table.is_some() && shape != GustShapeFile::Table, "this key only with shape = \"table\""),
         ("scale_m", gust.scale_m.is_some() && !turbulent, of_turbulence),
         ("seed", gust.seed.is_some() && !turbulent, of_turbulence),
         ("resolution_m", gust.resolution_m.is_some() && !turbulent, of_turbulence),

@@ -82,8 +82,13 @@ fn joint_of_bodies(file: &ModelFile, checker: &mut Checker) -> Vec<Option<usize>
             checker.refuse(&path, "a body other than the parent");
             hold = false;
         } else if let Some((other, _)) = earlier.and_then(|earlier| file.joint.get_index(earlier)) {
-            checker.refuse(&path, format!("a body that is not yet the child of another joint; this one is the child of \
-                                           {other:?}"));
+            checker.refuse(
+                &path,
+                format!(
+                    "a body that is not yet the child of another joint; this one is the child of \
+                                           {other:?}"
+                ),
+            );
             hold = false;
         } else {
             joint_of[body] = Some(index);

@@ -71,10 +71,7 @@ pub fn read_csv(text: &str) -> Result<AirfoilTable, PolarFault> {
         let fields: Vec<&str> = text.split(',').collect();
         if fields.len() != names.len() {
             let (got, due) = (fields.len(), names.len());
-            return Err(fault(
-                line,
-                format!("{got} fields where the header has {due}; a value is missing or extra"),
-            ));
+            return Err(fault(line, format!("{got} fields where the header has {due}; a value is missing or extra")));
         }
         let mut values = [0.0; 4];
         for (value, place) in values.iter_mut().zip(places) {
@@ -179,9 +176,9 @@ fn fault(line: usize, reason: impl Into<String>) -> PolarFault {
 
 fn number(line: usize, name: &str, text: &str) -> Result<f64, PolarFault> {
     let value: Option<f64> = text.trim_matches('"').replace(['d', 'D'], "e").parse().ok();
-    value
-        .filter(|value| value.is_finite())
-        .ok_or_else(|| fault(line, format!("{name} is {text:?}; a finite number is needed; values must not be missing")))
+    value.filter(|value| value.is_finite()).ok_or_else(|| {
+        fault(line, format!("{name} is {text:?}; a finite number is needed; values must not be missing"))
+    })
 }
 
 fn whole(line: usize, name: &str, text: &str, most: usize) -> Result<usize, PolarFault> {

@@ -97,8 +97,10 @@ fn refuse_rivals(air: &AirFile, checker: &mut Checker) {
         );
     }
     if air.dynamic_stall && air.pitch_rate != PitchRateFile::None {
-        checker
-            .refuse(&["aerodynamics", "pitch_rate"], "\"none\" with dynamic_stall, whose states include the pitch rate");
+        checker.refuse(
+            &["aerodynamics", "pitch_rate"],
+            "\"none\" with dynamic_stall, whose states include the pitch rate",
+        );
     }
 }
 
@@ -244,7 +246,9 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
         let allowed = match twice {
             true => format!("either {key} or {becomes}, not both"),
             false => {
-                format!("a file name, if the model itself is read from a file; a model given as text must have {becomes}")
+                format!(
+                    "a file name, if the model itself is read from a file; a model given as text must have {becomes}"
+                )
             }
         };
         checker.refuse(&["wind", key], allowed);
@@ -306,8 +310,11 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
         if !bytes.as_deref().is_some_and(is_bladed)
             && let Some(key) = of_bladed(wind)
         {
-            checker.refuse(&["wind", key], "this key only with a wind field of Bladed (.wnd); a field of TurbSim \
-                                            contains this value");
+            checker.refuse(
+                &["wind", key],
+                "this key only with a wind field of Bladed (.wnd); a field of TurbSim \
+                                            contains this value",
+            );
             return None;
         }
         match bytes.map(|bytes| read_field(&bytes, settings)) {

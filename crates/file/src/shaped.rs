@@ -58,8 +58,7 @@ fn build_material(name: &str, file: &MaterialFile, checker: &mut Checker) -> Opt
         (Some(across), Some(ratio)) => {
             if ratio * ratio * across >= along {
                 let found = format!("{} with transverse_youngs_modulus_Pa = {}", shortest(ratio), shortest(across));
-                let allowed =
-                    "a major Poisson's ratio whose square is less than youngs_modulus_Pa divided by transverse_youngs_modulus_Pa";
+                let allowed = "a major Poisson's ratio whose square is less than youngs_modulus_Pa divided by transverse_youngs_modulus_Pa";
                 checker.refuse_as(&at("poisson_ratio"), found, allowed);
                 return None;
             }
@@ -173,8 +172,7 @@ impl Builder<'_, '_, '_> {
             (Some(aerofoil), None) => {
                 let outline = naca(aerofoil);
                 if outline.is_none() {
-                    let allowed =
-                        "a four-digit NACA aerofoil such as \"naca2412\"; give the points of any other aerofoil as outline";
+                    let allowed = "a four-digit NACA aerofoil such as \"naca2412\"; give the points of any other aerofoil as outline";
                     self.checker.refuse(&["section", self.name, "aerofoil"], allowed);
                 }
                 outline.map(|outline| (outline, "aerofoil"))

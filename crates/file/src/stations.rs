@@ -341,8 +341,12 @@ impl SectionsAlong {
             };
             let (key, found, allowed) = if section.shear.is_some_and(|whole| !is_positive_definite(&whole)) {
                 let found = "a stiffness with shear that is not positive definite".to_owned();
-                ("shear_stiffness_y_N", found, "shear stiffnesses and couplings that leave the stiffness matrix \
-                                                positive definite")
+                (
+                    "shear_stiffness_y_N",
+                    found,
+                    "shear stiffnesses and couplings that leave the stiffness matrix \
+                                                positive definite",
+                )
             } else if !are_second_moments([yy[i], yz[i], zz[i]]) {
                 let found = format!("[{}, {}, {}]", shortest(yy[i]), shortest(yz[i]), shortest(zz[i]));
                 ("second_moment_yy_kg_m", found, "moments yy >= 0, zz >= 0, yy + zz > 0 and yz² <= yy zz")

@@ -73,7 +73,8 @@ impl fmt::Display for Doubt {
                  for attached flow",
             ),
             Self::Stall { strips } => {
-                let names: Vec<String> = strips.iter().map(|(body, count)| format!("{count} strips of {body}")).collect();
+                let names: Vec<String> =
+                    strips.iter().map(|(body, count)| format!("{count} strips of {body}")).collect();
                 write!(
                     f,
                     "{} are beyond stall, where the circulation is not unique: this equilibrium is the one reached \

@@ -52,10 +52,10 @@ impl Cantilever {
 const TUBE: Cantilever =
     Cantilever { length_m: 2.4, bending_n_m2: 540.0, torsion_n_m2: 415.0, axis: 0.25, elements: 6 };
 
-/// Cantilevers that bend up by as much as their length, as long as a tube of 25 mm, twice as long, and a third as stiff, at 40 to
-/// 100 m/s: the equilibrium turns up steadily with the speed, which it does not among those of wings that are rolled up. From 100 m/s, 40 m/s and
-/// 70 m/s on they were refused as unstable, or another one was found. A damped run from the unstrained tube at 100 m/s comes to rest at it: to where
-/// three places at equal times lead if what is left decays exponentially, 4e-4 m short of that.
+/// Cantilevers that bend up by as much as their length, as long as a tube of 25 mm, twice as long, and a third as stiff, at 40 to 100
+/// m/s: the equilibrium turns up steadily with the speed, which it does not among those of wings that are rolled up. From 100 m/s, 40 m/s
+/// and 70 m/s on they were refused as unstable, or another one was found. A damped run from the unstrained tube at 100 m/s comes to rest at
+/// it: to where three places at equal times lead if what is left decays exponentially, 4e-4 m short of that.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn q83_wings_that_bend_far_rest_on_the_path_from_still_air() {
@@ -101,7 +101,7 @@ fn q84_divergence_ends_the_path_and_is_named() {
     let error = refused.expect_err("beyond divergence").to_string();
     println!("Q-84 {error}");
     assert!(error.contains("static divergence"), "{error}");
-    let at = error.find("end at a wind of ").expect("the wind") + "end at a wind of ".len();
+    let at = error.find("ends at ").expect("the wind") + "ends at ".len();
     let limit_m_s: f64 = error[at..].split(' ').next().and_then(|word| word.parse().ok()).expect("a number");
     let below = at_rest(&wing.text(0.99 * limit_m_s)).1.unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(below.departure, None);
@@ -144,9 +144,9 @@ fn folding(pitch_deg: f64, free: bool, strips: [usize; 2], flare_deg: f64) -> St
     text
 }
 
-/// Folding wings beyond stall at pitches of -20 to 20 deg, fold free and locked: every equilibrium is found, and the strips beyond stall are
-/// counted. With them the sideslip wing of the wind tunnel (`examples/wind_tunnel`) with a measured polar of NACA 0015, which was refused at 13 and 17 deg: a
-/// flow that began anew for every fold angle jumped from one circulation to another, and the loads with it.
+/// Folding wings beyond stall at pitches of -20 to 20 deg, fold free and locked: every equilibrium is found, and the strips beyond
+/// stall are counted. With them the sideslip wing of the wind tunnel (`examples/wind_tunnel`) with a measured polar of NACA 0015, which was
+/// refused at 13 and 17 deg: a flow that began anew for every fold angle jumped from one circulation to another, and the loads with it.
 #[test]
 fn q85_folds_beyond_stall_come_to_rest() {
     for pitch_deg in [-20.0, -17.0, -14.0, 6.0, 14.0, 17.0, 20.0] {
@@ -201,9 +201,9 @@ fn fold_deg(plant: &Plant) -> f64 {
     plant.outputs().joints()[0].angle_rad.to_degrees()
 }
 
-/// The end of a run from the unstrained wing is the equilibrium, beyond stall too: fold angles. What is left of 50 deg after 2 s, with the
-/// 6 per second at which the hinge's damping lets it go, is 3e-4 deg; the run ended on another circulation than `static` before, 3 deg off in the sideslip
-/// wing at 12 deg.
+/// The end of a run from the unstrained wing is the equilibrium, beyond stall too: fold angles. What is left of 50 deg after 2 s,
+/// with the 6 per second at which the hinge's damping lets it go, is 3e-4 deg; the run ended on another circulation than `static` before, 3
+/// deg off in the sideslip wing at 12 deg.
 #[test]
 fn q86_a_run_beyond_stall_ends_at_the_equilibrium() {
     for pitch_deg in [6.0, 14.0, 17.0] {
@@ -221,8 +221,8 @@ fn q86_a_run_beyond_stall_ends_at_the_equilibrium() {
     }
 }
 
-/// A stiff vane that turns freely about its axis. The air turns it nose up between 0 and 0.6 rad, where it rests, but for a narrow dip about
-/// 0.2 rad, where the latch is: there it turns the vane back to 0.164 rad, over which the search steps.
+/// A stiff vane that turns freely about its axis. The air turns it nose up between 0 and 0.6 rad, where it rests, but for a narrow dip
+/// about 0.2 rad, where the latch is: there it turns the vane back to 0.164 rad, over which the search steps.
 fn vane(start_deg: f64, latch: &str) -> String {
     let moments = [
         (-1.05, 0.5),
@@ -249,8 +249,8 @@ fn vane(start_deg: f64, latch: &str) -> String {
     )
 }
 
-/// Two equilibria exclude each other: with the latch closed the loads push the joint back towards its start, and without it the search
-/// ends beyond the latch. The error names the joint, and both remedies that it names lead to an equilibrium.
+/// Two equilibria exclude each other: with the latch closed the loads push the joint back towards its start, and without it the
+/// search ends beyond the latch. The error names the joint, and both remedies that it names lead to an equilibrium.
 #[test]
 fn q91_a_latch_between_two_equilibria_is_named() {
     let start_deg = 0.1f64.to_degrees();

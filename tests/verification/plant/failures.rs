@@ -27,7 +27,10 @@ fn p96_contradicting_step_limits_are_an_error() {
     plant.parameters_mut().solver_mut().max_step_s = 1e-3;
     let error = plant.initialize(0.0).expect_err("1e-2 s is more than 1e-3 s");
     assert_eq!(error, PlantError::Steps { min_step_s: 1e-2, max_step_s: 1e-3 });
-    assert_eq!(error.to_string(), "solver.min_step, 1e-2 s, is longer than solver.max_step, 1e-3 s; change one of them");
+    assert_eq!(
+        error.to_string(),
+        "solver.min_step, 1e-2 s, is longer than solver.max_step, 1e-3 s; change one of them"
+    );
     plant.parameters_mut().solver_mut().min_step_s = 1e-3;
     plant.initialize(0.0).expect("equal limits are one step");
 }

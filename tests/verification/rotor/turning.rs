@@ -145,8 +145,8 @@ fn dynamic_stall_leaves_the_steady_rotor() {
     }
 }
 
-/// RT-20. The mean induction of a rotor: the axial induced velocities of the annuli over their winds, each by its radius, of the independent
-/// steady rotor; nodes with complete loss have none.
+/// RT-20. The mean induction of a rotor: the axial induced velocities of the annuli over their winds, each by its radius, of the
+/// independent steady rotor; nodes with complete loss have none.
 #[test]
 fn mean_induction_is_that_of_the_annuli() {
     let (wind_m_s, speed_rad_s) = (8.0, 9.1311 * PI / 30.0);
@@ -239,8 +239,8 @@ fn coefficients_are_zero_in_a_wind_from_the_side() {
     approx::assert_relative_eq!(above.thrust_coefficient, above.thrust_n / pressure_n, max_relative = 1e-6);
 }
 
-/// RT-18: pitching moment at the root of a blade: that of the polars at the angles and speeds behind the induction, straight lines between the
-/// stations, from the independent steady rotor. The quarter chord is the blade's axis, so that forces have no moment about it.
+/// RT-18: pitching moment at the root of a blade: that of the polars at the angles and speeds behind the induction, straight lines between
+/// the stations, from the independent steady rotor. The quarter chord is the blade's axis, so that forces have no moment about it.
 #[test]
 fn pitching_moment_is_that_of_the_sections_behind_the_induction() {
     let (wind_m_s, speed_rad_s) = (8.0, 9.1311 * PI / 30.0);

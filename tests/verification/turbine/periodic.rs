@@ -394,7 +394,10 @@ fn wt44_refusals() {
     // a hinge without spring whose weight turns it over: against the hub it turns without end
     let loose = Swing { spring_n_m_rad: 0.0, damping_n_m_s_rad: 0.0, ..SWING };
     let told = find(&loose.machine(), Some("shaft"), 0.05, 144, 0).err().expect("no motion");
-    assert!(told.contains("no periodic revolution of the shaft was found") || told.contains("no convergence"), "{told}");
+    assert!(
+        told.contains("no periodic revolution of the shaft was found") || told.contains("no convergence"),
+        "{told}"
+    );
     // stops in its way
     let mut stopped = swing.clone();
     hinge_mut(&mut stopped, "lag").end_stops = Some(foldwing::machine::EndStops {

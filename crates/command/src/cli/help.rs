@@ -5,8 +5,8 @@ macro_rules! exit_codes {
         "\
 Exit codes:
   0  done
-  1  the content of a file was refused: model, inputs, library or FMU
-  2  the command line was refused, including unknown names in --variables and --set
+  1  a file has invalid content: model, inputs, library or FMU
+  2  the command line is invalid, including unknown names in --variables and --set
   3  the simulation failed (the CSV has the rows up to that time), or there is no equilibrium or
      linear model
   4  a file could not be read or written
@@ -35,7 +35,7 @@ The usual order of work, from a model file to its FMU:
   foldwing package wing.toml -o Wing.fmu          the FMU
   foldwing package --help                         options and examples of a command
 
-Mistakes in a file or on the command line are reported with their location and the allowed values.
+Errors in a file or on the command line are reported with their location and the allowed values.
 Messages go to standard error, in colour if it is a terminal and NO_COLOR is not set. If it is a
 terminal, work that lasts more than half a second shows its progress there, with the time left.
 

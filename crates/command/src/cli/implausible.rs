@@ -62,7 +62,8 @@ pub(super) fn run(plant: &Plant, as_written: bool, run: &Times) -> Vec<String> {
     warnings
 }
 
-/// Warning if a joint does not reach its latch. Of machines with aerodynamics, whose loads may drive it further, only if its motor pulls away.
+/// Warning if a joint does not reach its latch. Of machines with aerodynamics, whose loads may drive it further, only if its motor pulls
+/// away.
 fn latch(joint: &Effort) -> Option<String> {
     let (end, unit, name) = (short(joint.end), joint.travel.shown_unit(), &joint.name);
     match joint.reaches {

@@ -38,7 +38,7 @@ enum Template {
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::NEW)]
 pub struct Arguments {
-    /// Model file to write; its name becomes the model's
+    /// Model file to write; the model gets the name of the file
     model: PathBuf,
     /// Model to start from
     #[arg(short, long, value_enum, default_value = "wing")]

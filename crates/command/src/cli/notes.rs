@@ -97,10 +97,8 @@ mod tests {
         let spin = "table_s_deg = [[0, 0], [0.5, 150], [0.9, 300], [1, 330]]";
         assert_eq!(
             said(spin, 1.0),
-            [
-                "joint spin: in its last interval, from 0.9 s to 1 s, the table brakes from about 300 deg/s to rest; \
-                 write table_ends = \"extrapolate\" to keep the rate, or add a row with the same angle if the joint should stop"
-            ]
+            ["joint spin: in its last interval, from 0.9 s to 1 s, the table brakes from about 300 deg/s to rest; \
+                 write table_ends = \"extrapolate\" to keep the rate, or add a row with the same angle if the joint should stop"]
         );
         assert_eq!(said(spin, 0.95).len(), 1, "inside the last interval");
         for (table, stop_s) in [

@@ -20,10 +20,10 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Speed of the shaft in rpm; default: that at which it is prescribed or starts
+    /// Speed of the shaft in rpm; default: its prescribed or initial speed
     #[arg(long, value_name = "RPM", allow_negative_numbers = true)]
     speed_rpm: Option<f64>,
-    /// Joint that is the shaft; default: the only one that turns without limit and carries a hub
+    /// Joint that is the shaft; default: the only joint that can rotate without limit and carries a hub
     #[arg(long, value_name = "JOINT", value_parser = NonEmptyStringValueParser::new())]
     shaft: Option<String>,
     /// Start value of an input or parameter, e.g. `wind.velocity.x=8`; may be repeated
@@ -32,16 +32,18 @@ pub struct Arguments {
     /// Steps per revolution, rounded up to a multiple of 144
     #[arg(long, default_value_t = 720)]
     steps: usize,
-    /// Periodicity tolerance: distance of the ends of the revolution, rotation in rad or displacement over the length of the model
+    /// Periodicity tolerance: allowed difference between start and end of the revolution, as rotation in rad or displacement divided by the
+    /// length of the model
     #[arg(long = "tolerance", default_value_t = 1e-8)]
     accuracy: f64,
-    /// Outputs in the tables: names or patterns, separated by commas [default: deflections, angles, the rotor's; in files all]
+    /// Outputs in the tables: names or patterns, separated by commas [default: deflections, angles and rotor outputs; files contain all
+    /// outputs]
     #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
     /// Number of harmonics of the rotor speed in the table
     #[arg(long, default_value_t = 3)]
     harmonics: usize,
-    /// Number of Floquet modes; 0 leaves them out
+    /// Number of Floquet modes; 0 omits them
     #[arg(long, default_value_t = 10)]
     count: usize,
     /// Maximum number of perturbations integrated for the Floquet modes, two revolutions each
@@ -84,7 +86,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let named = !arguments.outputs.is_empty();
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
     if arguments.view.is_some() && arguments.count == 0 {
-        return Err(Failure::Usage("--view shows the Floquet modes, which --count 0 omits; use a larger --count".to_owned()));
+        return Err(Failure::Usage(
+            "--view shows the Floquet modes, which --count 0 omits; use a larger --count".to_owned(),
+        ));
     }
     let view = outlets.place_if(arguments.view.as_deref(), Mark::PAGE)?;
     let found = find_watched(&machine, &options, &mut Progress::phase("periodic state").watch()).map_err(failure)?;

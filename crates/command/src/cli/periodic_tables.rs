@@ -93,8 +93,7 @@ fn notes(floquet: &Floquet, text: &mut String) {
         );
     }
     if let Some(cause) = &floquet.unseen {
-        let _ =
-            writeln!(text, "frequencies are in the coordinates of the machine, not in the ground frame: {cause}");
+        let _ = writeln!(text, "frequencies are in the coordinates of the machine, not in the ground frame: {cause}");
     }
 }
 

@@ -72,8 +72,13 @@ impl ServerAddress {
         // protects against DNS rebinding
         let (hosts, own) = (values("host"), self.host());
         if hosts != [own.as_str()] {
-            return Access::Refused(403, format!("this server answers only to the host name {own}; open the address \
-                                                 that it printed"));
+            return Access::Refused(
+                403,
+                format!(
+                    "this server answers only to the host name {own}; open the address \
+                                                 that it printed"
+                ),
+            );
         }
         let (origins, own) = (values("origin"), self.origin());
         if let Some(other) = origins.iter().find(|origin| **origin != own) {
@@ -92,9 +97,10 @@ impl ServerAddress {
         }
         match rest {
             "" => Access::Page,
-            "socket" if origins.is_empty() => {
-                Access::Refused(403, format!("the WebSocket is only for the page of {own}, and this request has no origin"))
-            }
+            "socket" if origins.is_empty() => Access::Refused(
+                403,
+                format!("the WebSocket is only for the page of {own}, and this request has no origin"),
+            ),
             "socket" => {
                 let names = |name: &str, wanted: &str| {
                     values(name)
@@ -105,7 +111,9 @@ impl ServerAddress {
                 let upgrades = names("upgrade", "websocket") && names("connection", "upgrade");
                 match values("sec-websocket-key").as_slice() {
                     [key] if upgrades && names("sec-websocket-version", "13") => Access::Socket(accepted(key)),
-                    _ => Access::Refused(426, "this address accepts only WebSocket connections of version 13".to_owned()),
+                    _ => {
+                        Access::Refused(426, "this address accepts only WebSocket connections of version 13".to_owned())
+                    }
                 }
             }
             _ => Access::Refused(404, "this server has only the page and its WebSocket".to_owned()),

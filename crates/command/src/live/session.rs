@@ -365,7 +365,9 @@ impl Session {
                 ("switch", Given::Number(value)) => {
                     return Err(format!("{name} cannot be {value}: it must be true or false"));
                 }
-                (_, Given::Number(value)) => return Err(format!("{name} cannot be {value}: it must be a whole number")),
+                (_, Given::Number(value)) => {
+                    return Err(format!("{name} cannot be {value}: it must be a whole number"));
+                }
             };
             outcome.map_err(|error| error.to_string())
         })

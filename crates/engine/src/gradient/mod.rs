@@ -175,8 +175,8 @@ struct Entry {
 impl<'a> Gradient<'a> {
     /// Prepares the derivatives of a run of `plant` by `parameters`.
     ///
-    /// The plant's state is changed; initialise it again before its next run. Errors for parameters that change the mesh or the discrete state
-    /// of the start.
+    /// The plant's state is changed; initialise it again before its next run. Errors for parameters that change the mesh or the discrete
+    /// state of the start.
     pub fn new(plant: &'a mut Plant, tape: &'a Tape, parameters: Vec<Parameter>) -> Result<Self, GradientError> {
         let tableau = plant
             .tableau()

@@ -52,8 +52,7 @@ const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 consec
                                   unstable for this ratio of apparent to structural mass; write coupling = \"iterated\"";
 
 /// Error text for loads of a rotor that do not converge.
-const JUMPS: &str =
-    "; an annulus of the rotor may alternate between the windmill and the propeller brake state: write coupling = \"staggered\"";
+const JUMPS: &str = "; an annulus of the rotor may alternate between the windmill and the propeller brake state: write coupling = \"staggered\"";
 
 /// Time in s by which the caller's clock may be off an aerodynamic step's end that it means.
 fn round_off_s(time_s: f64, step_s: f64) -> f64 {
@@ -142,9 +141,10 @@ impl Plant {
                 gaps::blown_from_behind(&air.settings, &air.motions, &flow(&air.settings, state, end_s))
             {
                 let body = &machine.bodies[air.settings.surfaces[surface].body].name;
-                cause +=
-                    &format!("; the relative flow reaches {body} at its trailing edge, where the wake must leave: turn \
-                              the wind or the wing");
+                cause += &format!(
+                    "; the relative flow reaches {body} at its trailing edge, where the wake must leave: turn \
+                              the wind or the wing"
+                );
             }
             return Err(refusal(begin_s, cause));
         }

@@ -41,7 +41,9 @@ pub enum NoReduction {
     #[error("the eigenvalues of A cannot be computed")]
     Eigenvalues,
     /// Equal eigenvalues whose vectors coincide.
-    #[error("the eigenvectors of A are almost linearly dependent (condition number {condition:.1e}); choose another state")]
+    #[error(
+        "the eigenvectors of A are almost linearly dependent (condition number {condition:.1e}); choose another state"
+    )]
     Defective {
         /// Condition of the eigenvectors.
         condition: f64,
@@ -67,7 +69,9 @@ pub enum NoReduction {
     #[error("discrete-time models can be reduced by balanced truncation only, not by modal truncation")]
     SampledModes,
     /// A band that ends nowhere in the frequencies of the model.
-    #[error("the upper end of the frequency band must be above 0 Hz, and in discrete time below half the sampling rate")]
+    #[error(
+        "the upper end of the frequency band must be above 0 Hz, and in discrete time below half the sampling rate"
+    )]
     Band,
     /// Modal truncation for a band.
     #[error("only balanced truncation can be limited to a frequency band; modal truncation keeps the slowest modes")]

@@ -431,8 +431,10 @@ impl Study<'_> {
             }
             self.system.configure();
         }
-        let cause = format!("latches or end stops still change their state after {MAXIMUM_SEARCHES} searches for the \
-                             equilibrium");
+        let cause = format!(
+            "latches or end stops still change their state after {MAXIMUM_SEARCHES} searches for the \
+                             equilibrium"
+        );
         Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause, diverges_m_s: None })
     }
 

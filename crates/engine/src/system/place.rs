@@ -64,9 +64,10 @@ impl System {
                 format!("{error}; {}", self.largest_input()),
                 "check inputs and parameters far beyond the structure's strength",
             ),
-            Failure::Newton(error) if self.machine.solver.most_iterations.is_some() => {
-                (format!("in real-time mode a stage has no solution: {error}; {}", self.largest_input()), REAL_TIME_ADVICE)
-            }
+            Failure::Newton(error) if self.machine.solver.most_iterations.is_some() => (
+                format!("in real-time mode a stage has no solution: {error}; {}", self.largest_input()),
+                REAL_TIME_ADVICE,
+            ),
             Failure::Unsolved { rest } => (
                 format!("in real-time mode the allowed iterations leave a correction of {rest:.1e} rad"),
                 REAL_TIME_ADVICE,

@@ -42,8 +42,10 @@ pub enum StateError {
         expected: String,
     },
     /// State of an instance of the other interface type.
-    #[error("the FMU state was saved by an instance for {found} and does not fit one for {expected}; set a state of \
-             the same interface type")]
+    #[error(
+        "the FMU state was saved by an instance for {found} and does not fit one for {expected}; set a state of \
+             the same interface type"
+    )]
     OtherKind {
         /// Interface type of the instance that saved it.
         found: InterfaceKind,

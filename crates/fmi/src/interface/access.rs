@@ -63,7 +63,9 @@ pub enum AccessError {
         name: String,
     },
     /// The row is not a known at this stage.
-    #[error("no derivative with respect to variable {name}: knowns must be Real inputs and, in Initialization Mode, parameters")]
+    #[error(
+        "no derivative with respect to variable {name}: knowns must be Real inputs and, in Initialization Mode, parameters"
+    )]
     NotAKnown {
         /// Name of the row.
         name: String,
@@ -75,8 +77,10 @@ pub enum AccessError {
         name: String,
     },
     /// The row is not a known of Model Exchange.
-    #[error("no derivative with respect to variable {name}: knowns must be continuous states, Real inputs, tunable \
-             parameters and time")]
+    #[error(
+        "no derivative with respect to variable {name}: knowns must be continuous states, Real inputs, tunable \
+             parameters and time"
+    )]
     NotAnExchangeKnown {
         /// Name of the row.
         name: String,

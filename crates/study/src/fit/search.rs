@@ -5,13 +5,13 @@ use nalgebra::{DMatrix, DVector};
 
 /// Damping of the first step over the largest squared singular value of the scaled Jacobian.
 const FIRST_DAMPING: f64 = 1e-6;
-/// Smallest factor of the damping after a step. Numbers that hardly count have singular values of 1e-4 of the largest: a third, as in Nielsen's
-/// rule, takes a dozen steps to get there.
+/// Smallest factor of the damping after a step. Numbers that hardly count have singular values of 1e-4 of the largest: a third, as in
+/// Nielsen's rule, takes a dozen steps to get there.
 const FASTEST: f64 = 0.1;
 /// Product of the residuals with each free column of the Jacobian, over the sum of the sizes of its terms, at which they are orthogonal.
 const ORTHOGONAL: f64 = 1e-9;
-/// Reduction of the cost, relative to it, that a step without damping promises, at which a rejected step ends the search: 1e-4 of a standard error
-/// for each root of the degrees of freedom.
+/// Reduction of the cost, relative to it, that a step without damping promises, at which a rejected step ends the search: 1e-4 of a
+/// standard error for each root of the degrees of freedom.
 const DROWNED: f64 = 1e-8;
 /// The same for a step that is taken: the Jacobian of the result is that before it.
 const SETTLED: f64 = 1e-12;
@@ -56,10 +56,13 @@ impl Ended {
 impl std::fmt::Display for Ended {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         out.write_str(match self {
-            Self::Orthogonal => "the residuals are orthogonal to their derivatives by the numbers within their bounds",
-            Self::Reduction => "no step reduces the cost by more than 1e-8 of it",
-            Self::Step => "a step changes the numbers by less than 1e-10 of them",
-            Self::Runs => "the largest number of runs is reached",
+            Self::Orthogonal => {
+                "the residuals are orthogonal to their derivatives with respect to the numbers within \
+                                 their bounds"
+            }
+            Self::Reduction => "no step reduces the cost by more than 1e-8 of its value",
+            Self::Step => "a step changes the numbers by less than 1e-10 of their values",
+            Self::Runs => "the maximum number of runs is reached",
         })
     }
 }
@@ -71,7 +74,8 @@ pub struct Found {
     pub x: DVector<f64>,
     /// Residuals there.
     pub residuals: DVector<f64>,
-    /// Jacobian there or before a last step of less than 1e-6 of a standard error for each root of the degrees of freedom, rows weighted by the curvature of the loss, (X14).
+    /// Jacobian there or before a last step of less than 1e-6 of a standard error for each root of the degrees of freedom, rows weighted by
+    /// the curvature of the loss, (X14).
     pub jacobian: DMatrix<f64>,
     /// Points at which residuals were evaluated.
     pub runs: usize,
@@ -151,8 +155,8 @@ struct Model<'a> {
 }
 
 impl Model<'_> {
-    /// Whether no free number can reduce the residuals: their product with each column vanishes, or the number is at the bound towards which
-    /// they fall.
+    /// Whether no free number can reduce the residuals: their product with each column vanishes, or the number is at the bound towards
+    /// which they fall.
     fn is_orthogonal(&self) -> bool {
         self.jacobian.column_iter().zip(self.room).all(|(column, [below, above])| {
             let slope = column.dot(self.residuals);

@@ -37,19 +37,21 @@ pub enum FlutterError {
     #[error("wind_m_s: two or more positive speeds in m/s in ascending order are needed")]
     Speeds,
     /// More than [`MAXIMUM_SPEEDS`].
-    #[error("wind_m_s: {count} speeds are more than {MAXIMUM_SPEEDS}")]
+    #[error("wind_m_s: {count} speeds exceed the maximum of {MAXIMUM_SPEEDS}")]
     TooManySpeeds {
         /// Number of speeds.
         count: usize,
     },
     /// No modes, or more than [`MAXIMUM_COUNT`].
-    #[error("count: {count} is not in 1..={MAXIMUM_COUNT}")]
+    #[error("count: {count} must be from 1 to {MAXIMUM_COUNT}")]
     Count {
         /// The rejected number of modes.
         count: usize,
     },
     /// The machine has no air.
-    #[error("{machine}: has no aerodynamics; flutter needs [aerodynamics] with model = \"strip\" or \"uvlm\", and surfaces")]
+    #[error(
+        "{machine}: has no aerodynamics; flutter needs [aerodynamics] with model = \"strip\" or \"uvlm\", and surfaces"
+    )]
     NoAir {
         /// Name of the machine.
         machine: String,
@@ -64,7 +66,9 @@ pub enum FlutterError {
         machine: String,
     },
     /// The flow starts with the run.
-    #[error("{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed steady flow; omit the key")]
+    #[error(
+        "{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed steady flow; omit the key"
+    )]
     UnsteadyStart {
         /// Name of the machine.
         machine: String,

@@ -63,7 +63,7 @@ pub enum PointsError {
     #[error("tip_speed_ratio: needs rotor aerodynamics (aerodynamics.model = \"bem\"); give speed_rpm")]
     NoRadius,
     /// More points than [`MAXIMUM_POINTS`](crate::operating_points::MAXIMUM_POINTS).
-    #[error("{count} points are more than {most}")]
+    #[error("{count} points exceed the maximum of {most}")]
     TooMany {
         /// Number of points.
         count: usize,
@@ -147,7 +147,9 @@ pub enum PointsError {
         joint: String,
     },
     /// A pitch joint has neither motor nor lock.
-    #[error("the joint {joint}: no motor holds its pitch angle; add a motor with a stiffness, or write motion = \"locked\"")]
+    #[error(
+        "the joint {joint}: no motor holds its pitch angle; add a motor with a stiffness, or write motion = \"locked\""
+    )]
     LoosePitch {
         /// Name of the joint.
         joint: String,

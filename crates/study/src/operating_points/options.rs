@@ -13,7 +13,7 @@ pub struct Options {
     pub tip_speed_ratio: Option<f64>,
     /// Pitch angles of all blades in degrees, positive as the pitch joints turn; `None`: that of the machine.
     pub pitch_deg: Option<Vec<f64>>,
-    /// The lists go together, value by value, and a list of one value holds for all; otherwise all combinations.
+    /// The lists go together, value by value, and a list with one value applies to all; otherwise all combinations.
     pub paired: bool,
     /// The pitch or the speed to search for.
     pub search: Option<Search>,

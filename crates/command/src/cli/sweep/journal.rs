@@ -136,7 +136,8 @@ impl Journal {
         if rows.len() != self.done.len() {
             let (found, all) = (rows.len(), self.done.len());
             return Err(Failure::Files(format!(
-                "{}: {found} of {all} rows can be read back: something else wrote into it; the same command runs the others",
+                "{}: {found} of {all} rows can be read: another program has changed the file; the same command \
+                 computes the missing rows",
                 self.path.display()
             )));
         }

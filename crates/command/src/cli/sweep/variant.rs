@@ -102,7 +102,9 @@ pub(in crate::cli) fn changed_text(text: &str, place: &str, changes: &[(Vec<&str
                     let count = array.len();
                     let index = name.parse().ok().filter(|index: &usize| *index < count);
                     let index = index.ok_or_else(|| {
-                        refused(&format!("{name} is not an index of the array, which has {count} entries; indices start at 0"))
+                        refused(&format!(
+                            "{name} is not an index of the array, which has {count} entries; indices start at 0"
+                        ))
                     })?;
                     &mut array[index]
                 }

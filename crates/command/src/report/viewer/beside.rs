@@ -86,7 +86,8 @@ pub fn run_of_page(text: &str) -> Result<PackedRun, String> {
         return Err("is not a page written by foldwing simulate --view of this version; write it again".to_owned());
     };
     if text.contains(super::MODES_BEGIN) {
-        return Err("is a page of mode shapes, which contains no simulation; name a page of foldwing simulate --view".to_owned());
+        return Err("is a page of mode shapes, which contains no simulation; name a page of foldwing simulate --view"
+            .to_owned());
     }
     let read = serde_json::from_str::<serde_json::Value>(description).ok();
     if read.and_then(|read| read["format"].as_u64()) != Some(FORMAT) {

@@ -34,10 +34,14 @@ pub enum NoExtension {
     )]
     NotStalledBelow(f64),
     /// The first row is beyond the reflected range.
-    #[error("the first angle is {0:.3} deg; the rows of a polar with aspect_ratio must begin between -90 deg and the last angle")]
+    #[error(
+        "the first angle is {0:.3} deg; the rows of a polar with aspect_ratio must begin between -90 deg and the last angle"
+    )]
     FirstAngle(f64),
     /// Drag coefficient outside the range of a plate normal to the flow.
-    #[error("the drag coefficient at 90 deg would be {0}; it must be larger than at the ends of the rows, and at most 3")]
+    #[error(
+        "the drag coefficient at 90 deg would be {0}; it must be larger than at the ends of the rows, and at most 3"
+    )]
     Drag(f64),
 }
 

@@ -167,8 +167,8 @@ impl AirBuilder {
         Self { mirror_normal: Some(normal.into()), ..self }
     }
 
-    /// Ground under a lattice: its normal towards the wing, of any length but zero and across that of a mirror plane, and the distance of the
-    /// root's origin above it in m. Default none.
+    /// Ground under a lattice: its normal towards the wing, of any length but zero and across that of a mirror plane, and the distance of
+    /// the root's origin above it in m. Default none.
     pub fn ground(self, normal: impl Into<Vector3<f64>>, distance_m: f64) -> Self {
         Self { ground: Some((normal.into(), distance_m)), ..self }
     }
@@ -386,7 +386,8 @@ pub(super) fn build(
         None => match fastest_m_s(&surfaces, bodies, air.wind_m_s, start_time_s) {
             Some(speed_m_s) => smallest_m / speed_m_s,
             None => {
-                let allowed = "a finite time > 0 s: it has no default if the wing does not move relative to the air at the start";
+                let allowed =
+                    "a finite time > 0 s: it has no default if the wing does not move relative to the air at the start";
                 checker.refuse(&["air", "step_s"], "none", allowed);
                 return None;
             }

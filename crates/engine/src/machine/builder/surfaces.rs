@@ -367,8 +367,9 @@ fn place(
             breaks_m.dedup_by(|later, earlier| *later - *earlier <= NEAR * length_m);
             let parts = breaks_m.len() + 1;
             if surface.strips < parts {
-                let allowed =
-                    format!("at least {parts} strips, because the ends of the flaps divide the surface into {parts} parts");
+                let allowed = format!(
+                    "at least {parts} strips, because the ends of the flaps divide the surface into {parts} parts"
+                );
                 checker.refuse(&["surface", &surface.body, "strips"], surface.strips, allowed);
                 return None;
             }
@@ -411,8 +412,7 @@ fn lines_apart(surface: &SurfaceBuilder, positions_m: &[f64], chords: &[ChordLin
     });
     if let Some((ends_m, _)) = narrow {
         let found = format!("chord lines that meet between {} and {} m", shortest(ends_m[0]), shortest(ends_m[1]));
-        let allowed =
-            "a flare that changes over a longer part of the body, so that chord lines do not cross";
+        let allowed = "a flare that changes over a longer part of the body, so that chord lines do not cross";
         checker.refuse_state(&["surface", &surface.body, "flare_deg"], found, allowed);
     }
     narrow.is_none()

@@ -102,7 +102,8 @@ fn refuse_cycles(
         let name = |body: usize| bodies[body].0.name.as_str();
         let chain: Vec<&str> = cycle.iter().chain(cycle.first()).map(|body| name(*body)).collect();
         let joint = bodies[cycle[0]].1.name.as_str();
-        let allowed = format!("a chain of parents that ends at the root; here the parents form a cycle: {}", chain.join(" -> "));
+        let allowed =
+            format!("a chain of parents that ends at the root; here the parents form a cycle: {}", chain.join(" -> "));
         checker.refuse(&["joint", joint, "parent"], format!("{:?}", chain[1]), allowed);
     }
 }

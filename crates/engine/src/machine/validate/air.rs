@@ -65,7 +65,8 @@ fn check_sound(air: &Air, bodies: &[Body], checker: &mut Checker) {
     checker.number(&["air", "speed_of_sound_m_s"], sound_m_s, Range::Above(0.0));
     let polar = air.surfaces.iter().find(|surface| surface.profile.polar.is_some());
     if let Some(body) = polar.and_then(|surface| bodies.get(surface.body)) {
-        let allowed = "either a polar measured at the actual Mach number without speed_of_sound_m_s, or lift_slope_1_rad with it";
+        let allowed =
+            "either a polar measured at the actual Mach number without speed_of_sound_m_s, or lift_slope_1_rad with it";
         checker.refuse_state(&["surface", body.name.as_str(), "polar"], "a polar with a speed of sound", allowed);
     }
 }
@@ -121,12 +122,12 @@ fn check_lattice_profiles(
     let name = |surface: &LiftingSurface| bodies.get(surface.body).map_or("", |body| body.name.as_str());
     for surface in surfaces.iter().filter(|surface| !surface.profile.is_thin()) {
         if options.load_rule == LoadRule::Bernoulli && surface.profile.polar.is_some() {
-            let allowed = "a polar only with leading_edge_suction = true, because its lift and drag include the suction force";
+            let allowed =
+                "a polar only with leading_edge_suction = true, because its lift and drag include the suction force";
             checker.refuse_state(&["surface", name(surface), "polar"], "a polar without suction", allowed);
         }
         if options.speed_of_sound_m_s.is_some() && surface.profile.polar.is_none() {
-            let allowed =
-                "with speed_of_sound_m_s only a thin plate; for other profile coefficients omit speed_of_sound_m_s and \
+            let allowed = "with speed_of_sound_m_s only a thin plate; for other profile coefficients omit speed_of_sound_m_s and \
                  give the coefficients at the actual Mach number";
             checker.refuse_state(&["surface", name(surface)], "a profile with a speed of sound", allowed);
         }

@@ -136,11 +136,7 @@ fn check_motor(name: &str, travel: Travel, motor: &Motor, checker: &mut Checker)
     let place = ["joint", name, "motor", "gear_ratio"];
     match motor.gear_ratio {
         Some(ratio) if travel == Travel::Translation => {
-            checker.refuse(
-                &place,
-                shortest(ratio),
-                "no gear_ratio on a prismatic joint",
-            );
+            checker.refuse(&place, shortest(ratio), "no gear_ratio on a prismatic joint");
         }
         Some(ratio) if !(1e-6..=1e6).contains(&ratio.abs()) => {
             checker.refuse(
@@ -283,7 +279,8 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
     let scale = spin.amax();
     if turns && scale > 0.0 && normal.dot(&(spin / scale).normalize()).abs() > ACROSS {
         let [x, y, z] = normal.map(|part| (part * 1e4).round() / 1e4 + 0.0).into();
-        let allowed = format!("rates in rad/s about axis and body_axis only: the component must be zero along [{x}, {y}, {z}]");
+        let allowed =
+            format!("rates in rad/s about axis and body_axis only: the component must be zero along [{x}, {y}, {z}]");
         checker.refuse(&place("start_angular_velocity_rad_s"), array_text(spin.as_slice()), allowed);
     }
 }

@@ -157,7 +157,8 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
         AirOptions::Strips(_) => Ok(()),
         AirOptions::Rotor(options) => match options.features.field.as_ref().map(|field| &field.source) {
             Some(Source::Table(table)) if table.rows.len() > 1 => {
-                Err("a wind table over time is not periodic over a revolution; give one row, or a wind profile".to_owned())
+                Err("a wind table over time is not periodic over a revolution; give one row, or a wind profile"
+                    .to_owned())
             }
             Some(Source::Box(_)) => {
                 Err("turbulence is not periodic over a revolution; remove [aerodynamics.turbulence] from the model"
