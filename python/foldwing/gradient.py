@@ -90,7 +90,7 @@ class GradientStudies:
         """Return the model with other values of keys of its file.
 
         Args:
-            values: values by key, such as `{"file:body.outer.length_m": 0.3}`; numbers of entries of arrays begin with 0
+            values: values by key, such as `{"file:body.outer.length_m": 0.3}`; array indices start at 0
                 (`file:gravity_m_s2.2`).
 
         Raises:
