@@ -78,7 +78,7 @@ pub(super) struct BodyFile {
     /// default 1 each.
     #[schemars(inner(range(min = 0.0)))]
     pub stiffness_damping_factors: Option<[f64; STRAINS]>,
-    /// The same for the shears along `y` and `z` of a body with `shear = true`, default 1 each.
+    /// Factors on `stiffness_damping_s` for shear along `y` and `z`, for a body with `shear = true`; default 1 each.
     #[schemars(inner(range(min = 0.0)))]
     pub shear_damping_factors: Option<[f64; 2]>,
     /// Number of load stations, at the centres of equal segments, default 4.

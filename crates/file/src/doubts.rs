@@ -323,8 +323,10 @@ impl Look<'_, '_> {
         if let Some(air) = &file.aerodynamics {
             let wind = magnitude(&air.wind_m_s);
             if wind > WIND_M_S && air.speed_of_sound_m_s.is_none() {
-                let reason =
-                    format!("at {} m/s air is compressible; speed_of_sound_m_s includes the effect", number(wind));
+                let reason = format!(
+                    "at {} m/s the compressibility of air matters; speed_of_sound_m_s includes it",
+                    number(wind)
+                );
                 self.doubt(&["aerodynamics", "wind_m_s"], reason, format!("km/h? that is {} m/s", number(wind / 3.6)));
             }
         }

@@ -210,8 +210,10 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
 fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
     for (table, turns, slides) in PAIRS {
         let (strange, allowed) = match joint.kind {
-            JointType::Prismatic => (turns, format!("{slides} in its place: a prismatic joint is in m and N")),
-            JointType::Revolute => (slides, format!("{turns} in its place: a revolute joint is in deg and N·m")),
+            JointType::Prismatic => (turns, format!("{slides} instead: the keys of a prismatic joint are in m and N")),
+            JointType::Revolute => {
+                (slides, format!("{turns} instead: the keys of a revolute joint are in deg and N·m"))
+            }
             JointType::Clamped | JointType::Universal | JointType::Ball | JointType::Free => {
                 (slides, "this key only with type = \"prismatic\"".to_owned())
             }

@@ -40,7 +40,7 @@ pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars", "length_m"];
 
 /// Air of the file's rotor. `None` after an error.
 pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> Option<AirBuilder> {
-    let hub = needed(&air.hub, &["aerodynamics", "hub"], "the body that turns with the blades", checker);
+    let hub = needed(&air.hub, &["aerodynamics", "hub"], "the body that rotates with the blades", checker);
     let radius = needed(
         &air.hub_radius_m,
         &["aerodynamics", "hub_radius_m"],
@@ -182,7 +182,7 @@ fn full_circle(name: &str, polar: &PolarFile, checker: &mut Checker) -> Option<P
                 rows[0].angle_rad.to_degrees(),
                 rows[rows.len() - 1].angle_rad.to_degrees()
             );
-            let allowed = "rows from -180 to 180 deg: a blade can meet the air from any side; or aspect_ratio, which extends them beyond stall";
+            let allowed = "rows from -180 to 180 deg: the flow at a blade can come from any side; or aspect_ratio, which extends them beyond stall";
             checker.refuse_as(&["polar", name, "rows"], found, allowed);
             None
         }

@@ -58,7 +58,7 @@ fn e01_input_derivatives_make_the_error_fall_with_the_square_of_the_communicatio
 /// E-02. Inputs that run linearly are given exactly by value and derivative: all real inputs at once, the communication
 /// step does not matter beyond the tolerance of the integration, 1e-9 per step. The account of energy holds with all of
 /// them moving, to the 1e-6 of the largest kinetic energy of P-11 (4e-7 is the ringing of an abrupt start): work of
-/// running fields, commands behind a rate limit, limited torques, loads, rotation.
+/// running fields, commands subject to a rate limit, limited torques, loads, rotation.
 #[test]
 fn e02_linear_inputs_are_exact_and_conserve_energy() {
     let run = |steps: usize| {

@@ -292,7 +292,7 @@ impl Block {
     }
 }
 
-/// Inputs of a linear model: all real ones but commands behind a rate limit, which the model has follow at once and the machine does not.
+/// Inputs of a linear model: all real ones but commands subject to a rate limit, which the model has follow at once and the machine does not.
 fn inputs<'a>(interface: &'a Interface, plant: &Plant) -> Vec<&'a Variable> {
     let limited: Vec<String> = plant
         .machine()

@@ -430,7 +430,7 @@ fn wt45_the_turbine_in_wind() {
     let clock = std::time::Instant::now();
     let motion = plant.periodic(&turn, 1e-7).expect("a motion");
     println!(
-        "WT-45: {} states, {:.1e} after {} Newton steps and {} turns, {:.1} s",
+        "WT-45: {} states, {:.1e} after {} Newton steps and {} revolutions, {:.1} s",
         motion.states,
         motion.distance,
         motion.newton_steps,

@@ -312,7 +312,7 @@ impl Variants<'_> {
                     return Err(refused(name, "is not a real number"));
                 }
             },
-            (None, None) => return Err(refused(name, "is no input or parameter")),
+            (None, None) => return Err(refused(name, "is not an input or parameter")),
         };
         let step = if value == 0.0 { STEP } else { STEP * value.abs() };
         let parameter = Parameter::new(name, value, step, |value| self.plant(name, value))?;

@@ -206,8 +206,8 @@ Examples:
   foldwing operating-points wt.toml --wind-m-s 8 --solve-for speed_rpm=9:99 --target rotor.power=1e3
 
 --tip-speed-ratio, --speed-rpm, --solve-for and --target together give the schedule of a
-controller: below rated power the rotor speed of that ratio, up to the given maximum, above it the
-pitch for rated power.";
+controller: below rated power, the rotor speed for the tip speed ratio, up to --speed-rpm; above
+rated power, the pitch for rated power.";
 
 pub(super) const LINEARIZE: &str = "\
 Examples:
@@ -215,11 +215,11 @@ Examples:
   foldwing linearize wing.toml --state 0.3 --inputs load. --outputs tip.,gauge. -o wing.mat
   foldwing linearize wing.toml --state start --set fold.release=0 -o wing.json
 
-The file holds A, B, C, D with names, units and the values about which they are linear. States are
-the free coordinates and their rates. `examples/damp_latched_wing.py` designs a feedback on it and
-runs it against the FMU.";
+The file contains A, B, C, D with the names, units and values at the operating point. States are
+the free coordinates and their rates. `examples/damp_latched_wing.py` designs a feedback controller
+with this model and tests it with the FMU.";
 
 pub(super) const SCHEMA: &str = "\
-Example, and the first line of a model file that tells editors where its schema is:
+Example, and the line at the top of a model file by which editors find the schema:
   foldwing schema > foldwing.schema.json
   #:schema ./foldwing.schema.json";

@@ -177,7 +177,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut written = outlets.files();
     written.rotate_right(1);
     let written = match &written[..] {
-        [model, rest @ ..] if rest.len() > 2 => format!("{model} and {} files beside it", rest.len()),
+        [model, rest @ ..] if rest.len() > 2 => format!("{model} and {} files next to it", rest.len()),
         list => list.join(" and "),
     };
     print(&format!("wrote {written}; type next:\n{commands}"))

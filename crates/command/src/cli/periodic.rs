@@ -114,8 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let mut text = format!(
-        "{name}: periodic at {:.6} rpm, a turn of {:.6} s in {} steps\n{} states; periodic to {:.1e} after {} Newton \
-         steps and {} turns\n\n",
+        "{name}: periodic at {:.6} rpm, a revolution of {:.6} s in {} steps\n{} states; periodic to {:.1e} after {} Newton steps and {} revolutions\n\n",
         turn.speed_rad_s * 30.0 / PI,
         turn.period_s(),
         turn.steps,
@@ -170,7 +169,7 @@ fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     if !left_out.is_empty() {
         let _ = writeln!(
             text,
-            "not periodic within --tolerance, harmonics omitted (change over the turn): {}",
+            "not periodic within --tolerance, harmonics omitted (change over the revolution): {}",
             left_out.join(", ")
         );
     }

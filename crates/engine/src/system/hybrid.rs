@@ -239,8 +239,7 @@ impl Hybrid<'_> {
         }
     }
 
-    /// Applies the continuous inputs and tunable parameters from the present time on. Switches, rate limits, and commands behind a rate
-    /// limit, are applied by [`Hybrid::transition`]: they change discrete states. The work of moving commands and gravity on potentials,
+    /// Applies the continuous inputs and tunable parameters from the present time on. Switches, rate limits, and commands subject to a rate limit, are applied by [`Hybrid::transition`]: they change discrete states. The work of moving commands and gravity on potentials,
     /// and of changed stiffness, is not booked.
     pub fn follow_inputs(&mut self) {
         let system = &mut *self.system;

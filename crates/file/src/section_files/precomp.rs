@@ -51,7 +51,7 @@ pub(super) fn stations(text: &str) -> Result<Vec<Station>, StationFault> {
                 let due = COLUMNS.join(" ");
                 return Err(fault(
                     line,
-                    format!("columns {}; those of the general output are needed: {due}", names.join(" ")),
+                    format!("columns {}; the columns of the general output are needed: {due}", names.join(" ")),
                 ));
             }
             break;

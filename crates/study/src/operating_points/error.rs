@@ -45,7 +45,7 @@ pub enum PointsError {
         value: f64,
     },
     /// A wind against its direction.
-    #[error("wind_m_s {value}: must not be negative; its direction is that of the model's wind")]
+    #[error("wind_m_s {value}: must not be negative; the wind of the model gives the direction")]
     NegativeWind {
         /// The speed in m/s.
         value: f64,

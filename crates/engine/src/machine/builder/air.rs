@@ -282,7 +282,7 @@ impl GustBuilder {
         };
         let speed_m_s = self.speed_m_s.unwrap_or(wind_m_s.norm());
         if speed_m_s <= 0.0 {
-            let allowed = "a finite speed > 0 m/s; its default is that of wind_m_s";
+            let allowed = "a finite speed > 0 m/s; its default is the magnitude of wind_m_s";
             checker.refuse(&place("speed_m_s"), shortest(speed_m_s), allowed);
             return None;
         }

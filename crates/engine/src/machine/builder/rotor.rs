@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 /// rotor, with its stations and its sections' polars ([`SurfaceBuilder::blade`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorSettings {
-    /// Name of the body that turns with the blades; its inner end is the apex, where their axes meet the shaft.
+    /// Name of the body that rotates with the blades; its inner end is the apex, where their axes meet the shaft.
     pub hub: String,
     /// Direction of the shaft in the hub's frame, downwind, of any length but zero.
     pub shaft_axis: Vector3<f64>,
@@ -75,7 +75,7 @@ impl RotorSettings {
                     || "no rows".to_owned(),
                     |(a, b)| format!("angles from {} to {} rad", shortest(a.angle_rad), shortest(b.angle_rad)),
                 );
-                let allowed = "a polar from -pi to pi: a blade can meet the air from any side; viterna::extend adds what is missing";
+                let allowed = "a polar from -pi to pi: the flow at a blade can come from any side; viterna::extend adds what is missing";
                 checker.refuse_state(&["polar", name, "rows"], found, allowed);
                 return None;
             }

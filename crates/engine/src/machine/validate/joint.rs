@@ -46,7 +46,7 @@ pub(super) fn check(joint: &Joint, checker: &mut Checker) {
     let turned = joint.mount.transpose() * joint.mount - Matrix3::identity();
     let proper = turned.amax() <= 1e-9 && joint.mount.determinant() > 0.0;
     if !(proper && joint.mount.iter().copied().all(is_finite)) {
-        checker.refuse_state(&["joint", name, "mount"], "a matrix that is no rotation", "a rotation matrix");
+        checker.refuse_state(&["joint", name, "mount"], "a matrix that is not a rotation", "a rotation matrix");
         return;
     }
     if let Some((travel, own)) = joint.kind.one_freedom() {
