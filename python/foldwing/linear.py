@@ -204,7 +204,7 @@ class LinearModel:
     def discretize(self, dt: float) -> LinearModel:
         """Discretize with sampling time `dt` in s and zero-order hold: exact for piecewise constant inputs."""
         if self.dt is not None:
-            raise UsageError(f"discretize: the model is sampled already, every {self.dt:g} s")
+            raise UsageError(f"discretize: the model is already discrete, with steps of {self.dt:g} s")
         if not 0.0 < dt < float("inf"):
             raise UsageError(f"discretize({dt}): must be a positive, finite number of seconds")
         A, B = _native.discretized(self.A, self.B, dt)

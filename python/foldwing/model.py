@@ -249,7 +249,7 @@ class Model(RotorStudies, GradientStudies):
                     raise UsageError(f"settings: {name}: {given} for {count} components; give {', '.join(part.rsplit('.', 1)[-1] for part in parts)}")
                 chosen.extend(zip(parts, values.tolist()))
             elif name.startswith("file:"):
-                raise UsageError(f"settings: {name} is a key of the model file and no variable; use model.with_values({{{name!r}: {value!r}}})")
+                raise UsageError(f"settings: {name} is a key of the model file, not a variable; use model.with_values({{{name!r}: {value!r}}})")
             else:
                 chosen.append((name, cast(Start, self._in_own_unit(name, value))))
         return chosen
@@ -518,7 +518,7 @@ class Model(RotorStudies, GradientStudies):
         """Simulation at an operating point of `linearize`."""
         if isinstance(state, Simulation):
             if settings:
-                raise UsageError("settings: a simulation has its own; set its inputs and parameters before it starts")
+                raise UsageError("settings: a simulation has its own settings; set its inputs and parameters before it starts")
             return state
         simulation = Simulation(self, self._settings(settings))
         begin = self.simulation_times[0]
@@ -637,4 +637,4 @@ def _plain(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    raise UsageError(f"from_dict: {value!r} is no value of a model file")
+    raise UsageError(f"from_dict: {value!r} is not a value of a model file")

@@ -83,7 +83,7 @@ class Simulation(_native.Simulation):
         False
 
         Args:
-            port: port of this computer's loopback address; 0 takes any free one.
+            port: port of this computer's loopback address; 0 selects any free port.
             speed: simulated seconds per second of wall time; the page can change it.
             show: if false, start no browser; `Live.address` is the address of the page.
 

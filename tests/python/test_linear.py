@@ -73,7 +73,7 @@ def test_samples_are_those_of_the_step_response(wing):
         assert np.allclose(output, response[:, point], rtol=0, atol=1e-7 * np.abs(response).max(axis=1)), point
         state = sampled.A @ state + sampled.B[:, 0]
     assert sampled.to_control().dt == 1e-3
-    with pytest.raises(fw.UsageError, match="sampled already"):
+    with pytest.raises(fw.UsageError, match="already discrete"):
         sampled.discretize(1e-3)
 
 

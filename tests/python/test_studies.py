@@ -47,7 +47,7 @@ def test_mode_shapes_have_the_page_of_the_command(command, tmp_path):
     turn = turbine.periodic(12.1, outputs="body.blade1.deflection.*", count=2, perturbations=40)
     page = turn.view(tmp_path / "turn.html", show=False).read_text()
     assert "Floquet modes about the periodic motion at 12.1 rpm" in page
-    with pytest.raises(fw.UsageError, match="does not hold its model"):
+    with pytest.raises(fw.UsageError, match="does not contain its model"):
         goland.flutter_map("aero.density", [1.0, 1.2], [130.0, 140.0], count=2).results[0].view()
     with pytest.raises(fw.FoldwingError, match="no modes to draw"):
         goland.modes(0).view(tmp_path / "none.html", show=False)
