@@ -37,7 +37,7 @@ pub struct Arguments {
     /// With --fmi 3, use scalar variables with the names of FMI 2.0 instead of arrays, for importers that do not support arrays
     #[arg(long)]
     scalars: bool,
-    /// Add the linear model about a state: `start`, a time in s, or the equilibrium
+    /// Add the linear model about a state: `start`, a time in s, or `equilibrium`, which is used if no state is given
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
     /// Omit the reference results; the model is then not simulated

@@ -44,7 +44,7 @@ pub enum NoLinearLattice {
     #[error("wake_rows = 0 leaves no wake to linearise; set wake_rows to 1 or more")]
     NoWake,
     /// The root frame turns.
-    #[error("the root turns at {0} rad/s, so the wake is not straight; set the root's angular velocity to 0")]
+    #[error("the root rotates at {0} rad/s, so the wake is not straight; set the root's angular velocity to 0")]
     Turning(f64),
     /// Strips are beyond stall.
     #[error(
