@@ -238,7 +238,7 @@ class LinearModel:
             if dropped:
                 list_Hz = ", ".join(f"{abs(mode.eigenvalue_1_s) / (2.0 * np.pi):.4g}" for mode in dropped[:3])
                 rest = f" and {len(dropped) - 3} more" if len(dropped) > 3 else ""
-                advice = "" if band is not None else "balance for a band (max_frequency_Hz), "
+                advice = "" if band is not None else "balance for a frequency band (max_frequency_Hz), "
                 warnings.warn(
                     f"the reduced model omits modes at {list_Hz}{rest} Hz, below {end_Hz:.4g} Hz; {advice}keep more states, or take fewer inputs "
                     "and outputs",

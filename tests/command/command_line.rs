@@ -118,7 +118,7 @@ fn the_lattice_is_written_at_chosen_times() {
         let shed = surface["wake_circulation_m2_s"][0][5].as_f64().unwrap();
         assert!(shed != 0.0, "the moving wing sheds");
     }
-    refuses(&on_model("simulate", &run), 2, "not a vortex lattice");
+    refuses(&on_model("simulate", &run), 2, "has no vortex lattice");
     refuses(&on_model("simulate", &["--csv", "-", "--lattice", path]), 2, "--lattice-at");
 }
 
@@ -470,7 +470,7 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     refuses(
         &linearize("y.json", &["--inputs", "wind.velocity.y"]),
         2,
-        "linear models of lattices hold the aerodynamic loads constant",
+        "the linear model of a vortex lattice holds the aerodynamic loads constant",
     );
     assert!(succeeds(&foldwing(&["modes", tunnel])).contains("without air"));
     let file = path("vacuum.json");
@@ -538,7 +538,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     refuses(&on_model("linearize", &["--lattice", "-o", &path("z.json")]), 3, "only a vortex lattice");
     let bare = succeeds(&foldwing(&["modes", &model, "--count", "2"]));
     let blown = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice"]));
-    assert!(bare.contains("loads held constant") && blown.contains("with its vortex lattice"), "{bare}{blown}");
+    assert!(bare.contains("constant aerodynamic loads") && blown.contains("with its vortex lattice"), "{bare}{blown}");
     let judged = "stability: stable (with the vortex lattice: from the slowest modes in discrete time)";
     assert!(blown.contains(judged) && !bare.contains("with the vortex lattice"), "{bare}{blown}");
     let json = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice", "--json"]));

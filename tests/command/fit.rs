@@ -171,8 +171,8 @@ fn tables_and_options_that_do_not_fit_are_refused() {
         ("", &["--sigma", "fold.angle=1", "--value", "fold.latch_time=0.1"], 2, "fold.latch_time has none"),
         ("", &["--value", "fold.angle=1"], 2, "fold.angle: its measurements are given twice"),
         ("", &["--value", "fold.latch_tim=1"], 2, "measurement fold.latch_tim"),
-        ("", &["--value", "tip.position=1"], 2, "a name stands for several results"),
-        ("", &["--by", "fold.external_torque@0.1"], 2, "identified by Model.fit of the Python package"),
+        ("", &["--value", "tip.position=1"], 2, "a name selects several results"),
+        ("", &["--by", "fold.external_torque@0.1"], 2, "only Model.fit of the Python package"),
         ("", &["-o", "out.toml"], 2, "none of the numbers of --by is a key of the model file"),
         ("", &["--loss", "l2"], 2, "possible values: linear, soft_l1, huber, cauchy, arctan"),
     ];

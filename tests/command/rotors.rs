@@ -207,7 +207,7 @@ fn drives_pitch_the_blades_too() {
     let free = format!("{ROTOR}{AIR}").replace("motion = \"locked\"", "motor = { inertia_kg_m2 = 1.0 }");
     std::fs::write(folder.join("free.toml"), free).expect("a file");
     let output = call(folder, "operating-points free.toml --wind-m-s 8 --speed-rpm 40 --pitch-deg 6");
-    assert!(String::from_utf8_lossy(&output.stderr).contains("nothing holds its pitch"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("no motor holds its pitch angle"));
 }
 
 /// Gravity makes the rotor swing: the table has ranges, and they are those that `periodic` prints.

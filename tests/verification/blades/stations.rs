@@ -191,7 +191,7 @@ fn wt33_beamdyn_files() {
         (" 1\n", " 0\n", "station 2 at 0 after 0"),
         ("10000000 0 0 0 0 1000000000", "9000000 0 0 0 0 1000000000", "the stiffness is not symmetric"),
         ("200000000 0 0 0 0 10000000", "200000000 0 0 0 0 x", "\"x\" in the stiffness of station 1"),
-        (" 100 0 0 0 0 -10\n", " 90 0 0 0 0 -10\n", "the inertia is not that of a section"),
+        (" 100 0 0 0 0 -10\n", " 90 0 0 0 0 -10\n", "the matrix is not the inertia matrix of a section"),
     ] {
         assert!(blade.contains(found), "{found}");
         let fault = config::read_sections(&blade.replacen(found, due, 1)).unwrap_err();
@@ -288,7 +288,7 @@ fn wt34_tables_of_the_model_file() {
             "y_m = [1.0, 0.0, 0.0]",
             "'body.blade.axis.y_m': 1 is not allowed; allowed: 0 at the inner end",
         ),
-        ("twist_deg = [12.0, 6.0, 0.0]", "y_m = [0.0, 0.0, 19.0]", "leaves no length along x"),
+        ("twist_deg = [12.0, 6.0, 0.0]", "y_m = [0.0, 0.0, 19.0]", "no extent along x"),
         ("elements = 4", "elements = 4\ntwist_1_m = 0.1", "'body.blade.twist_1_m'"),
         ("elements = 4", "elements = 4\nwidth_taper = 0.1", "'body.blade.width_taper'"),
         ("elements = 4", "elements = 4\nouter_section = \"blade\"", "'body.blade.outer_section'"),

@@ -15,7 +15,7 @@ fn p95_impossible_tolerance_is_an_error() {
     let PlantError::NoConvergence { time_s, step_s, .. } = &error else { panic!("{error}") };
     assert_eq!(*time_s, plant.time_s(), "the plant must stand at the last good time");
     assert_eq!(plant.outputs().time_s, plant.time_s());
-    assert!(*step_s < 2e-3 && error.to_string().contains("exceeds tolerance"), "{error}");
+    assert!(*step_s < 2e-3 && error.to_string().contains("exceeds the tolerance"), "{error}");
     assert!(plant.outputs().joints()[0].angle_rad.is_finite());
 }
 

@@ -382,7 +382,7 @@ fn wt44_refusals() {
     // a second joint that moves by a law
     let mut moved = swing.clone();
     hinge_mut(&mut moved, "lag").motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 1.0]));
-    refused(&moved, Some("shaft"), 1.0, &["joint lag", "law of time"]);
+    refused(&moved, Some("shaft"), 1.0, &["joint lag", "prescribed motion"]);
     // so slow that a turn takes two years: the hinge is at rest at every azimuth
     let slow = Swing { speed_rad_s: 1e-7, ..SWING };
     let mut found = find(&swing, Some("shaft"), slow.speed_rad_s, 144, 0).expect("a motion");

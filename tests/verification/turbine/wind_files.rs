@@ -68,8 +68,11 @@ fn wt39_wind_from_files() {
         ("reference_length_m = 126.0\ntable_file = \"bad.wnd\"", ["wind.table_file", "bad.wnd", "line 2: 3 columns"]),
         ("field_file = \"none.bts\"", ["wind.field_file", "none.bts", "a full field of TurbSim or Bladed"]),
         ("field_file = \"hub.wnd\"", ["wind.field_file", "hub.wnd", "identifier"]),
-        ("field = \"AAAA\"", ["wind.field", "identifier is 0", "a whole file of TurbSim"]),
-        ("field_from = \"port\"\nfield_file = \"wind.bts\"", ["wind.field_from", "one of TurbSim contains it", ""]),
+        ("field = \"AAAA\"", ["wind.field", "identifier is 0", "a complete file of TurbSim"]),
+        (
+            "field_from = \"port\"\nfield_file = \"wind.bts\"",
+            ["wind.field_from", "a field of TurbSim contains this value", ""],
+        ),
         ("field_centre_height_m = 80.0", ["wind.field_centre_height_m", "a field of Bladed", ""]),
         ("field = \"A*AA\"", ["wind.field", "base64", "field_file"]),
         ("shear_exponent = 0.2\nfield_file = \"wind.bts\"", ["wind.field", "one of shear_exponent", "turbulence"]),
