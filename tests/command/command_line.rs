@@ -454,7 +454,7 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let tunnel = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/folding_wing_in_tunnel.toml");
     let linearize = |file: &str, more: &[&str]| foldwing(&[&["linearize", tunnel, "-o", &path(file)], more].concat());
-    assert!(succeeds(&linearize("x.json", &[])).contains("without air"));
+    assert!(succeeds(&linearize("x.json", &[])).contains("with constant aerodynamic loads"));
     let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path("x.json")).unwrap()).unwrap();
     assert_eq!(json["without_air"], true);
     let inputs = json["inputs"].as_array().unwrap();
@@ -472,9 +472,12 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
         2,
         "the linear model of a vortex lattice holds the aerodynamic loads constant",
     );
-    assert!(succeeds(&foldwing(&["modes", tunnel])).contains("without air"));
+    assert!(succeeds(&foldwing(&["modes", tunnel])).contains("with constant aerodynamic loads"));
     let file = path("vacuum.json");
-    assert!(!succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file])).contains("without air"));
+    assert!(
+        !succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file]))
+            .contains("with constant aerodynamic loads")
+    );
 }
 
 /// With `--lattice` linear models and modes include the vortex lattice, in discrete time: wind and a travelling gust are inputs, the file
@@ -549,7 +552,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let long = small.replace("wake_rows = 10", "wake_rows = 2000");
     std::fs::write(path("long.toml"), long).unwrap();
     let refused = foldwing(&["linearize", &path("long.toml"), "--lattice", "-o", &path("z.json")]);
-    refuses(&refused, 3, "at most 8000 are allowed: use fewer wake_rows");
+    refuses(&refused, 3, "at most 8000 states are allowed: use fewer wake_rows");
     // a gust that blows on the wing would be a part of the steady flow
     let gust = "[gust.early]\nshape = \"sharp_edge\"\nvelocity_m_s = [0.0, 0.0, 0.1]\n";
     for (origin_m, is_refused) in [("[0.0, 0.0, 0.0]", true), ("[0.0, 1.0, 0.0]", false)] {
@@ -589,7 +592,7 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     let goland = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/goland_wing.toml");
     let inputs = ["--inputs", "wind.velocity.z,gust.z", "--outputs", "tip."];
     let said = succeeds(&foldwing(&[&["linearize", goland, "-o", &path("x.json")], &inputs[..]].concat()));
-    assert!(said.contains("in air") && !said.contains("without"), "{said}");
+    assert!(said.contains("with aerodynamics") && !said.contains("constant"), "{said}");
     let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path("x.json")).unwrap()).unwrap();
     assert_eq!(json["without_air"], false);
     let names = |of: &str| -> Vec<String> {
@@ -607,7 +610,7 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
             .fold(0.0, f64::max)
     };
     assert!(size("B") > 0.0);
-    assert!(succeeds(&foldwing(&["modes", goland])).contains("in air"));
+    assert!(succeeds(&foldwing(&["modes", goland])).contains("with aerodynamics"));
     let fluttering = foldwing(&["modes", goland, "--set", "wind.velocity.y=-145", "--count", "4"]);
     assert!(succeeds(&fluttering).contains("UNSTABLE"));
     let csv = path("modes.csv");
@@ -802,7 +805,7 @@ fn a_body_that_a_loop_leaves_a_motion_is_told() {
     refuses(
         &refused,
         3,
-        "joint \"free\": its body is held by loops only, which allow a motion; add a spring to a joint of the loops",
+        "joint \"free\": its body is held by loops only, which leave a motion free; add a spring to a joint of the loops",
     );
 }
 
@@ -1035,7 +1038,7 @@ fn trim_flies_a_steady_turn() {
     let refused = |text: &str, arguments: &[&str]| refuses(&foldwing(arguments), 2, text);
     let wing = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");
     let held = ["trim", wing, "--solve-for", "wind.velocity.z", "--target", "root.force.z=0", "--set", "turn.rate=0.1"];
-    refused("only a machine on a free joint can fly a turn", &held);
+    refused("only a machine on a free joint can fly a steady turn", &held);
     refused("the value is not a finite number", &[&straight[..], &["--set", "turn.rate=nan"]].concat());
     let moved = [&turn[..], &["--set", "root.angular_velocity.z=0.1"]].concat();
     refused("a turn sets root.acceleration and root.angular_velocity", &moved);

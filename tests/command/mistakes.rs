@@ -119,7 +119,12 @@ const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     ),
     (&["simulate", "wing.toml", "--set", "fold.strat_angle=1"], "fold.strat_angle", "fold.start_angle", 2),
     (&["simulate", "wing.toml", "--set", "fold.angle=1"], "fold.angle=1", "only inputs and parameters can", 2),
-    (&["simulate", "wing.toml", "--set", "file:solver.tolerance=1"], "file:solver.tolerance=1", "`foldwing sweep`", 2),
+    (
+        &["simulate", "wing.toml", "--set", "file:solver.tolerance=1"],
+        "file:solver.tolerance=1",
+        "`foldwing sweep --vary`",
+        2,
+    ),
     (&["simulate", "wing.toml", "--csv", "wing.toml"], "wing.toml", "name another file", 2),
     (&["simulate", "wing.toml", "--csv", "x.csv", "--profile", "x.csv"], "x.csv", "name another file", 2),
     (&["simulate", "wing.toml", "--step", "0"], "--step", "the step must be positive", 2),

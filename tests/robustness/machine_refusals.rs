@@ -329,7 +329,7 @@ fn joints() {
             (
                 |m| (fold(m).start_rate_rad_s, fold(m).release) = (1.0, false),
                 "joint \"fold\", start_rate_rad_s",
-                "a rate of 0 rad/s where the joint is locked",
+                "a rate of 0 rad/s if the joint is locked",
             ),
             (
                 |m| (fold(m).motion, fold(m).latch) = (JointMotion::Prescribed(Motion::Polynomial(vec![])), None),
@@ -651,7 +651,10 @@ fn parts_by_name() {
             inner().body(beam("outer"), fold().on("iner")),
             "joint \"fold\", parent: \"iner\" is not allowed; allowed: the root or a body: \"root\" or \"inner\" or \"outer\"",
         ),
-        (inner().body(beam("outer"), fold().on("mount")), "a body, not a joint (\"mount\" holds \"inner\")"),
+        (
+            inner().body(beam("outer"), fold().on("mount")),
+            "a body, not a joint (joint \"mount\" has the child \"inner\")",
+        ),
         (
             inner().body(beam("outer"), fold().on("outer")),
             "joint \"fold\", parent: \"outer\" is not allowed; allowed: a chain of parents that ends at the root; here \

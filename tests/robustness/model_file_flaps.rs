@@ -57,7 +57,7 @@ fn flaps_that_cannot_be() {
         &replaced("[control_surface.f]\nbody = \"inner\"", "[control_surface.f]\nbody = \"iner\""),
         &["control_surface.f.body", "inner"],
     );
-    refused(&replaced(AIR, ""), &["air"]);
+    refused(&replaced(AIR, ""), &["aerodynamics"]);
     let second = |text: &str| {
         format!(
             "{text}{}",

@@ -85,14 +85,12 @@ fn universal_axes() {
     );
     assert_eq!(
         message(&format!("{UNIVERSAL}\nbody_axis = [0, 1, 0.04]")),
-        "wing.toml:32: key 'joint.fold.body_axis': [0, 1, 0.04] is not allowed; allowed: an array of 3 finite numbers \
-         that is not parallel to axis after mount_rotation_deg"
+        "wing.toml:32: key 'joint.fold.body_axis': [0, 1, 0.04] is not allowed; allowed: an array of 3 finite numbers that after mount_rotation_deg is not parallel to axis"
     );
     // a quarter turn about x brings the body's −z onto the parent's y
     assert_eq!(
         message(&format!("{UNIVERSAL}\nmount_rotation_deg = [90, 0, 0]\nbody_axis = [0, 0, -1]")),
-        "wing.toml:33: key 'joint.fold.body_axis': [0, 0, -1] is not allowed; allowed: an array of 3 finite numbers \
-         that is not parallel to axis after mount_rotation_deg"
+        "wing.toml:33: key 'joint.fold.body_axis': [0, 0, -1] is not allowed; allowed: an array of 3 finite numbers that after mount_rotation_deg is not parallel to axis"
     );
 }
 

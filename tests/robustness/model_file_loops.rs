@@ -136,7 +136,7 @@ fn penalties_of_a_loop() {
 fn loops_that_are_open_at_the_start() {
     assert_eq!(
         message_of(&model(1.0, CLOSED)),
-        "wing.toml:56: key 'loop.pin': a gap of 0.001754 m, from one point to the other [0.000190, 0.000000, \
+        "wing.toml:56: key 'loop.pin': a gap of 0.001754 m, from the first point to the second [0.000190, 0.000000, \
          0.001744], is not allowed; allowed: points that coincide in the unstrained machine at its start angles within \
          1.5e-4 m, 0.001 of the length of the longer body"
     );
@@ -144,7 +144,7 @@ fn loops_that_are_open_at_the_start() {
         model(0.0, CLOSED).replace("load_stations = 4", "load_stations = 4\nnatural_curvature_1_m = [0, 0, 20.943951]");
     assert_eq!(
         message_of(&curved),
-        "wing.toml:57: key 'loop.pin': a gap of 0.092571 m, from one point to the other [0.058650, 0.071621, \
+        "wing.toml:57: key 'loop.pin': a gap of 0.092571 m, from the first point to the second [0.058650, 0.071621, \
          0.000000], is not allowed; allowed: points that coincide in the unstrained machine at its start angles within \
          1.5e-4 m, 0.001 of the length of the longer body"
     );

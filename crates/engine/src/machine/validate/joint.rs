@@ -270,7 +270,7 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
     }
     let second = joint.mount * body_axis;
     if parent_axis.dot(&second).abs() > PARALLEL {
-        let allowed = "an array of 3 finite numbers that is not parallel to axis after mount_rotation";
+        let allowed = "an array of 3 finite numbers that after mount_rotation is not parallel to axis";
         checker.refuse(&place("body_axis"), array_text(body_axis.as_slice()), allowed);
         return;
     }
