@@ -24,7 +24,7 @@ def library() -> str:
     for name in ["libfoldwing_fmu.so", "foldwing_fmu.dll", "libfoldwing_fmu.dylib"]:
         if (folder / name).is_file():
             return str(folder / name)
-    raise FilesError(f"{folder}: holds no library for FMUs; install the wheel, or give libraries")
+    raise FilesError(f"{folder}: contains no library for FMUs; install the wheel, or give libraries")
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ class _Runs:
         self.trials = Trials(model, inputs, option="inputs", results=self.of, stop=stop, settings=settings, inputs=stimulus)
         found = self.trials.gradient(self.trials.values, self.of)
         if len(found.of) != len(self.of):
-            raise UsageError(f"outputs: {', '.join(self.of)} stand for {len(found.of)} results; name each result")
+            raise UsageError(f"outputs: {', '.join(self.of)} select {len(found.of)} results; name each result")
 
     @property
     def count(self) -> int:

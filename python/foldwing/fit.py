@@ -102,7 +102,7 @@ def _columns(data: Any) -> Tuple[Dict[str, Any], Array]:
     times = np.atleast_1d(np.asarray(columns.pop("time", []), dtype=np.float64))
     arrays = [name for name, column in columns.items() if np.ndim(column) > 0]
     if arrays and not len(times):
-        raise UsageError(f"data: {arrays[0]} is an array without an entry `time` in s beside it")
+        raise UsageError(f"data: {arrays[0]} is an array, but there is no entry `time` in s")
     if not np.isfinite(times).all() or (np.diff(times) <= 0.0).any():
         raise UsageError("data: `time` must increase")
     return columns, times
@@ -113,10 +113,10 @@ def _sigma(sigma: Union[None, float, Mapping[str, float]], name: str) -> Optiona
         return None
     if isinstance(sigma, Mapping):
         if name not in sigma:
-            raise UsageError(f"sigma: {name} has none; give one for each measured name, or one number for all")
+            raise UsageError(f"sigma: no value for {name}; give one for each measured name, or one number for all")
         sigma = sigma[name]
     if not np.isfinite(sigma) or sigma <= 0.0:
-        raise UsageError(f"sigma: {name} has {sigma!r}; a standard deviation is positive")
+        raise UsageError(f"sigma: {name} is {sigma!r}; a standard deviation must be positive")
     return float(sigma)
 
 
@@ -145,12 +145,12 @@ def fit(
     def run(x: Array, by: Sequence[str]) -> Gradient:
         found = trials.gradient(x, measured.names, by)
         if len(found.of) != len(measured.names):
-            raise UsageError(f"data: {', '.join(measured.names[:3])} stand for {len(found.of)} results; name each measurement")
+            raise UsageError(f"data: {', '.join(measured.names[:3])} select {len(found.of)} results; name each measurement")
         return found
 
     first = trials.first(start)
     if len(measured.values) < len(names):
-        raise UsageError(f"data: {len(measured.values)} measurements cannot determine {len(names)} numbers; give more rows, or free fewer")
+        raise UsageError(f"data: {len(measured.values)} measurements cannot determine {len(names)} numbers; give more rows, or identify fewer numbers")
     if max_runs < 1:
         raise UsageError(f"max_runs={max_runs!r}: must be at least 1")
     # within the bounds and the range of each variable; the run rejects a start outside the range

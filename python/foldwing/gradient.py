@@ -273,5 +273,5 @@ def _listed(names: Names) -> List[str]:
 
 def _place(names: List[str], name: str, kind: str) -> int:
     if name not in names:
-        raise KeyError(f"no {kind} is named {name}; there are {', '.join(names)}")
+        raise KeyError(f"no {kind} is named {name}; available are {', '.join(names)}")
     return names.index(name)

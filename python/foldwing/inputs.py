@@ -41,14 +41,14 @@ def table_of(model: Model, given: Stimulus, times: Array) -> Tuple[Optional[_nat
     if given is None:
         return None, None
     if callable(given):
-        raise UsageError("inputs: a function of the simulation serves simulate alone; give functions of time by name")
+        raise UsageError("inputs: only simulate takes a function of the simulation; give functions of time by name")
     courses = _courses(given)
     base = courses.pop("time", None)
     functions = [name for name, course in courses.items() if callable(course)]
     if base is None:
         rows = [name for name, course in courses.items() if not callable(course) and np.ndim(course) > 0]
         if rows:
-            raise UsageError(f"inputs: {rows[0]} is an array without an entry `time` in s beside it")
+            raise UsageError(f"inputs: {rows[0]} is an array, but there is no entry `time` in s")
     at = times if functions or base is None else _column("time", base)
     columns: Dict[str, Array] = {}
     for name, course in courses.items():

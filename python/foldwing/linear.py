@@ -206,7 +206,7 @@ class LinearModel:
     def discretize(self, dt: float) -> LinearModel:
         """Discretize with sampling time `dt` in s and zero-order hold: exact for piecewise constant inputs."""
         if self.dt is not None:
-            raise UsageError(f"discretize: the model is sampled already, every {self.dt:g} s")
+            raise UsageError(f"discretize: the model is already discrete, with steps of {self.dt:g} s")
         if not 0.0 < dt < float("inf"):
             raise UsageError(f"discretize({dt}): must be a positive, finite number of seconds")
         A, B = _native.discretized(self.A, self.B, dt)
@@ -240,9 +240,9 @@ class LinearModel:
             if dropped:
                 list_Hz = ", ".join(f"{abs(mode.eigenvalue_1_s) / (2.0 * np.pi):.4g}" for mode in dropped[:3])
                 rest = f" and {len(dropped) - 3} more" if len(dropped) > 3 else ""
-                advice = "" if band is not None else "balance for a band (max_frequency_Hz), "
+                advice = "" if band is not None else "balance for a frequency band (max_frequency_Hz), "
                 warnings.warn(
-                    f"the reduced model has no mode at {list_Hz}{rest} Hz, below {end_Hz:.4g} Hz; {advice}keep more states, or take fewer inputs "
+                    f"the reduced model omits modes at {list_Hz}{rest} Hz, below {end_Hz:.4g} Hz; {advice}keep more states, or take fewer inputs "
                     "and outputs",
                     stacklevel=2,
                 )

@@ -109,7 +109,7 @@ class Live:
 def start(text: str, state: bytes, port: int, speed: float, show: bool) -> Live:
     """Start a live simulation and show its page, unless `show` is false."""
     if not 0 <= port <= 65535:
-        raise UsageError(f"port={port}: must be from 0 to 65535; 0 takes any free one")
+        raise UsageError(f"port={port}: must be from 0 to 65535; 0 selects any free port")
     if not 1e-3 <= speed <= 100.0:
         raise UsageError(f"speed={speed}: must be from 0.001 to 100 simulated seconds per second")
     live = Live(text, state, port, speed)

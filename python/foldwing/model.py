@@ -47,7 +47,7 @@ def load(path: Union[str, os.PathLike[str]]) -> Model:
     except OSError as error:
         raise FilesError(f"{file}: cannot be read: {error}") from error
     if content.startswith(b"PK\x03\x04"):
-        raise UsageError(f"{file}: is an archive, as FMUs are, not a model file; `foldwing run` runs FMUs")
+        raise UsageError(f"{file}: is a ZIP archive such as an FMU, not a model file; `foldwing run` runs FMUs")
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
@@ -252,7 +252,7 @@ class Model(RotorStudies, GradientStudies):
                     raise UsageError(f"settings: {name}: {given} for {count} components; give {', '.join(part.rsplit('.', 1)[-1] for part in parts)}")
                 chosen.extend(zip(parts, values.tolist()))
             elif name.startswith("file:"):
-                raise UsageError(f"settings: {name} is a key of the model file and no variable; use model.with_values({{{name!r}: {value!r}}})")
+                raise UsageError(f"settings: {name} is a key of the model file, not a variable; use model.with_values({{{name!r}: {value!r}}})")
             else:
                 chosen.append((name, cast(Start, self._in_own_unit(name, value))))
         return chosen
@@ -522,7 +522,7 @@ class Model(RotorStudies, GradientStudies):
         """Simulation at an operating point of `linearize`."""
         if isinstance(state, Simulation):
             if settings:
-                raise UsageError("settings: a simulation has its own; set its inputs and parameters before it starts")
+                raise UsageError("settings: a simulation has its own settings; set its inputs and parameters before it starts")
             return state
         simulation = Simulation(self, self._settings(settings))
         begin = self.simulation_times[0]
@@ -611,7 +611,7 @@ class Model(RotorStudies, GradientStudies):
         Args:
             output: output file, ending in `.fmu`.
             linear: operating point of a linear model to include: `start`, `equilibrium`, or a time in s.
-            fmi: version of FMI, 2 or 3; with 3, stations and vectors are arrays, the latch is an event, and reference results are omitted.
+            fmi: version of FMI, 2 or 3; with 3, stations and vectors are arrays, latch closings are events, and reference results are omitted.
             interface: `cs` (co-simulation), `me` (Model Exchange), or both: `("cs", "me")`.
             scalars: with `fmi=3`, scalars under the names of FMI 2.0 instead of arrays.
             reference: run the default simulation for the reference results in the FMU.
@@ -641,4 +641,4 @@ def _plain(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    raise UsageError(f"from_dict: {value!r} is no value of a model file")
+    raise UsageError(f"from_dict: {value!r} is not a value of a model file")

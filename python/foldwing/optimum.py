@@ -97,7 +97,7 @@ class _Search:
         except (ModelError, SimulationError, StaticsError) as error:
             raise _Failed(x, str(error)) from error
         if len(found.of) != len(self.of):
-            raise UsageError(f"objective and constraints: {', '.join(self.of)} stand for {len(found.of)} results; name each result")
+            raise UsageError(f"objective and constraints: {', '.join(self.of)} select {len(found.of)} results; name each result")
         # for `peak(...)` the magnitude counts
         signs = np.array([-1.0 if name.startswith("peak(") and value < 0.0 else 1.0 for name, value in zip(self.of, found.values)])
         return signs * found.values, signs[:, None] * found.jacobian
@@ -145,7 +145,7 @@ def optimize(
     """See `Model.optimize`."""
     weights = {objective: 1.0} if isinstance(objective, str) else {name: float(weight) for name, weight in objective.items()}
     if not weights:
-        raise UsageError("objective: there is no result")
+        raise UsageError("objective: no result is named")
     limits = {name: _limits(name, pair) for name, pair in (constraints or {}).items()}
     trials = Trials(model, free, option="free", results=list(weights), stop=stop, settings=settings, inputs=inputs)
     first = trials.first(start)

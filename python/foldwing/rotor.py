@@ -149,7 +149,7 @@ class RotorStudies:
         """
         names = [] if outputs is None else [outputs] if isinstance(outputs, str) else list(outputs)
         if (solve_for is None) != (target is None):
-            raise UsageError("solve_for= and target= are needed together")
+            raise UsageError("solve_for= and target= must be given together")
         if solve_for is not None and (len(solve_for) != 3 or solve_for[0] not in ("pitch_deg", "speed_rpm")):
             raise UsageError(f'solve_for={solve_for!r}: must be ("pitch_deg", begin, end) or ("speed_rpm", begin, end)')
         with bar(progress) as told:
@@ -225,7 +225,7 @@ class Periodic(Shapes):
             patterns = [names] if isinstance(names, str) else list(names)
             chosen = [name for name in self._places if any(fnmatch.fnmatchcase(name, pattern.replace("[", "[[]")) for pattern in patterns)]
         if not chosen:
-            raise UsageError(f"plot: none of the outputs matches {names!r}; there are {', '.join(list(self._places)[:8])}, …")
+            raise UsageError(f"plot: none of the outputs matches {names!r}; available are {', '.join(list(self._places)[:8])}, …")
         units = {output["name"]: output["unit"] for output in self.data["outputs"]}
         groups: Dict[str, List[str]] = {}
         for name in chosen:
@@ -249,7 +249,7 @@ class Periodic(Shapes):
 
     def _place(self, name: str) -> int:
         if name not in self._places:
-            raise KeyError(f"{name}: not among the outputs of this motion; there are {', '.join(list(self._places)[:8])}, …")
+            raise KeyError(f"{name}: not among the outputs of this motion; available are {', '.join(list(self._places)[:8])}, …")
         return self._places[name]
 
     def __repr__(self) -> str:
@@ -376,7 +376,7 @@ class OperatingPoints:
 
     def _column(self, name: str, part: str) -> NDArray[np.float64]:
         if name not in self._places:
-            raise KeyError(f"{name}: not among the outputs of these points; there are {', '.join(list(self._places)[:8])}, …")
+            raise KeyError(f"{name}: not among the outputs of these points; available are {', '.join(list(self._places)[:8])}, …")
         place = self._places[name]
         return _numbers([point[part][place] if point[part] else None for point in self.data["points"]])
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .model import Model
 
 
-_VERDICTS = {True: "stable", False: "UNSTABLE", None: "stability not judged"}
+_VERDICTS = {True: "stable", False: "UNSTABLE", None: "stability not determined"}
 
 
 class Equilibrium:
@@ -288,7 +288,7 @@ def _named(entries: List[Dict[str, Any]], name: str) -> Dict[str, Any]:
     for entry in entries:
         if entry["name"] == name:
             return entry
-    raise KeyError(f"no body is named {name}; there are {', '.join(entry['name'] for entry in entries)}")
+    raise KeyError(f"no body is named {name}; available are {', '.join(entry['name'] for entry in entries)}")
 
 
 def _numbers(values: List[Any]) -> NDArray[np.float64]:

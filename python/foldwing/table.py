@@ -107,7 +107,7 @@ def grid_of(variants: Any, grid: bool) -> Tuple[List[str], List[List[str]]]:
         raise UsageError("variants: must be a mapping of keys to values, or a DataFrame")
     axes = [[values] if np.ndim(values) == 0 else list(values) for values in variants.values()]
     if not grid and len({len(axis) for axis in axes}) > 1:
-        raise UsageError(f"variants: {', '.join(str(len(axis)) for axis in axes)} values for the keys; without a grid all are equal")
+        raise UsageError(f"variants: {', '.join(str(len(axis)) for axis in axes)} values for the keys; without a grid all keys need the same number of values")
     rows = itertools.product(*axes) if grid else zip(*axes)
     return [str(key) for key in variants], [[written(value) for value in row] for row in rows]
 

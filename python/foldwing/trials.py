@@ -51,7 +51,7 @@ class Trials:
             self.inputs = {"time": np.array(times), **{name: np.array(values) for name, values in given.items()}}
         asked: Bounds = dict(free) if isinstance(free, Mapping) else {str(name): None for name in ([free] if isinstance(free, str) else free)}
         if not asked:
-            raise UsageError(f"{option}: there is no number")
+            raise UsageError(f"{option}: no number is named")
         own = model.gradient(list(results)[:1], list(asked), stop=stop, settings=self.given, inputs=self.inputs)
         self.names: List[str] = own.by
         """Names of the numbers."""
@@ -62,7 +62,7 @@ class Trials:
         rows = [name for name in self.names if "@" in name and name.rsplit("@", 1)[0] in every]
         singles = [name for name in self.names if name not in rows]
         if len(singles) != len(plain):
-            raise UsageError(f"{option}: {', '.join(plain)} stand for {', '.join(singles)}; name each number")
+            raise UsageError(f"{option}: {', '.join(plain)} select {', '.join(singles)}; name each number")
         limits = {**{name: every[name.rsplit("@", 1)[0]] for name in rows}, **dict(zip(singles, (asked[name] for name in plain)))}
         pairs = [limits[name] or (-np.inf, np.inf) for name in self.names]
         self.bounds: Array = np.array(pairs, dtype=np.float64)
@@ -118,7 +118,7 @@ class Trials:
         given = dict(start or {})
         unknown = [name for name in given if name not in self.names]
         if unknown:
-            raise UsageError(f"start: {unknown[0]} is not free; there are {', '.join(self.names)}")
+            raise UsageError(f"start: {unknown[0]} is not free; free are {', '.join(self.names)}")
         first = np.array([given.get(name, value) for name, value in zip(self.names, self.values)], dtype=np.float64)
         for name, value, (lower, upper) in zip(self.names, first, self.bounds):
             if not lower <= value <= upper:
@@ -154,7 +154,7 @@ class Found:
 
     def __getitem__(self, name: str) -> float:
         if name not in self.names:
-            raise KeyError(f"{name} was not free; there are {', '.join(self.names)}")
+            raise KeyError(f"{name} was not free; free were {', '.join(self.names)}")
         return float(self.values[self.names.index(name)])
 
     @property

@@ -45,7 +45,7 @@ class Shapes:
             UsageError: if the result is one of `Model.flutter_map`, or was not created by a model.
         """
         if self._source is None:
-            raise UsageError("no page: this result does not hold its model; call Model.modes, Model.flutter or Model.periodic")
+            raise UsageError("no page: this result does not contain its model; call Model.modes, Model.flutter or Model.periodic")
         model, method, arguments = self._source
         page: str = getattr(model._native, method)(*arguments)
         return page

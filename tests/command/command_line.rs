@@ -118,7 +118,7 @@ fn the_lattice_is_written_at_chosen_times() {
         let shed = surface["wake_circulation_m2_s"][0][5].as_f64().unwrap();
         assert!(shed != 0.0, "the moving wing sheds");
     }
-    refuses(&on_model("simulate", &run), 2, "not a vortex lattice");
+    refuses(&on_model("simulate", &run), 2, "has no vortex lattice");
     refuses(&on_model("simulate", &["--csv", "-", "--lattice", path]), 2, "--lattice-at");
 }
 
@@ -454,7 +454,7 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let tunnel = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/folding_wing_in_tunnel.toml");
     let linearize = |file: &str, more: &[&str]| foldwing(&[&["linearize", tunnel, "-o", &path(file)], more].concat());
-    assert!(succeeds(&linearize("x.json", &[])).contains("without air"));
+    assert!(succeeds(&linearize("x.json", &[])).contains("with constant aerodynamic loads"));
     let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path("x.json")).unwrap()).unwrap();
     assert_eq!(json["without_air"], true);
     let inputs = json["inputs"].as_array().unwrap();
@@ -470,11 +470,14 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     refuses(
         &linearize("y.json", &["--inputs", "wind.velocity.y"]),
         2,
-        "linear models of lattices hold the aerodynamic loads constant",
+        "the linear model of a vortex lattice holds the aerodynamic loads constant",
     );
-    assert!(succeeds(&foldwing(&["modes", tunnel])).contains("without air"));
+    assert!(succeeds(&foldwing(&["modes", tunnel])).contains("with constant aerodynamic loads"));
     let file = path("vacuum.json");
-    assert!(!succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file])).contains("without air"));
+    assert!(
+        !succeeds(&on_model("linearize", &["--set", "fold.release=0", "-o", &file]))
+            .contains("with constant aerodynamic loads")
+    );
 }
 
 /// With `--lattice` linear models and modes include the vortex lattice, in discrete time: wind and a travelling gust are inputs, the file
@@ -497,7 +500,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
         foldwing(&[&["linearize", model.as_str(), "-o", &path(file)], &inputs[..], more].concat())
     };
     let said = succeeds(&linearize("x.json", &[]));
-    assert!(said.contains("in air, in discrete time with steps of 0.0025 s"), "{said}");
+    assert!(said.contains("with the vortex lattice, in discrete time with steps of 0.0025 s"), "{said}");
     let read = |name: &str| -> serde_json::Value {
         serde_json::from_str(&std::fs::read_to_string(path(name)).unwrap()).unwrap()
     };
@@ -538,7 +541,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     refuses(&on_model("linearize", &["--lattice", "-o", &path("z.json")]), 3, "only a vortex lattice");
     let bare = succeeds(&foldwing(&["modes", &model, "--count", "2"]));
     let blown = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice"]));
-    assert!(bare.contains("loads held constant") && blown.contains("with its vortex lattice"), "{bare}{blown}");
+    assert!(bare.contains("constant aerodynamic loads") && blown.contains("with its vortex lattice"), "{bare}{blown}");
     let judged = "stability: stable (with the vortex lattice: from the slowest modes in discrete time)";
     assert!(blown.contains(judged) && !bare.contains("with the vortex lattice"), "{bare}{blown}");
     let json = succeeds(&foldwing(&["modes", &model, "--count", "2", "--lattice", "--json"]));
@@ -549,14 +552,14 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let long = small.replace("wake_rows = 10", "wake_rows = 2000");
     std::fs::write(path("long.toml"), long).unwrap();
     let refused = foldwing(&["linearize", &path("long.toml"), "--lattice", "-o", &path("z.json")]);
-    refuses(&refused, 3, "at most 8000 are allowed: use fewer wake_rows");
+    refuses(&refused, 3, "at most 8000 states are allowed: use fewer wake_rows");
     // a gust that blows on the wing would be a part of the steady flow
     let gust = "[gust.early]\nshape = \"sharp_edge\"\nvelocity_m_s = [0.0, 0.0, 0.1]\n";
     for (origin_m, is_refused) in [("[0.0, 0.0, 0.0]", true), ("[0.0, 1.0, 0.0]", false)] {
         std::fs::write(path("gust.toml"), format!("{small}\n{gust}origin_m = {origin_m}\n")).unwrap();
         let said = foldwing(&["modes", &path("gust.toml"), "--count", "2", "--lattice"]);
         if is_refused {
-            refuses(&said, 3, "gust \"early\" is over the surfaces at this time");
+            refuses(&said, 3, "gust \"early\" acts on the surfaces at this time");
         } else {
             succeeds(&said);
         }
@@ -589,7 +592,7 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     let goland = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/goland_wing.toml");
     let inputs = ["--inputs", "wind.velocity.z,gust.z", "--outputs", "tip."];
     let said = succeeds(&foldwing(&[&["linearize", goland, "-o", &path("x.json")], &inputs[..]].concat()));
-    assert!(said.contains("in air") && !said.contains("without"), "{said}");
+    assert!(said.contains("with aerodynamics") && !said.contains("constant"), "{said}");
     let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path("x.json")).unwrap()).unwrap();
     assert_eq!(json["without_air"], false);
     let names = |of: &str| -> Vec<String> {
@@ -607,7 +610,7 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
             .fold(0.0, f64::max)
     };
     assert!(size("B") > 0.0);
-    assert!(succeeds(&foldwing(&["modes", goland])).contains("in air"));
+    assert!(succeeds(&foldwing(&["modes", goland])).contains("with aerodynamics"));
     let fluttering = foldwing(&["modes", goland, "--set", "wind.velocity.y=-145", "--count", "4"]);
     assert!(succeeds(&fluttering).contains("UNSTABLE"));
     let csv = path("modes.csv");
@@ -650,8 +653,8 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     assert!(folder.path().join("p/root_locus.svg").exists());
 }
 
-/// Mode shapes: a page and VTK files, of modes, of flutter and of a rotor; what cannot be drawn is refused with its cause, before anything is
-/// written.
+/// Mode shapes: a page and VTK files, of modes, of flutter and of a rotor; what cannot be drawn is refused with its cause, before anything
+/// is written.
 #[test]
 fn mode_shapes_have_pages_and_vtk_files() {
     let folder = tempfile::tempdir().unwrap();
@@ -682,7 +685,7 @@ fn mode_shapes_have_pages_and_vtk_files() {
             2,
             "cannot be used with",
         ),
-        (vec!["periodic", &wing, "--count", "0", "--view", &none], 2, "--count 0 leaves them out"),
+        (vec!["periodic", &wing, "--count", "0", "--view", &none], 2, "which --count 0 omits"),
         (vec!["simulate", &wing, "--stop", "1e-3", "--view", &none, "--compare", &page], 1, "is a page of mode shapes"),
         (vec!["modes", &wing, "--view", &wing], 2, "refusing to overwrite"),
     ] {
@@ -763,7 +766,7 @@ fn modes_prints_real_poles_and_static_the_stable_state() {
     std::fs::write(&path, text).unwrap();
     let path = path.to_str().unwrap();
     let hanging = succeeds(&foldwing(&["static", path]));
-    assert!(hanging.contains("stability: stable") && hanging.contains("downhill"), "{hanging}");
+    assert!(hanging.contains("stability: stable") && hanging.contains("found by descent"), "{hanging}");
     let upright = succeeds(&foldwing(&["static", path, "--branch", "path"]));
     assert!(upright.contains("UNSTABLE in 1 direction") && upright.contains("grows with 7.00"), "{upright}");
     let json: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&["static", path, "--json"]))).unwrap();
@@ -802,7 +805,7 @@ fn a_body_that_a_loop_leaves_a_motion_is_told() {
     refuses(
         &refused,
         3,
-        "joint \"free\": its body is held by loops only, which allow a motion; add a spring to a joint of the loops",
+        "joint \"free\": its body is held by loops only, which leave a motion free; add a spring to a joint of the loops",
     );
 }
 
@@ -1035,7 +1038,7 @@ fn trim_flies_a_steady_turn() {
     let refused = |text: &str, arguments: &[&str]| refuses(&foldwing(arguments), 2, text);
     let wing = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");
     let held = ["trim", wing, "--solve-for", "wind.velocity.z", "--target", "root.force.z=0", "--set", "turn.rate=0.1"];
-    refused("only a machine on a free joint can fly a turn", &held);
+    refused("only a machine on a free joint can fly a steady turn", &held);
     refused("the value is not a finite number", &[&straight[..], &["--set", "turn.rate=nan"]].concat());
     let moved = [&turn[..], &["--set", "root.angular_velocity.z=0.1"]].concat();
     refused("a turn sets root.acceleration and root.angular_velocity", &moved);

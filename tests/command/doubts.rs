@@ -139,8 +139,8 @@ const TIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_w
 
 /// A latch that closes at a speed: the free tip folds up with the speed until the latch holds it. One that opens: its weight holds the tip
 /// at a latch until the lift takes it off. The change is where the tip without a latch passes the angle, within a 256th of the interval:
-/// 0.03 m/s, over which the tip turns by up to 0.03 deg. A search for the equilibrium passed the latch with loads of other states, and found
-/// the tip latched at all speeds up to 21 m/s.
+/// 0.03 m/s, over which the tip turns by up to 0.03 deg. A search for the equilibrium passed the latch with loads of other states, and
+/// found the tip latched at all speeds up to 21 m/s.
 #[test]
 fn latches_close_and_open_between_speeds() {
     let text = std::fs::read_to_string(TIP).unwrap();
@@ -211,13 +211,13 @@ motor = {{ damping_N_m_s_rad = 0.1 }}
     )
 }
 
-/// Equilibria whose joints are not where they are meant to be went without a word: a latch that stays open, as with a start angle of 0 where
-/// the latch is elsewhere, and a hinge that has turned past its own parts. Trim has the warnings of `static`. A latch that cannot close and a
-/// joint that is held have none, nor has a hinge with end stops.
+/// Equilibria whose joints are not where they are meant to be went without a word: a latch that stays open, as with a start angle of 0
+/// where the latch is elsewhere, and a hinge that has turned past its own parts. Trim has the warnings of `static`. A latch that cannot
+/// close and a joint that is held have none, nor has a hinge with end stops.
 #[test]
 fn joints_that_are_elsewhere_have_a_warning() {
     let latch = "latch = { angle_deg = 120.0, kind = \"rigid\" }";
-    let open = "warning: the latch of hinge, at 120 deg, is open in this equilibrium (at 90 deg)";
+    let open = "warning: the latch of joint hinge at 120 deg is open in this equilibrium; motor, spring and loads alone hold the joint at 90 deg";
     let trim = ["trim", "--solve-for", "hinge.external_torque", "--target", "hinge.angle=1.5707963", "--json"];
     for command in [&["static", "--json"][..], &trim] {
         let (told, json) = warnings(&pendulum(20.0, latch), command);
@@ -233,12 +233,12 @@ fn joints_that_are_elsewhere_have_a_warning() {
         let (told, _) = warnings(&pendulum(20.0, latch), &["static", "--set", setting]);
         assert!(!told.contains("warning"), "{setting}: {told}");
     }
-    let turned = "warning: hinge turns by 260 deg from its start angle to this equilibrium";
+    let turned = "warning: hinge rotates by 260 deg from its start angle to this equilibrium";
     assert!(warnings(&pendulum(-170.0, ""), &["static"]).0.contains(turned));
     for (start_deg, parts) in
         [(-80.0, ""), (-170.0, "end_stops = { lower_deg = -300.0, upper_deg = 100.0, stiffness_N_m_rad = 100.0 }")]
     {
         let (told, _) = warnings(&pendulum(start_deg, parts), &["static"]);
-        assert!(!told.contains("turns by"), "{start_deg} deg, {parts}: {told}");
+        assert!(!told.contains("rotates by"), "{start_deg} deg, {parts}: {told}");
     }
 }

@@ -109,5 +109,5 @@ fn pages_are_films_as_they_are() {
     refuses(&["render", "run.html", "--video", "x.mp4", "--stop", "0.1"], 2, "a page is not simulated again");
     refuses(&["render", "run.html", "--video", "x.mp4", "--to", "0.1"], 2, "--to 0.1: the run is from 0 to 0.01 s");
     std::fs::write(folder.path().join("other.html"), "<!doctype html>").unwrap();
-    refuses(&["render", "other.html", "--video", "x.mp4"], 1, "other.html: is not a page that");
+    refuses(&["render", "other.html", "--video", "x.mp4"], 1, "other.html: is not a page written by");
 }

@@ -116,7 +116,7 @@ fn bounds_hold_and_directions_without_effect_are_named() {
     let line = text.lines().find(|line| line.starts_with("not determined")).unwrap();
     assert!(line.contains("width_m") && line.contains("density_kg_m3") && line.contains("youngs_modulus_Pa"), "{line}");
     assert!(
-        warning.contains("has not converged: the largest number of runs is reached; --max-runs allows more"),
+        warning.contains("has not converged: the maximum number of runs is reached; --max-runs allows more"),
         "{warning}"
     );
 }
@@ -164,15 +164,15 @@ fn tables_and_options_that_do_not_fit_are_refused() {
         ("", &["--bounds", "fold.motor_damping=1:2"], 2, "the start 0.0008 is outside; --start sets it"),
         ("", &["--bounds", "fold.motor_damping=2:1"], 2, "the lower bound must be below"),
         ("", &["--bounds", "fold.motor_damping"], 2, "must be NAME=LOW:HIGH"),
-        ("", &["--bounds", "fold.angle=0:1"], 2, "is none of the numbers of --by, fold.motor_damping"),
+        ("", &["--bounds", "fold.angle=0:1"], 2, "is not one of the numbers of --by: fold.motor_damping"),
         ("", &["--start", "fold.motor_damping=a"], 2, "must be NAME=NUMBER"),
         ("", &["--sigma", "0"], 2, "a standard deviation is a positive number"),
-        ("", &["--sigma", "tip=1"], 2, "tip is not measured; there are fold.angle"),
+        ("", &["--sigma", "tip=1"], 2, "tip is not measured; measured are fold.angle"),
         ("", &["--sigma", "fold.angle=1", "--value", "fold.latch_time=0.1"], 2, "fold.latch_time has none"),
         ("", &["--value", "fold.angle=1"], 2, "fold.angle: its measurements are given twice"),
         ("", &["--value", "fold.latch_tim=1"], 2, "measurement fold.latch_tim"),
-        ("", &["--value", "tip.position=1"], 2, "a name stands for several results"),
-        ("", &["--by", "fold.external_torque@0.1"], 2, "identified by Model.fit of the Python package"),
+        ("", &["--value", "tip.position=1"], 2, "a name selects several results"),
+        ("", &["--by", "fold.external_torque@0.1"], 2, "only Model.fit of the Python package"),
         ("", &["-o", "out.toml"], 2, "none of the numbers of --by is a key of the model file"),
         ("", &["--loss", "l2"], 2, "possible values: linear, soft_l1, huber, cauchy, arctan"),
     ];

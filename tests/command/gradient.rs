@@ -62,8 +62,8 @@ fn numbers_of_a_section_have_the_slopes_of_its_stiffness() {
 }
 
 /// The latch time by a length, whose effect on the motion is no polynomial, against runs with other lengths at a close tolerance: 1e-4 is
-/// more than the error of the latch time over them. Damping of the strains: without it fast axial motions ripple the latch time, by 5e-4 of the
-/// slope over 0.1 %.
+/// more than the error of the latch time over them. Damping of the strains: without it fast axial motions ripple the latch time, by 5e-4 of
+/// the slope over 0.1 %.
 #[test]
 fn the_slope_by_a_length_is_that_of_runs_with_other_lengths() {
     let model = std::fs::read_to_string(WING)
@@ -204,11 +204,11 @@ fn a_sweep_varies_an_entry_of_an_array() {
     assert_eq!(table.lines().count(), 3, "{table}");
     let refused = sweep("file:gravity_m_s2.3=1");
     let message = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(message.contains("3 is no entry of the array; its 3 entries begin with 0"), "{message}");
+    assert!(message.contains("3 is not an index of the array, which has 3 entries; indices start at 0"), "{message}");
 }
 
-/// Inputs over time: a value in each row is a number, both values of a jump too. The sum of the slopes by all rows is the slope by the input
-/// itself where it is constant; values after the latch has closed have no effect on its time.
+/// Inputs over time: a value in each row is a number, both values of a jump too. The sum of the slopes by all rows is the slope by the
+/// input itself where it is constant; values after the latch has closed have no effect on its time.
 #[test]
 fn values_of_inputs_over_time_are_numbers() {
     let folder = tempfile::tempdir().unwrap();
@@ -246,8 +246,8 @@ fn values_of_inputs_over_time_are_numbers() {
     refused("load.outer[4].force.z@0.1", "is not among the inputs over time, fold.external_torque");
 }
 
-/// GR-31. The figure has a cell for each number and result: the change in % for 1 % of the number, of the printed derivatives; and a file of
-/// other origin is not overwritten, which is an error before the run.
+/// GR-31. The figure has a cell for each number and result: the change in % for 1 % of the number, of the printed derivatives; and a file
+/// of other origin is not overwritten, which is an error before the run.
 #[test]
 fn the_figure_has_relative_slopes() {
     let folder = tempfile::tempdir().unwrap();

@@ -164,7 +164,10 @@ fn points_that_hold_an_output() {
     );
     let output = call(folder, &line);
     let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
-    assert!(output.status.success() && out.contains("none") && err.contains("is always above it"), "{out}{err}");
+    assert!(
+        output.status.success() && out.contains("none") && err.contains("is above the target everywhere"),
+        "{out}{err}"
+    );
     let output = call(folder, &line.replace("6,14", "14"));
     assert_eq!(output.status.code(), Some(3));
 }
@@ -207,7 +210,7 @@ fn drives_pitch_the_blades_too() {
     let free = format!("{ROTOR}{AIR}").replace("motion = \"locked\"", "motor = { inertia_kg_m2 = 1.0 }");
     std::fs::write(folder.join("free.toml"), free).expect("a file");
     let output = call(folder, "operating-points free.toml --wind-m-s 8 --speed-rpm 40 --pitch-deg 6");
-    assert!(String::from_utf8_lossy(&output.stderr).contains("nothing holds its pitch"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("no motor holds its pitch angle"));
 }
 
 /// Gravity makes the rotor swing: the table has ranges, and they are those that `periodic` prints.
@@ -262,7 +265,7 @@ fn campbell_diagrams_of_both_kinds() {
     let over = "modes bare.toml --vary rotor_speed_rpm=20,40 --count 6";
     let coleman = told(folder, &format!("{over} --csv coleman.csv"));
     let floquet = told(folder, &format!("{over} --csv floquet.csv --set gravity.z=-1e-9 --plot pictures"));
-    assert!(coleman.contains("without air") && floquet.contains("about the periodic steady state"));
+    assert!(coleman.contains("without aerodynamics") && floquet.contains("about the periodic steady state"));
     assert!(folder.join("pictures/campbell.png").is_file());
     let rows = |name: &str| -> Vec<(f64, f64, f64, String)> {
         let text = std::fs::read_to_string(folder.join(name)).expect("a table");
@@ -317,7 +320,7 @@ fn linear_models_are_in_the_air_of_the_rotor() {
     };
     let line = "linearize lagging.toml --state start --inputs wind.velocity.x,gust.x --outputs rotor.thrust,rotor.power -o lagging.json";
     let text = told(folder, line);
-    assert!(text.contains("in air") && !text.contains("without air"), "{text}");
+    assert!(text.contains("with aerodynamics") && !text.contains("constant aerodynamic loads"), "{text}");
     let model = read("lagging.json");
     assert_eq!(model["without_air"], false);
     let states = model["states"].as_array().expect("states");

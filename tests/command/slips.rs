@@ -80,7 +80,7 @@ fn a_linear_model_says_at_which_state_it_is() {
     let output = foldwing(folder.path(), &long);
     succeeds(&output);
     let note = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(note.contains("--state 0.5 lies beyond the end of the simulation, 0.4 s"), "{note}");
+    assert!(note.contains("--state 0.5 lies after the end of the simulation, 0.4 s"), "{note}");
     let mut archive = zip::ZipArchive::new(std::fs::File::open(folder.path().join("x.npz")).unwrap()).unwrap();
     for name in ["equilibrium", "joint_names", "joint_angles_rad", "joint_motions", "joint_latches"] {
         assert!(archive.by_name(&format!("{name}.npy")).is_ok(), "{name}");
@@ -194,7 +194,7 @@ fn slips_are_answered_with_what_is_known() {
     assert_eq!(angle("90 deg"), angle(&format!("{:?}", 90f64.to_radians())));
     refuses(&short(&["--set", "fold.start_angle=90 kg"]), 2, "`kg` is not one of its units; allowed: rad and deg");
     refuses(&short(&["--set", "fold.start_angle=110"]), 2, "in degrees write \"110 deg\"");
-    refuses(&short(&["--set", "file:solver.tolerance=1e-5"]), 2, "`foldwing sweep`");
+    refuses(&short(&["--set", "file:solver.tolerance=1e-5"]), 2, "`foldwing sweep --vary`");
     // inputs that are none
     std::fs::create_dir(folder.path().join("folder")).unwrap();
     refuses(&short(&["--inputs", "folder"]), 4, "folder: cannot be read");

@@ -118,7 +118,7 @@ fn the_starter_overwrites_nothing() {
     let (code, said) = refusal(&new(&["wing"]));
     assert_eq!(
         (code, said.lines().next()),
-        (Some(2), Some("error: wing: a model file ends in .toml; write wing.toml"))
+        (Some(2), Some("error: wing: the name of a model file must end in .toml; write wing.toml"))
     );
     assert_eq!(refusal(&new(&["wing.toml/wing.toml"])).0, Some(4));
 }

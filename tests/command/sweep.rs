@@ -215,10 +215,17 @@ fn k06_a_changed_sweep_is_refused() {
     refuses(
         &mut with(&["--vary", "fold.start_angle=1,2.5"]),
         2,
-        &["results.csv.sweep: belongs to another sweep, these differ: values of the keys;", "name another --output"],
+        &[
+            "results.csv.sweep: belongs to another sweep, which differs in: values of the keys;",
+            "name another --output",
+        ],
     );
     refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--step", "1e-3"]), 2, &["--start, --stop, --step"]);
-    refuses(&mut with(&["--vary", "fold.start_angle=1,2", "--set", "fold.release=0"]), 2, &["these differ: --set;"]);
+    refuses(
+        &mut with(&["--vary", "fold.start_angle=1,2", "--set", "fold.release=0"]),
+        2,
+        &["which differs in: --set;"],
+    );
     assert_eq!(fs::read_to_string(&out).unwrap(), results, "a refusal touches nothing");
     fs::remove_file(record_of(&out)).unwrap();
     refuses(&mut with(&["--vary", "fold.start_angle=1,2"]), 2, &["results.csv: exists and has no record"]);

@@ -239,8 +239,8 @@ fn check_names_a_motor_that_pulls_away_from_the_latch() {
         String::from_utf8_lossy(&answer.stderr).into_owned()
     };
     let wrong = warnings(&text.replace("constant_torque_N_m = -7.0", "constant_torque_N_m = 7.0"));
-    assert!(wrong.contains("joint fold1: motor and spring pull away from the latch at 0 deg"), "{wrong}");
-    assert!(!wrong.contains("fold2") && !warnings(&text).contains("pull away"), "{wrong}");
+    assert!(wrong.contains("joint fold1: motor and spring pull the joint away from the latch at 0 deg"), "{wrong}");
+    assert!(!wrong.contains("fold2") && !warnings(&text).contains("pull the joint away"), "{wrong}");
 }
 
 /// Wind from behind was taken without a word, and a latch was judged without the wind of the model.

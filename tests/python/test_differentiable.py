@@ -107,7 +107,7 @@ def test_a_missing_library_is_named(library, monkeypatch):
 def test_names_that_do_not_fit_are_refused(library):
     pytest.importorskip(library, reason=f"{library} is not installed")
     function = getattr(fw, f"{library}_function")
-    with pytest.raises(fw.UsageError, match="stand for 3 results; name each result"):
+    with pytest.raises(fw.UsageError, match="select 3 results; name each result"):
         function(fw.load(WING), NUMBERS[:1], "tip.position")
-    with pytest.raises(fw.UsageError, match="inputs: there is no number"):
+    with pytest.raises(fw.UsageError, match="inputs: no number is named"):
         function(fw.load(WING), [], "fold.angle")

@@ -175,11 +175,11 @@ def test_data_that_do_not_fit_are_refused():
     wing = fw.load(WING)
     times = np.array([0.0, 0.1])
     refusals = [
-        (dict(data={"fold.angle": times}, free=["fold.motor_damping"]), "without an entry `time`"),
+        (dict(data={"fold.angle": times}, free=["fold.motor_damping"]), "but there is no entry `time`"),
         (dict(data={"time": times[::-1], "fold.angle": times}, free=["fold.motor_damping"]), "must increase"),
         (dict(data={"time": times, "fold.angle": times[:1]}, free=["fold.motor_damping"]), "one value per time"),
         (dict(data={"time": times}, free=["fold.motor_damping"]), "no measurement"),
-        (dict(data={"time": times, "fold.angle": times}, free=[]), "there is no number"),
+        (dict(data={"time": times, "fold.angle": times}, free=[]), "no number is named"),
         (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_damping"], start={"fold.stiffness": 1.0}), "is not free"),
         (dict(data={"time": times, "fold.angle": times}, free={"fold.motor_damping": (1.0, 2.0)}), "outside its bounds"),
         (dict(data={"time": times, "fold.angle": times}, free=["fold.motor_damping"], sigma=0.0), "is positive"),
@@ -316,7 +316,7 @@ def test_fit_identifies_rows_of_an_input():
 def test_optimize_refuses_what_it_cannot_do():
     wing = fw.load(WING)
     refusals = [
-        (lambda: wing.optimize("fold.latch_time", []), "there is no number"),
+        (lambda: wing.optimize("fold.latch_time", []), "no number is named"),
         (lambda: wing.optimize({}, ["fold.motor_damping"]), "there is no result"),
         (lambda: wing.optimize("fold.latch_time", ["fold.motor_damping"], start={"fold.motor_dampin": 1.0}), "is not free"),
         (lambda: wing.optimize("fold.latch_time", {"fold.motor_damping": (0.0, 1e-5)}), "outside its bounds"),

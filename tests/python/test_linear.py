@@ -73,7 +73,7 @@ def test_samples_are_those_of_the_step_response(wing):
         assert np.allclose(output, response[:, point], rtol=0, atol=1e-7 * np.abs(response).max(axis=1)), point
         state = sampled.A @ state + sampled.B[:, 0]
     assert sampled.to_control().dt == 1e-3
-    with pytest.raises(fw.UsageError, match="sampled already"):
+    with pytest.raises(fw.UsageError, match="already discrete"):
         sampled.discretize(1e-3)
 
 
@@ -123,12 +123,12 @@ def test_a_band_keeps_the_slow_modes(wing):
     print(f"up to 40 Hz off by {off.ravel()}, stated {band.accuracy.error.ravel()}")
     assert np.allclose(off, band.accuracy.error, rtol=0.1, atol=1e-6) and off.max() < 0.02
     assert band.error_in_band == band.accuracy.error.max()
-    with pytest.warns(UserWarning, match="the reduced model has no mode at .* Hz; balance for a band"):
+    with pytest.warns(UserWarning, match="the reduced model omits modes at .* Hz; balance for a frequency band"):
         everywhere = model.reduce(2)
-    with pytest.warns(UserWarning, match="the reduced model has no mode at .* Hz; keep more states"):
+    with pytest.warns(UserWarning, match="the reduced model omits modes at .* Hz; keep more states"):
         model.reduce(2, max_frequency_Hz=40.0)
     assert everywhere.accuracy.dropped and everywhere.error_in_band is None
-    with pytest.raises(fw.FoldwingError, match="only balanced truncation is for a band"):
+    with pytest.raises(fw.FoldwingError, match="only balanced truncation can be limited to a frequency band"):
         model.reduce(4, method="modal", max_frequency_Hz=10.0)
 
 
@@ -190,7 +190,7 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
     for frequency_1_s in [0.1, 10.0, 100.0, 1000.0]:
         off = np.linalg.norm(answer(small, frequency_1_s) - answer(whole, frequency_1_s), 2)
         assert off <= small.error_bound * (1 + 1e-6), frequency_1_s
-    with pytest.raises(fw.FoldwingError, match="balanced truncation, not to modes"):
+    with pytest.raises(fw.FoldwingError, match="balanced truncation only, not by modal truncation"):
         whole.reduce(4, method="modal")
     # for a band: the error is the one that it says, at frequencies in between too
     band = whole.reduce(10, max_frequency_Hz=30.0)
@@ -201,7 +201,7 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
     off = np.max(np.abs(left).max(axis=0) / np.abs(answers).max(axis=0))
     assert off == pytest.approx(band.error_in_band, rel=0.05, abs=1e-6) and off < 0.01
     for hertz in [0.0, 200.0, float("nan")]:
-        with pytest.raises(fw.UsageError, match="the band must end above 0 Hz, and in discrete time below half the sampling rate"):
+        with pytest.raises(fw.UsageError, match="the upper end of the frequency band must be above 0 Hz, and in discrete time below half the sampling rate"):
             whole.reduce(4, max_frequency_Hz=hertz)
 
 

@@ -54,5 +54,5 @@ def test_wrong_arguments_are_refused(wing):
             sim.view(show=False, **arguments)
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with pytest.raises(fw.FilesError, match=f"--port {port}: cannot be taken on 127.0.0.1"):
+        with pytest.raises(fw.FilesError, match=f"--port {port}: cannot be opened on 127.0.0.1"):
             sim.view(show=False, port=port)

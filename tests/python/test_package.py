@@ -47,7 +47,7 @@ def test_fmus_are_those_of_the_command(wing, command, tmp_path):
     (tmp_path / "c.fmu").write_text("mine")
     with pytest.raises(fw.FilesError, match="--force|not recognised"):
         wing.package(tmp_path / "c.fmu", reference=False)
-    with pytest.raises(fw.UsageError, match="an FMU ends in .fmu"):
+    with pytest.raises(fw.UsageError, match="the name of an FMU must end in .fmu"):
         wing.package(tmp_path / "Wing")
 
 

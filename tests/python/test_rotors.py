@@ -52,9 +52,9 @@ def test_points_are_those_of_the_command(command):
 
 def test_what_cannot_be_asked_is_refused_by_name():
     bare, windy = fw.load(BARE), fw.load(WINDY)
-    with pytest.raises(fw.UsageError, match="has no air; operating points need"):
+    with pytest.raises(fw.UsageError, match="has no aerodynamics; operating points need"):
         bare.operating_points(8.0)
-    with pytest.raises(fw.UsageError, match="solve_for= and target= are needed together"):
+    with pytest.raises(fw.UsageError, match="solve_for= and target= must be given together"):
         windy.operating_points(8.0, solve_for=("pitch_deg", 0.0, 40.0))
     with pytest.raises(fw.UsageError, match=r'must be \("pitch_deg", begin, end\) or'):
         windy.operating_points(8.0, solve_for=("pitch", 0.0, 40.0), target=("rotor.power", 1.0))

@@ -211,7 +211,7 @@ def test_bad_inputs_are_refused_by_name(wing):
     for inputs, words in [
         ({"fold.external_torqe": 1.0}, "did you mean `fold.external_torque`?"),
         ({"fold.angle": 1.0}, "is not an input"),
-        ({"fold.external_torque": [1.0, 2.0]}, "without an entry `time`"),
+        ({"fold.external_torque": [1.0, 2.0]}, "but there is no entry `time`"),
         ({"time": times, "fold.external_torque": [1.0]}, "1 values for 2 times"),
         ({"time": times, "fold.external_torque": [1.0, np.nan]}, "in row 1 is not a finite number"),
         ({"time": [0.1, 0.0], "fold.external_torque": [1.0, 2.0]}, "times must ascend"),

@@ -111,11 +111,11 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     };
     let of_joint = |table: &str| remove(&format!("joint.{place}.{table}"));
     match part {
-        "the vortex lattice" | "the air of rotors" => Some(still(model)),
+        "the vortex lattice" | "rotor aerodynamics" => Some(still(model)),
         "the lifting line of strips" => {
             key_removed(model, "aerodynamics", &["tip_loss", "core_radius_m", "mirror_normal"])
         }
-        "the staggered coupling of air and structure" => key_removed(model, "aerodynamics", &["coupling"]),
+        "the staggered coupling of aerodynamics and structure" => key_removed(model, "aerodynamics", &["coupling"]),
         part if part.starts_with("gusts") => remove("gust"),
         part if part.starts_with("polars") => key_removed(model, "surface.", &["polar"]),
         "bodies with shear" => Some(unsheared(model, place)),
@@ -124,7 +124,9 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         "generators" => of_joint("generator"),
         "prescribed motions" => of_joint("motion"),
         "rigid latches, which stop a joint by an impulse" => of_joint("latch"),
-        "rotors of geared motors that turn with their carrier" | "commands behind a rate limit" => of_joint("motor"),
+        "rotors of geared motors that turn with their carrier" | "commands subject to a rate limit" => {
+            of_joint("motor")
+        }
         "methods without stages" => remove("solver"),
         part if part.starts_with("real-time mode") => remove("solver"),
         part if part.starts_with("torque limits") => of_joint("motor"),

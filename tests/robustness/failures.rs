@@ -76,14 +76,14 @@ fn em01_out_of_order() {
         fmu.told(
             fmi2CancelStep(c),
             fmi2Error,
-            "fmi2CancelStep: not legal after fmi2ExitInitializationMode: steps are never asynchronous, so there is none \
-             to cancel",
-    );
+            "fmi2CancelStep: not legal after fmi2ExitInitializationMode: asynchronous steps are not supported, so no \
+             step can be cancelled",
+        );
         fmu.told(
             fmi2SetTime(c, 0.0),
             fmi2Error,
-            "fmi2SetTime: not legal after fmi2ExitInitializationMode; it belongs to Model Exchange, and the instance was made \
-             for co-simulation",
+            "fmi2SetTime: not legal after fmi2ExitInitializationMode; it belongs to Model Exchange, and this instance \
+             is for co-simulation",
         );
         fmu.ok(fmi2Terminate(c));
         fmu.told(
@@ -105,7 +105,7 @@ fn em02_arguments() {
     let (torque, angle) = (fmu.reference("fold.external_torque"), fmu.reference("fold.angle"));
     let mut value = 0.0;
     unsafe {
-        let null = "fmi2GetReal: argument vr is null; that is legal for a length of 0 only";
+        let null = "fmi2GetReal: argument vr is null; this is allowed only for a length of 0";
         fmu.told(fmi2GetReal(c, ptr::null(), 1, &mut value), fmi2Error, null);
         let unknown = format!("fmi2GetReal: unknown value reference 4000000000: this model has 0 to {last}");
         fmu.told(fmi2GetReal(c, &4_000_000_000, 1, &mut value), fmi2Error, &unknown);
@@ -145,12 +145,13 @@ fn em02_arguments() {
         fmu.told(
             fmi2GetDirectionalDerivative(c, &torque, 1, &torque, 1, &1.0, &mut value),
             fmi2Error,
-            "fmi2GetDirectionalDerivative: no derivative of variable fold.external_torque is known: unknowns are Real outputs",
+            "fmi2GetDirectionalDerivative: no derivative of variable fold.external_torque is available: unknowns must \
+             be Real outputs",
         );
         fmu.told(
             fmi2GetDirectionalDerivative(c, &angle, 1, &angle, 1, &1.0, &mut value),
             fmi2Error,
-            "fmi2GetDirectionalDerivative: no derivative by variable fold.angle: knowns are Real inputs and, in \
+            "fmi2GetDirectionalDerivative: no derivative with respect to variable fold.angle: knowns must be Real inputs and, in \
              Initialization Mode, parameters",
         );
         fmu.told(
@@ -166,7 +167,7 @@ fn em02_arguments() {
         fmu.told(
             fmi2SetDebugLogging(c, 1, 1, &c"logNonsense".as_ptr()),
             fmi2Error,
-            "fmi2SetDebugLogging: unknown log category \"logNonsense\": there are logAll, logEvents, logStatusWarning, \
+            "fmi2SetDebugLogging: unknown log category \"logNonsense\"; allowed are logAll, logEvents, logStatusWarning, \
              logStatusDiscard, logStatusError, logStatusFatal",
         );
         fmu.ok(fmi2Reset(c));
@@ -254,7 +255,8 @@ fn em05_failures_at_the_begin_of_a_step() {
         (
             "acceleration",
             |fmu| fmu.set("root.acceleration.z", 1e200),
-            "root.acceleration.z = 1e200 m/s2; if it responds to root.force, the carrier must be heavier than the wing \
+            "root.acceleration.z = 1e200 m/s2; if this input is computed from root.force, the carrier must be heavier \
+             than the wing \
              (0.063 kg)",
         ),
     ];
@@ -281,8 +283,8 @@ fn em05_failures_at_the_begin_of_a_step() {
     }
     let told = |(_, _, largest): (_, _, &str)| {
         format!(
-            "fmi2DoStep: no accelerations at t = 0.001 s: they are not finite; the largest input is {largest}; check the inputs \
-             and parameters from then on"
+            "fmi2DoStep: no accelerations at t = 0.001 s: the accelerations are not finite; the largest input is \
+             {largest}; check the inputs and parameters from this time on"
         )
     };
     assert_eq!(found, causes.map(told));
@@ -322,7 +324,10 @@ fn em13_a_load_that_throws_the_wing_through_the_air() {
     fmu.step(0.0, 2e-3);
     fmu.set("load.outer[2].force.x", 1e6);
     let status = fmu.try_step(2e-3, 1e-12);
-    let parts = ["the accelerations at t = 0.002 s move the wing by", "load.outer[2].force.x = 1e6 N; reduce it"];
+    let parts = [
+        "the accelerations at t = 0.002 s move the wing by",
+        "load.outer[2].force.x = 1e6 N; reduce the accelerations",
+    ];
     fmu.refused(status, fmi2Error, &parts);
     let fmu = Fmu::new(&tunnel());
     fmu.setup(0.0, None);
@@ -374,7 +379,9 @@ fn em15_a_carrier_lighter_than_the_wing() {
     let told = light.1.expect("diverges");
     assert!(told.contains("the largest input is root.acceleration.z = "), "{told}");
     assert!(
-        told.contains("if it responds to root.force, the carrier must be heavier than the wing (0.063 kg)"),
+        told.contains(
+            "if this input is computed from root.force, the carrier must be heavier than the wing (0.063 kg)"
+        ),
         "{told}"
     );
 }
@@ -433,8 +440,7 @@ fn em07_failures_of_the_initialisation() {
     let fmu = Fmu::initializing(0.0);
     let c = fmu.component;
     fmu.set("solver.min_step", 0.1);
-    let text =
-        "fmi2ExitInitializationMode: solver.min_step, 1e-1 s, is longer than solver.max_step, 5e-3 s; set one of them";
+    let text = "fmi2ExitInitializationMode: solver.min_step, 1e-1 s, is longer than solver.max_step, 5e-3 s; change one of them";
     let before = fmu.serialize(fmu.save());
     fmu.told(unsafe { fmi2ExitInitializationMode(c) }, fmi2Error, text);
     fmu.set("solver.min_step", 1e-9);
@@ -442,8 +448,8 @@ fn em07_failures_of_the_initialisation() {
     fmu.told(
         unsafe { fmi2ExitInitializationMode(c) },
         fmi2Error,
-        "fmi2ExitInitializationMode: no accelerations at t = 0 s: they are not finite; the largest input is \
-         gravity.z = -1e300 m/s2; check the inputs and parameters from then on",
+        "fmi2ExitInitializationMode: no accelerations at t = 0 s: the accelerations are not finite; the largest input is \
+         gravity.z = -1e300 m/s2; check the inputs and parameters from this time on",
     );
     fmu.set("gravity.z", 0.0);
     assert_eq!(fmu.serialize(fmu.save()).len(), before.len());
@@ -463,8 +469,9 @@ fn em07_failures_of_the_initialisation() {
     fmu.told(
         status,
         fmi2Error,
-        "fmi2ExitInitializationMode: no equilibrium at t = 0 s beyond 0.0000 of the load, last tried 0.0001: no stiffness against \
-         a motion of joint \"flight\": add a spring; reduce the load, or start the simulation unstrained",
+        "fmi2ExitInitializationMode: no equilibrium at t = 0 s beyond the load factor 0.0000, last tried 0.0001: no \
+         stiffness against \
+         a motion of joint \"flight\": add a spring; reduce the load, or start from the unstrained shape",
     );
 
     let fmu = Fmu::new(&tunnel());
@@ -473,7 +480,7 @@ fn em07_failures_of_the_initialisation() {
     fmu.set("wind.velocity.z", 1e200);
     let status = unsafe { fmi2ExitInitializationMode(fmu.component) };
     fmu.told(status, fmi2Error,
-        "fmi2ExitInitializationMode: no aerodynamic loads at t = 0 s: its loads are not finite; check wind and density, or try \
+        "fmi2ExitInitializationMode: no aerodynamic loads at t = 0 s: the loads are not finite; check wind and density, or try \
          another aerodynamics.step_s",
     );
     fmu.set("wind.velocity.z", 0.0);
@@ -490,7 +497,7 @@ fn em08_a_failure_of_the_air() {
     fmu.set("wind.velocity.y", 1e200);
     let status = fmu.try_step(2e-3, 2e-3);
     fmu.told(status, fmi2Error,
-        "fmi2DoStep: no aerodynamic loads at t = 0.002 s: its loads are not finite; check wind and density, or try another \
+        "fmi2DoStep: no aerodynamic loads at t = 0.002 s: the loads are not finite; check wind and density, or try another \
          aerodynamics.step_s",
     );
     assert_eq!((fmu.get("tip.position.z"), fmu.get("aero.force.z"), fmu.last_good_s()), (tip, force, 2e-3));
@@ -548,8 +555,8 @@ fn em09_states() {
         unsafe { fmi2SerializeFMUstate(fmu.component, fmu.save(), short.as_mut_ptr().cast(), 10) },
         fmi2Error,
         &format!(
-            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, the \
-             size returned by the call for it"
+            "fmi2SerializeFMUstate: the buffer for the serialised FMU state has 10 bytes; {n} are needed, as returned \
+             by the function for the serialised size"
         ),
     );
 }
@@ -599,8 +606,9 @@ fn em19_model_exchange() {
             fmi2GetDerivatives(c, states.as_mut_ptr(), n),
             fmi2Discard,
             "fmi2GetDerivatives: no derivatives at these states, of which state.inner.element[1].epsilon_x = -2e0 is farthest from its \
-             nominal magnitude: at t = 0 s element 1 of 4 of body inner is compressed through zero length: longitudinal strain \
-             -2.000e0, allowed is more than -1; let the integrator take a shorter step from the last states, or integrate with an \
+             nominal magnitude: at t = 0 s element 1 of 4 of body inner is compressed to less than zero length: the \
+             longitudinal strain is -2.000e0, but must be greater than -1; let the integrator take a shorter step from \
+             the last states, or integrate with an \
              implicit method",
         );
     }
@@ -610,12 +618,13 @@ fn em19_model_exchange() {
     other.told(
         unsafe { fmi2SetFMUstate(other.component, state) },
         fmi2Error,
-        "fmi2SetFMUstate: the FMU state was saved in Model Exchange and does not fit co-simulation; set one of this kind",
+        "fmi2SetFMUstate: the FMU state was saved by an instance for Model Exchange and does not fit one for \
+         co-simulation; set a state of the same interface type",
     );
     let resources = Resources::with(WING);
     assert_eq!(
         Attempt { fmu_type: 7, ..Attempt::of(WING, &resources) }.refusal(),
-        "fmi2Instantiate: FMU type 7 is unknown: there are 0, Model Exchange, and 1, co-simulation"
+        "fmi2Instantiate: FMU type 7 is unknown; allowed are 0 (Model Exchange) and 1 (co-simulation)"
     );
 }
 
@@ -634,8 +643,8 @@ fn em10_instances() {
     says(
         Attempt { guid: Some("{0}".into()), ..attempt() },
         &format!(
-            "the GUID {{0}} of the model description is not {}, that of resources/model.toml in this library; package the \
-             model again",
+            "the GUID {{0}} of the model description differs from {}, which this library computes for \
+             resources/model.toml; package the model again",
             guid_of(WING)
         ),
     );
@@ -665,7 +674,7 @@ fn event_mode_that_was_declined_is_refused() {
     let fmu = crate::fmu3::Fmu3::started(crate::fmu3::Agreed::default());
     let before = fmu.present();
     assert_eq!(unsafe { foldwing_fmu::fmi3::exchange::fmi3EnterEventMode(fmu.instance) }, 3);
-    let told = "fmi3EnterEventMode: this instance was made without Event Mode: pass eventModeUsed = true to \
+    let told = "fmi3EnterEventMode: this instance was created without Event Mode: pass eventModeUsed = true to \
                 fmi3InstantiateCoSimulation";
     assert_eq!(fmu.told(), told);
     assert_eq!(fmu.present(), before);

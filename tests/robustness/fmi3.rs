@@ -65,7 +65,7 @@ fn f302_arrays_are_set_and_read_whole() {
     assert_eq!(fmu.table.variables()[array.rows[5] as usize].name, "load.outer[2].force.z");
     assert_eq!(fmu.try_set("load.outer.force", &loads[..11]), 3);
     let expected =
-        "11 values were passed for 1 variables that have 12: an array has a value for each element, row by row";
+        "11 values were passed for 1 variables that have 12: pass a value for each element of an array, row by row";
     assert!(fmu.told().contains(expected));
     let before = fmu.present();
     let mut bad = loads.clone();

@@ -175,8 +175,8 @@ fn bad_directional_derivatives_are_refused() {
         fmi2Error,
         &["fold.motor_stiffness", "in Initialization Mode, parameters"],
     );
-    refused("fold.angle", "time", 1.0, fmi2Error, &["no derivative by variable time"]);
-    refused("fold.external_torque", "fold.external_torque", 1.0, fmi2Error, &["unknowns are Real outputs"]);
+    refused("fold.angle", "time", 1.0, fmi2Error, &["no derivative with respect to variable time"]);
+    refused("fold.external_torque", "fold.external_torque", 1.0, fmi2Error, &["unknowns must be Real outputs"]);
     refused("fold.latched", "fold.external_torque", 1.0, fmi2Error, &["Boolean, not Real"]);
     refused("fold.angle", "fold.release", 1.0, fmi2Error, &["Boolean, not Real"]);
     refused("fold.angle", "fold.external_torque", f64::INFINITY, fmi2Discard, &["d(fold.external_torque)", "inf"]);

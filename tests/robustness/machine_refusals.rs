@@ -112,7 +112,7 @@ fn names_and_tree() {
             (|m| m.gravity_m_s2.x = NAN, "gravity_m_s2", "an array of 3 finite accelerations in m/s²"),
             (|m| m.bodies[0].name = "inner wing".into(), "body \"inner wing\"", "an identifier"),
             (|m| m.bodies[1].name = "inner".into(), "body \"inner\"", "a name that no other body has"),
-            (|m| m.bodies[1].name = "root".into(), "body \"root\"", "what the wing is fixed to"),
+            (|m| m.bodies[1].name = "root".into(), "body \"root\"", "reserved for the frame"),
             (|m| m.bodies[1].joint.name = "mount".into(), "joint \"mount\"", "a name that no other joint has"),
             (|m| m.bodies[1].joint.name = "energy".into(), "joint \"energy\"", "is not one of load, gravity"),
             (|m| m.bodies[1].joint.name = "tip".into(), "joint \"tip\"", "a name that is not one of"),
@@ -185,7 +185,7 @@ fn bodies() {
             (
                 |m| m.bodies[0].natural_strain = [0.0, 0.0, 50.0, 0.0].into(),
                 "body \"inner\", natural_strain",
-                "half a turn per element",
+                "half a revolution per element",
             ),
             (
                 |m| m.bodies[0].natural_strain.0[2] = Profile::linear(0.0, 50.0, 0.15),
@@ -329,7 +329,7 @@ fn joints() {
             (
                 |m| (fold(m).start_rate_rad_s, fold(m).release) = (1.0, false),
                 "joint \"fold\", start_rate_rad_s",
-                "a rate of 0 rad/s where the joint is locked",
+                "a rate of 0 rad/s if the joint is locked",
             ),
             (
                 |m| (fold(m).motion, fold(m).latch) = (JointMotion::Prescribed(Motion::Polynomial(vec![])), None),
@@ -400,7 +400,7 @@ fn joints() {
             (
                 |m| m.bodies[4].joint.parent = Parent::Body { index: 0, position_m: 0.0 },
                 "joint \"flight\", parent",
-                "\"root\" where type = \"free\"",
+                "\"root\" (a free joint",
             ),
             (
                 |m| spatial(m, 2).start_angular_velocity_rad_s = Vector3::x(),
@@ -556,7 +556,7 @@ fn air_around_it() {
             (
                 |m| air(m).gusts[0].shape = GustShape::Table([[1.0, 0.0], [1.0, 1.0]].into()),
                 "gust \"up\", table",
-                "distances ascending",
+                "ascending distances",
             ),
             (
                 |m| air(m).gusts[0].shape = GustShape::Table([[1.0, NAN]].into()),
@@ -612,7 +612,7 @@ fn solver_and_experiment() {
                     m.solver.fixed_step_s = Some(1e-3);
                 },
                 "solver, mode",
-                "for a machine in air",
+                "or coupling =",
             ),
             (|m| m.experiment.start_time_s = NAN, "simulation, start_time_s", "a finite time in s"),
             (|m| m.experiment.stop_time_s = NAN, "simulation, stop_time_s", "a finite time in s"),
@@ -651,14 +651,19 @@ fn parts_by_name() {
             inner().body(beam("outer"), fold().on("iner")),
             "joint \"fold\", parent: \"iner\" is not allowed; allowed: the root or a body: \"root\" or \"inner\" or \"outer\"",
         ),
-        (inner().body(beam("outer"), fold().on("mount")), "a body, not a joint (\"mount\" holds \"inner\")"),
+        (
+            inner().body(beam("outer"), fold().on("mount")),
+            "a body, not a joint (joint \"mount\" has the child \"inner\")",
+        ),
         (
             inner().body(beam("outer"), fold().on("outer")),
-            "joint \"fold\", parent: \"outer\" is not allowed; allowed: a parent that ends at the root; here the parents go in a cycle: outer -> outer",
+            "joint \"fold\", parent: \"outer\" is not allowed; allowed: a chain of parents that ends at the root; here \
+             the parents form a cycle: outer -> outer",
         ),
         (
             inner().body(beam("a"), Joint::ball("ja").on("b")).body(beam("b"), Joint::ball("jb").on("a")),
-            "joint \"ja\", parent: \"b\" is not allowed; allowed: a parent that ends at the root; here the parents go in a cycle: a -> b -> a",
+            "joint \"ja\", parent: \"b\" is not allowed; allowed: a chain of parents that ends at the root; here the \
+             parents form a cycle: a -> b -> a",
         ),
         (inner().body(beam("inner"), fold()), "body \"inner\": the name \"inner\" is not allowed"),
         (inner().body(beam("outer"), fold().on_at("inner", 0.2)), "joint \"fold\", parent_position_m: 0.2"),
@@ -731,8 +736,11 @@ fn parts_by_name() {
             inner().closure(Closure::between("pin", ["root", "inner"], 1.0)),
             "two bodies: a loop cannot be closed on the root",
         ),
-        (inner().surface(LiftingSurface::on("inner", 4)), "surface \"inner\": a surface, gust or flap without air"),
-        (inner().air(Air::strips()), "air, model: air without a surface"),
+        (
+            inner().surface(LiftingSurface::on("inner", 4)),
+            "surface \"inner\": a surface, gust or flap without aerodynamics",
+        ),
+        (inner().air(Air::strips()), "air, model: aerodynamics without a surface"),
         (inner().air(Air::strips()).surface(LiftingSurface::on("x", 4)), "surface \"x\", body: \"x\""),
         (
             inner().air(Air::strips()).surface(LiftingSurface::on("inner", 4)),

@@ -250,8 +250,8 @@ fn me12_other_derivatives_are_refused_by_name() {
         let status = unsafe { fmi2GetDirectionalDerivative(fmu.component, &unknown, 1, &known, 1, &1.0, &mut found) };
         fmu.refused(status, fmi2Error, &[words]);
     };
-    let knowns = "knowns are continuous states, Real inputs, tunable parameters and time";
-    let unknowns = "unknowns are derivatives of states and Real outputs";
+    let knowns = "knowns must be continuous states, Real inputs, tunable parameters and time";
+    let unknowns = "unknowns must be derivatives of states and Real outputs";
     refuse("der(state.fold.angle)", "fold.start_angle", knowns);
     refuse("der(state.fold.angle)", "fold.angle", knowns);
     refuse("der(state.fold.angle)", "fold.release", "has type Boolean, not Real");

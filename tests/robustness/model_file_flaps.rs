@@ -57,7 +57,7 @@ fn flaps_that_cannot_be() {
         &replaced("[control_surface.f]\nbody = \"inner\"", "[control_surface.f]\nbody = \"iner\""),
         &["control_surface.f.body", "inner"],
     );
-    refused(&replaced(AIR, ""), &["air"]);
+    refused(&replaced(AIR, ""), &["aerodynamics"]);
     let second = |text: &str| {
         format!(
             "{text}{}",
@@ -86,7 +86,7 @@ fn grounds_and_speeds_of_sound_that_cannot_be() {
     refused("ground_distance_m = 1.0\n", "", &["aerodynamics.ground_normal", "both"]);
     refused("ground_normal = [0, 0, 0]\nground_distance_m = 1.0\n", "", &["aerodynamics.ground_normal", "not all 0"]);
     let tilted = "mirror_normal = [1, 0, 0]\nground_normal = [1, 0, 1]\nground_distance_m = 1.0\n";
-    refused(tilted, "", &["aerodynamics.ground_normal", "across mirror_normal"]);
+    refused(tilted, "", &["aerodynamics.ground_normal", "perpendicular to mirror_normal"]);
     refused("speed_of_sound_m_s = 0.0\n", "", &["aerodynamics.speed_of_sound_m_s", "> 0"]);
     let message = message_of(&format!("{MODEL}{AIR}ground_normal = [0, 0, 1]\nground_distance_m = 1.0\n{SURFACE}"));
     assert!(message.contains("ground_normal") && message.contains("uvlm"), "{message}");

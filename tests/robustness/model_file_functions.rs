@@ -52,8 +52,8 @@ fn sections_between_two_ends() {
     assert_eq!(b.stiffness[(1, 2)], 0.5);
     assert_eq!(
         message_of(&inner("outer_section = \"spar\"")),
-        "wing.toml:45: key 'gauge.root.body': \"inner\" is not allowed; allowed: a body whose section states \
-         half_width_m and half_height_m"
+        "wing.toml:45: key 'gauge.root.body': \"inner\" is not allowed; allowed: a body whose section has half_width_m \
+         and half_height_m"
     );
 }
 
@@ -89,7 +89,8 @@ fn functions_that_are_none() {
     );
     assert_eq!(
         message_of(&inner("twist_1_m = {}")),
-        "wing.toml:17: key 'body.inner.twist_1_m': an empty table is not allowed; allowed: polynomial or table in it"
+        "wing.toml:17: key 'body.inner.twist_1_m': an empty table is not allowed; allowed: a table with the key \
+         polynomial or the key table"
     );
     assert_eq!(
         message_of(&inner("twist_1_m = { polynomial = [1], table = [[0, 1], [0.1, 2]] }")),
@@ -137,12 +138,12 @@ fn curvatures_that_an_element_cannot_hold() {
     assert_eq!(
         message_of(&inner("curvature_y_1_m = { polynomial = [0, 300] }")),
         "wing.toml:17: key 'body.inner.curvature_y_1_m': a curvature of 45.0000 1/m at 0.15 m is not allowed; allowed: \
-         curvatures of a magnitude < 41.8879 1/m: half a turn per element"
+         curvatures of a magnitude < 41.8879 1/m, which is half a revolution per element"
     );
     assert_eq!(
         message_of(&inner("curvature_y_1_m = -42")),
         "wing.toml:17: key 'body.inner.curvature_y_1_m': -42 is not allowed; allowed: curvatures of a magnitude < \
-         41.8879 1/m: half a turn per element"
+         41.8879 1/m, which is half a revolution per element"
     );
     assert_eq!(
         message_of(&inner("natural_curvature_1_m = [0, 0, 1]\ntwist_1_m = 1")),

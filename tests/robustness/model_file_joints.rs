@@ -85,14 +85,12 @@ fn universal_axes() {
     );
     assert_eq!(
         message(&format!("{UNIVERSAL}\nbody_axis = [0, 1, 0.04]")),
-        "wing.toml:32: key 'joint.fold.body_axis': [0, 1, 0.04] is not allowed; allowed: an array of 3 finite numbers, \
-         in the attitude of mount_rotation_deg not parallel to axis"
+        "wing.toml:32: key 'joint.fold.body_axis': [0, 1, 0.04] is not allowed; allowed: an array of 3 finite numbers that after mount_rotation_deg is not parallel to axis"
     );
     // a rotation by 90° about x moves the body's −z onto the parent's y
     assert_eq!(
         message(&format!("{UNIVERSAL}\nmount_rotation_deg = [90, 0, 0]\nbody_axis = [0, 0, -1]")),
-        "wing.toml:33: key 'joint.fold.body_axis': [0, 0, -1] is not allowed; allowed: an array of 3 finite numbers, in \
-         the attitude of mount_rotation_deg not parallel to axis"
+        "wing.toml:33: key 'joint.fold.body_axis': [0, 0, -1] is not allowed; allowed: an array of 3 finite numbers that after mount_rotation_deg is not parallel to axis"
     );
 }
 
@@ -102,7 +100,7 @@ fn universal_start_velocity() {
     assert_eq!(
         message(&format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]\nstart_angular_velocity_deg_s = [1, 30, 40]")),
         "wing.toml:33: key 'joint.fold.start_angular_velocity_deg_s': [1, 30, 40] is not allowed; allowed: rates in \
-         deg/s about axis and body_axis only: zero along [1, 0, 0]"
+         deg/s about axis and body_axis only: the component must be zero along [1, 0, 0]"
     );
 }
 
@@ -111,8 +109,8 @@ fn universal_start_velocity() {
 fn free_parent() {
     assert_eq!(
         message("type = \"free\"\nparent = \"inner\""),
-        "wing.toml:30: key 'joint.fold.parent': \"inner\" is not allowed; allowed: \"root\" where type = \"free\": a \
-         body that another one carries is held by that body's joint"
+        "wing.toml:30: key 'joint.fold.parent': \"inner\" is not allowed; allowed: \"root\" (a free joint cannot have \
+         a body as its parent; use another joint type to attach one body to another)"
     );
 }
 
@@ -186,13 +184,13 @@ fn keys_of_the_other_travel() {
             slide("motor.stiffness_N_m_rad = 5"),
             "motor.stiffness_N_m_rad",
             "5",
-            "stiffness_N_m in its place: a prismatic joint is in m and N",
+            "stiffness_N_m instead: the keys of a prismatic joint are in m and N",
         ),
         (
             hinge("spring.rest_position_m = 5"),
             "spring.rest_position_m",
             "5",
-            "rest_angle_deg in its place: a revolute joint is in deg and N·m",
+            "rest_angle_deg instead: the keys of a revolute joint are in deg and N·m",
         ),
         (slide("motor.force_limit_N = -1"), "motor.force_limit_N", "-1", "a finite force >= 0 N"),
         (slide("motor.mass_kg = -1"), "motor.mass_kg", "-1", "a finite mass >= 0 kg"),
@@ -201,13 +199,13 @@ fn keys_of_the_other_travel() {
             slide("latch = { stiffness_ratio = 10 }"),
             "latch.stiffness_ratio",
             "10",
-            "a ratio where the stiffness of motor and spring is > 0; write stiffness_N_m (N/m) instead",
+            "a ratio only with a motor or a spring of stiffness > 0; write stiffness_N_m (N/m) instead",
         ),
         (
             slide("release = false\nstart_rate_m_s = 1"),
             "start_rate_m_s",
             "1",
-            "a rate of 0 m/s where the joint is locked, prescribed or not released at the start",
+            "a rate of 0 m/s if the joint is locked, prescribed or not released at the start",
         ),
     ] {
         let expected = format!("key 'joint.fold.{key}': {value} is not allowed; allowed: {allowed}");
@@ -238,8 +236,8 @@ fn foreign_drive_keys() {
 fn explicit_method_needs_a_fixed_step() {
     assert_eq!(
         message_of(&with("tolerance = 1e-4", "method = \"rk4\"")),
-        "wing.toml:47: key 'solver.fixed_step_s' is missing; allowed: a finite time > 0 s: method = \"rk4\" has no error \
-         estimate to choose its steps by"
+        "wing.toml:47: key 'solver.fixed_step_s' is missing; allowed: a finite time > 0 s: method = \"rk4\" has no \
+         error estimate for choosing steps"
     );
     for method in ["rk4", "esdirk4", "generalized_alpha"] {
         let text = with("tolerance = 1e-4", &format!("method = \"{method}\"\nfixed_step_s = 1e-4"));
@@ -254,7 +252,8 @@ fn real_time_mode() {
     assert_eq!(
         solver("mode = \"real_time\"\nmethod = \"esdirk4\""),
         "wing.toml:49: key 'solver.method': \"esdirk4\" is not allowed; allowed: \"sdirk2\", or no method, with mode = \
-         \"real_time\": with fixed steps the others keep a jump of the accelerations ringing in stiff modes"
+         \"real_time\": with fixed steps the other methods do not damp the vibration of stiff modes after a jump of \
+         the accelerations"
     );
     assert_eq!(
         solver("max_iterations = 3"),

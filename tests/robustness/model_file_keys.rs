@@ -267,8 +267,8 @@ fn names() {
     assert!(!message("name = \"Wing\"", "name = \"翼\"").contains("perhaps"), "nothing is left of it");
     assert_eq!(
         message("[body.outer]", "[body.root]"),
-        "wing.toml:20: key 'body.root': the name \"root\" is not allowed; allowed: another name: \"root\" is what \
-         the wing is fixed to\nwing.toml:31: key 'joint.fold.child': \"outer\" is not allowed; allowed: a body: \
+        "wing.toml:20: key 'body.root': the name \"root\" is not allowed; allowed: another name: \"root\" is reserved \
+         for the frame that carries the wing\nwing.toml:31: key 'joint.fold.child': \"outer\" is not allowed; allowed: a body: \
          \"inner\" or \"root\""
     );
 }

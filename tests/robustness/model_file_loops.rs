@@ -63,13 +63,13 @@ fn bodies_of_a_loop() {
     );
     assert_eq!(
         message("bodies = [\"inner\", \"inner\"]\nstiffness_N_m = 1e5"),
-        "wing.toml:57: key 'loop.pin.bodies': [\"inner\", \"inner\"] is not allowed; allowed: two different \
-         sections: one is joined to itself"
+        "wing.toml:57: key 'loop.pin.bodies': [\"inner\", \"inner\"] is not allowed; allowed: two different points; \
+         this one is joined to itself"
     );
     assert_eq!(
         message("bodies = [\"outer\", \"outer\"]\npositions_m = [0.1, 0.1]\nstiffness_N_m = 1e5"),
-        "wing.toml:58: key 'loop.pin.positions_m': [0.1, 0.1] is not allowed; allowed: two different \
-         sections: one is joined to itself"
+        "wing.toml:58: key 'loop.pin.positions_m': [0.1, 0.1] is not allowed; allowed: two different points; this one \
+         is joined to itself"
     );
     assert_eq!(
         message(&CLOSED.replace("[\"inner\", \"outer\"]", "[\"inner\"]")),
@@ -83,8 +83,8 @@ fn bodies_of_a_loop() {
 fn places_of_a_loop() {
     assert_eq!(
         message(&CLOSED.replace("[0.05, 0.1]", "[0.05, 0.11]")),
-        "wing.toml:58: key 'loop.pin.positions_m': [0.05, 0.11] is not allowed; allowed: lengths up to those \
-         of the bodies; \"outer\" is 0.1 m long"
+        "wing.toml:58: key 'loop.pin.positions_m': [0.05, 0.11] is not allowed; allowed: positions from 0 to the \
+         length of each body; \"outer\" is 0.1 m long"
     );
     assert_eq!(
         message(&CLOSED.replace("[0.05, 0.1]", "[-0.05, 0.1]")),
@@ -136,17 +136,17 @@ fn penalties_of_a_loop() {
 fn loops_that_are_open_at_the_start() {
     assert_eq!(
         message_of(&model(1.0, CLOSED)),
-        "wing.toml:56: key 'loop.pin': a gap of 0.001754 m, from one point to the other [0.000190, 0.000000, \
-         0.001744], is not allowed; allowed: points that coincide in the unstrained machine at its start \
-         angles to 1.5e-4 m, 0.001 of the longer body"
+        "wing.toml:56: key 'loop.pin': a gap of 0.001754 m, from the first point to the second [0.000190, 0.000000, \
+         0.001744], is not allowed; allowed: points that coincide in the unstrained machine at its start angles within \
+         1.5e-4 m, 0.001 of the length of the longer body"
     );
     let curved =
         model(0.0, CLOSED).replace("load_stations = 4", "load_stations = 4\nnatural_curvature_1_m = [0, 0, 20.943951]");
     assert_eq!(
         message_of(&curved),
-        "wing.toml:57: key 'loop.pin': a gap of 0.092571 m, from one point to the other [0.058650, 0.071621, \
-         0.000000], is not allowed; allowed: points that coincide in the unstrained machine at its start \
-         angles to 1.5e-4 m, 0.001 of the longer body"
+        "wing.toml:57: key 'loop.pin': a gap of 0.092571 m, from the first point to the second [0.058650, 0.071621, \
+         0.000000], is not allowed; allowed: points that coincide in the unstrained machine at its start angles within \
+         1.5e-4 m, 0.001 of the length of the longer body"
     );
 }
 

@@ -50,8 +50,8 @@ fn internal_loads() {
 fn tree() {
     assert_eq!(
         message("parent = \"inner\"\nchild = \"outer\"", "parent = \"root\"\nchild = \"inner\""),
-        "wing.toml:31: key 'joint.fold.child': \"inner\" is not allowed; allowed: a body that no other joint holds; \
-         \"mount\" holds this one"
+        "wing.toml:31: key 'joint.fold.child': \"inner\" is not allowed; allowed: a body that is not yet the child of \
+         another joint; this one is the child of \"mount\""
     );
     assert_eq!(
         message("child = \"outer\"", "child = \"inner\""),
@@ -63,8 +63,8 @@ fn tree() {
     );
     assert_eq!(
         message("parent = \"root\"", "parent = \"outer\""),
-        "wing.toml:26: key 'joint.mount.parent': \"outer\" is not allowed; allowed: a parent that ends at the \
-         root; here the parents go in a cycle: inner -> outer -> inner"
+        "wing.toml:26: key 'joint.mount.parent': \"outer\" is not allowed; allowed: a chain of parents that ends at \
+         the root; here the parents form a cycle: inner -> outer -> inner"
     );
     assert_eq!(
         message("[solver]", "[body.winglet]\nlength_m = 1\nsection = \"plate\"\nelements = 1\n[solver]"),
@@ -140,8 +140,8 @@ fn positions() {
 fn gauge_outlines() {
     assert_eq!(
         message("body = \"inner\"\nposition_m = 0.02", "body = \"outer\"\nposition_m = 0.02"),
-        "wing.toml:44: key 'gauge.root.body': \"outer\" is not allowed; allowed: a body whose section states \
-         half_width_m and half_height_m"
+        "wing.toml:44: key 'gauge.root.body': \"outer\" is not allowed; allowed: a body whose section has half_width_m \
+         and half_height_m"
     );
     assert_eq!(
         message_of(&with("shape = \"rectangle\"", "shape = \"ellipse\"").replacen(
@@ -191,8 +191,8 @@ fn elements() {
     );
     assert_eq!(
         message("load_stations = 4", "natural_curvature_1_m = [0, 50, 0]"),
-        "wing.toml:19: key 'body.inner.natural_curvature_1_m': [0, 50, 0] is not allowed; allowed: curvatures of \
-         a magnitude < 41.8879 1/m: half a turn per element"
+        "wing.toml:19: key 'body.inner.natural_curvature_1_m': [0, 50, 0] is not allowed; allowed: curvatures of a \
+         magnitude < 41.8879 1/m, which is half a revolution per element"
     );
 }
 
@@ -222,7 +222,8 @@ fn shear() {
     );
     assert_eq!(
         message("section = \"spar\"", "section = \"spar\"\nshear_damping_factors = [1, 2]"),
-        "wing.toml:23: key 'body.outer.shear_damping_factors': [1, 2] is not allowed; allowed: factors of a body with shear = true"
+        "wing.toml:23: key 'body.outer.shear_damping_factors': [1, 2] is not allowed; allowed: this key only on a body \
+         with shear = true"
     );
     assert_eq!(
         message("mass_kg_m = 0.3", "mass_kg_m = 0.3\nshear_stiffness_N = [1, -1]"),
@@ -358,8 +359,8 @@ fn rigid_body_inertia() {
 fn latches() {
     assert_eq!(
         message("stiffness_N_m_rad = 0.026", "stiffness_N_m_rad = 0"),
-        "wing.toml:37: key 'joint.fold.latch.stiffness_ratio': 1e4 is not allowed; allowed: a ratio where the \
-         stiffness of motor and spring is > 0; write stiffness_N_m_rad (N·m/rad) instead"
+        "wing.toml:37: key 'joint.fold.latch.stiffness_ratio': 1e4 is not allowed; allowed: a ratio only with a motor \
+         or a spring of stiffness > 0; write stiffness_N_m_rad (N·m/rad) instead"
     );
     assert_eq!(
         message("stiffness_ratio = 1e4", "stiffness_ratio = 1"),
@@ -429,8 +430,8 @@ fn rigid_latches() {
     let caught = turning.replace("stiffness_ratio = 1e4", "kind = \"rigid\"\nangle_deg = 170");
     assert_eq!(
         message_of(&caught),
-        "wing.toml:34: key 'joint.fold.start_rate_deg_s': 5 is not allowed; allowed: a rate of 0 deg/s where a rigid latch \
-         is closed at the start; start outside its window, or write enable = false"
+        "wing.toml:34: key 'joint.fold.start_rate_deg_s': 5 is not allowed; allowed: a rate of 0 deg/s if a rigid \
+         latch is closed at the start; start outside its capture range, or write enable = false"
     );
     for accepted in ["enable = false", "capture_deg = 0"] {
         let angle = if accepted.starts_with("enable") { 170.0 } else { 170.000_001 };
@@ -454,13 +455,13 @@ fn alternatives() {
     );
     assert_eq!(
         message("parent = \"root\"", "parent = \"root\"\nparent_position_m = 0.1"),
-        "wing.toml:27: key 'joint.mount.parent_position_m': 0.1 is not allowed; allowed: this key with a body as \
-         parent; write root_position_m = [x, y, z] (m)"
+        "wing.toml:27: key 'joint.mount.parent_position_m': 0.1 is not allowed; allowed: this key only with a body as \
+         parent; on the root write root_position_m = [x, y, z] (m)"
     );
     assert_eq!(
         message("parent = \"inner\"", "parent = \"inner\"\nroot_position_m = [0, 0, 0]"),
-        "wing.toml:31: key 'joint.fold.root_position_m': [0, 0, 0] is not allowed; allowed: this key with parent \
-         = \"root\"; write parent_position_m (m), the distance along the parent"
+        "wing.toml:31: key 'joint.fold.root_position_m': [0, 0, 0] is not allowed; allowed: this key only with parent \
+         = \"root\"; on a body write parent_position_m (m), the distance along it"
     );
 }
 
@@ -469,8 +470,8 @@ fn alternatives() {
 fn start_rates() {
     assert_eq!(
         message("start_angle_deg = 170", "release = false\nstart_rate_deg_s = 5"),
-        "wing.toml:34: key 'joint.fold.start_rate_deg_s': 5 is not allowed; allowed: a rate of 0 deg/s where the \
-         joint is locked, prescribed or not released at the start"
+        "wing.toml:34: key 'joint.fold.start_rate_deg_s': 5 is not allowed; allowed: a rate of 0 deg/s if the joint is \
+         locked, prescribed or not released at the start"
     );
 }
 
@@ -594,7 +595,8 @@ fn loads() {
     );
     assert_eq!(
         load("body = \"inner\"\nstation = 5"),
-        "wing.toml:40: key 'load.a.station': 5 is not allowed; allowed: a whole number from 1 to 4, the load stations of \
+        "wing.toml:40: key 'load.a.station': 5 is not allowed; allowed: a whole number from 1 to 4, the number of load \
+         stations of \
          \"inner\""
     );
     assert_eq!(

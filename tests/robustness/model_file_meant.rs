@@ -182,6 +182,6 @@ fn a_joint_for_a_body() {
     assert_eq!(
         message("parent = \"inner\"", "parent = \"mount\""),
         "wing.toml:30: key 'joint.fold.parent': \"mount\" is not allowed; allowed: the root or a body, not a joint \
-         (\"mount\" holds \"inner\"): \"root\" or \"inner\" or \"outer\""
+         (joint \"mount\" has the child \"inner\"): \"root\" or \"inner\" or \"outer\""
     );
 }

@@ -62,15 +62,18 @@ fn sections_by_shape() {
         ),
         (
             "shape = \"profile\"\nchord_m = 0.1\naerofoil = \"e387\"\nskin_wall_m = 0.0004\nmaterial = \"PLA\"",
-            "wing.toml:6: key 'section.plate.aerofoil': \"e387\" is not allowed; allowed: a NACA aerofoil of four digits such as \"naca2412\", or the points of another one as outline",
+            "wing.toml:6: key 'section.plate.aerofoil': \"e387\" is not allowed; allowed: a four-digit NACA aerofoil \
+             such as \"naca2412\"; give the points of any other aerofoil as outline",
         ),
         (
             "shape = \"profile\"\nchord_m = 0.1\naerofoil = \"naca2412\"\nskin_wall_m = 0.02\nmaterial = \"PLA\"",
-            "wing.toml:7: key 'section.plate.skin_wall_m': 0.02 is not allowed; allowed: a skin < 0.003199 m, which follows the bends of this outline at chord_m = 0.1; a solid section has shape = \"explicit\"",
+            "wing.toml:7: key 'section.plate.skin_wall_m': 0.02 is not allowed; allowed: a skin < 0.003199 m, the \
+             largest that fits into this outline at chord_m = 0.1; a solid section has shape = \"explicit\"",
         ),
         (
             "shape = \"profile\"\nchord_m = 0.1\nskin_wall_m = 0.0004\nmaterial = \"PLA\"",
-            "wing.toml:3: key 'section.plate.aerofoil' is missing; allowed: a NACA aerofoil of four digits such as \"naca2412\", or outline instead",
+            "wing.toml:3: key 'section.plate.aerofoil' is missing; allowed: a four-digit NACA aerofoil such as \
+             \"naca2412\", or outline instead",
         ),
         (
             "shape = \"profile\"\nchord_m = 0.1\naerofoil = \"naca2412\"\nskin_wall_m = 0.0004\nmaterial = \"PLA\"\noutline = [[1, 0], [0.5, 0.1], [0, 0], [0.5, -0.1], [1, 0]]",
@@ -86,7 +89,8 @@ fn sections_by_shape() {
         ),
         (
             "shape = \"profile\"\nchord_m = 0.1\naerofoil = \"naca2412\"\nskin_wall_m = 0.0004\nmaterial = \"PLA\"\n[section.plate.spar.rear]\nposition = 0.99\nwall_m = 0.001",
-            "wing.toml:10: key 'section.plate.spar.rear.position': 0.99 is not allowed; allowed: a fraction of the chord in the hollow, between 0.004012 and 0.986 with its wall",
+            "wing.toml:10: key 'section.plate.spar.rear.position': 0.99 is not allowed; allowed: a fraction of the \
+             chord between 0.004012 and 0.986, so that the spar lies inside the skin",
         ),
         (
             "shape = \"profile\"\nchord_m = 0.1\naerofoil = \"naca2412\"\nskin_wall_m = 0.0004\nmaterial = \"PLA\"\n[section.plate.spar.a]\nposition = 0.3\nwall_m = 0.001\n[section.plate.spar.b]\nposition = 0.3\nwall_m = 0.001\nmaterial = \"Balsa\"",
@@ -94,15 +98,20 @@ fn sections_by_shape() {
         ),
         (
             "shape = \"profile\"\nchord_m = 0.1\naerofoil = \"naca2412\"\nskin_wall_m = 0.0004\nmaterial = \"PLA\"\n[section.plate.spar.a]\nposition = 0.3\nwall_m = 0.001\n[section.plate.spar.b]\nposition = 0.3\nwall_m = 0.001",
-            "wing.toml:13: key 'section.plate.spar.b.position': 0.3 is not allowed; allowed: a position at which no other spar stands",
+            "wing.toml:13: key 'section.plate.spar.b.position': 0.3 is not allowed; allowed: a position that no other \
+             spar occupies",
         ),
         (
             "shape = \"laminate\"\nwidth_m = 0.03\nlayup_deg = [0, 45]\nply_thickness_m = 0.2e-3\nmaterial = \"CFRP AS4/3501-6\"",
-            "wing.toml:6: key 'section.plate.layup_deg': an unbalanced laminate: stretched, it shears in its plane is not allowed; allowed: for each ply at an angle one of the same material and thickness at the opposite angle, as beams here have no shear strain",
+            "wing.toml:6: key 'section.plate.layup_deg': an unbalanced laminate, which shears in its plane when it is \
+             stretched is not allowed; allowed: for each ply at an angle a ply of the same material and thickness at \
+             the opposite angle, because coupling with in-plane shear is not modelled",
         ),
         (
             "shape = \"laminate\"\nwidth_m = 0.03\nlayup_deg = [45, -45]\nply_thickness_m = 0.2e-3\nmaterial = \"CFRP AS4/3501-6\"",
-            "wing.toml:6: key 'section.plate.layup_deg': a laminate whose bending or twist is coupled with shear in its plane is not allowed; allowed: plies at angles other than 0 and 90 deg symmetric about the middle (symmetric = true), as beams here have no shear strain",
+            "wing.toml:6: key 'section.plate.layup_deg': a laminate whose bending or twist is coupled with shear in \
+             its plane is not allowed; allowed: plies at angles other than 0 and 90 deg symmetric about the mid-plane \
+             (symmetric = true), because coupling with in-plane shear is not modelled",
         ),
         (
             "shape = \"laminate\"\nwidth_m = 0.03\nlayup_deg = [0, 45]\nply_thickness_m = 0.2e-3\nmaterial = \"CFRP AS4/3501-6\"\nply_thicknesses_m = [1e-3, 1e-3]",
@@ -146,19 +155,24 @@ fn sections_by_shape() {
         ),
         (
             "shape = \"rectangle\"\nwidth_m = 0.05\nheight_m = 0.002\nmaterial = \"PLA\"\n[material.own]\nyoungs_modulus_Pa = 1e9\ndensity_kg_m3 = 1000\npoisson_ratio = 0.3\nshear_modulus_Pa = 1e9",
-            "wing.toml:11: key 'material.own.poisson_ratio': 0.3 is not allowed; allowed: either shear_modulus_Pa or poisson_ratio, not both, or transverse_youngs_modulus_Pa besides",
+            "wing.toml:11: key 'material.own.poisson_ratio': 0.3 is not allowed; allowed: either shear_modulus_Pa or \
+             poisson_ratio; both only with transverse_youngs_modulus_Pa",
         ),
         (
             "shape = \"rectangle\"\nwidth_m = 0.05\nheight_m = 0.002\nmaterial = \"PLA\"\n[material.own]\nyoungs_modulus_Pa = 1e9\ndensity_kg_m3 = 1000\npoisson_ratio = 0.3\ntransverse_youngs_modulus_Pa = 1e8",
-            "wing.toml:8: key 'material.own.shear_modulus_Pa' is missing; allowed: the shear modulus of a unidirectional material in planes with the fibres",
+            "wing.toml:8: key 'material.own.shear_modulus_Pa' is missing; allowed: the shear modulus of a \
+             unidirectional material in planes that contain the fibres (G12)",
         ),
         (
             "shape = \"rectangle\"\nwidth_m = 0.05\nheight_m = 0.002\nmaterial = \"PLA\"\n[material.own]\nyoungs_modulus_Pa = 1e9\ndensity_kg_m3 = 1000\nshear_modulus_Pa = 1e9\ntransverse_youngs_modulus_Pa = 1e8",
-            "wing.toml:8: key 'material.own.poisson_ratio' is missing; allowed: the major Poisson's ratio of a unidirectional material",
+            "wing.toml:8: key 'material.own.poisson_ratio' is missing; allowed: the major Poisson's ratio of a \
+             unidirectional material (nu12)",
         ),
         (
             "shape = \"rectangle\"\nwidth_m = 0.05\nheight_m = 0.002\nmaterial = \"PLA\"\n[material.own]\nyoungs_modulus_Pa = 1e9\ndensity_kg_m3 = 1000\nshear_modulus_Pa = 1e9\npoisson_ratio = 0.5\ntransverse_youngs_modulus_Pa = 1e10",
-            "wing.toml:12: key 'material.own.poisson_ratio': 0.5 with 1e10 Pa across is not allowed; allowed: a major Poisson's ratio whose square is less than the modulus along over that across the fibres",
+            "wing.toml:12: key 'material.own.poisson_ratio': 0.5 with transverse_youngs_modulus_Pa = 1e10 is not \
+             allowed; allowed: a major Poisson's ratio whose square is less than youngs_modulus_Pa divided by \
+             transverse_youngs_modulus_Pa",
         ),
         (
             "shape = \"rectangle\"\nwidth_m = 0.05\nheight_m = 0.002\nmaterial = \"PLA\"\n[material.own]\nyoungs_modulus_Pa = 1e9\ndensity_kg_m3 = 1000\nshear_modulus_Pa = 1e9\ntransverse_shear_modulus_Pa = 1e8",
@@ -181,7 +195,8 @@ fn sections_by_shape_along_a_body() {
         (
             "shape = \"tube\"\ndiameter_m = { polynomial = [0.025, 0.01] }\nwall_m = 0.0015\nmaterial = \"PLA\"",
             "length_m = 0.15\nouter_section = \"plate\"",
-            "wing.toml:16: key 'body.inner.section': section \"plate\", whose dimensions vary along the body is not allowed; allowed: sections of constant dimensions, if there are two of them",
+            "wing.toml:16: key 'body.inner.section': section \"plate\", whose dimensions vary along the body is not \
+             allowed; allowed: sections of constant dimensions, if the body has an outer_section",
         ),
     ] {
         let text = with_section(section).replacen("length_m = 0.15", keys, 1);

@@ -39,7 +39,7 @@ pub(super) fn add(
             let stray = stray.or(file.gust.keys().next().map(|name| ["gust", name]));
             let stray = stray.or(file.control_surface.keys().next().map(|name| ["control_surface", name]));
             if let Some(path) = stray {
-                checker.refuse_as(&path, "a table without air", "a model file with [aerodynamics]");
+                checker.refuse_as(&path, "a table without [aerodynamics]", "a model file with [aerodynamics]");
             }
             machine = machine.air(Air::none()); // the tables are checked nevertheless
         }
@@ -50,7 +50,7 @@ pub(super) fn add(
         let earlier = file.surface.iter().take(index).find(|(_, other)| other.body == surface.body);
         let built = match earlier {
             Some((other, _)) => {
-                checker.refuse(&path, format!("a body without a surface; {other:?} is on this one"));
+                checker.refuse(&path, format!("a body without a surface; this one already has {other:?}"));
                 None
             }
             None if lawless.contains(&surface.body.as_str()) => None,
@@ -272,7 +272,7 @@ fn build_surface(
         match (&surface.stations_m, &surface.polars) {
             (Some(stations_m), Some(polars)) => built = built.blade(stations_m.clone(), polars.clone()),
             (None, _) => {
-                checker.refuse(&["surface", name, "stations_m"], "at least 2 places in m along the blade, ascending");
+                checker.refuse(&["surface", name, "stations_m"], "at least 2 ascending positions in m along the blade");
                 return None;
             }
             (_, None) => {

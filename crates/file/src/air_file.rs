@@ -7,11 +7,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Aerodynamics. Air loads act on the lifting surfaces.
+/// Aerodynamics. Aerodynamic loads act on the lifting surfaces.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct AirFile {
-    /// Aerodynamic model; `none`: no air loads except those applied from outside.
+    /// Aerodynamic model; `none`: no aerodynamic loads except external ones, applied as inputs.
     pub model: AirModelFile,
     /// Air density.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -334,7 +334,7 @@ fn thirty() -> f64 {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GustFile {
-    /// Velocity profile behind the front.
+    /// Velocity profile as a function of the distance behind the gust front.
     pub shape: GustShapeFile,
     /// Maximum added velocity, root frame. For turbulence: its standard deviation, parallel or perpendicular to the
     /// gust's direction of travel. For a table: the velocity that a fraction of 1 represents.
@@ -354,10 +354,10 @@ pub(super) struct GustFile {
     /// 256th of the scale.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub resolution_m: Option<f64>,
-    /// Direction of travel, root frame, of any length except zero; default: that of `wind_m_s`.
+    /// Direction of travel, root frame, of any length except zero; default: the direction of `wind_m_s`.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub direction: Option<[f64; 3]>,
-    /// Speed of travel; default: that of `wind_m_s`.
+    /// Speed of travel; default: the magnitude of `wind_m_s`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub speed_m_s: Option<f64>,
     /// Position of the front at `start_s`.

@@ -78,7 +78,7 @@ pub(super) struct BodyFile {
     /// default 1 each.
     #[schemars(inner(range(min = 0.0)))]
     pub stiffness_damping_factors: Option<[f64; STRAINS]>,
-    /// The same for the shears along `y` and `z` of a body with `shear = true`, default 1 each.
+    /// Factors on `stiffness_damping_s` for shear along `y` and `z`, for a body with `shear = true`; default 1 each.
     #[schemars(inner(range(min = 0.0)))]
     pub shear_damping_factors: Option<[f64; 2]>,
     /// Number of load stations, at the centres of equal segments, default 4.
@@ -150,7 +150,7 @@ pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checke
         .shear_damping_factors(file.shear_damping_factors.unwrap_or([1.0; 2]))
         .load_frame(file.load_frame.into());
     if file.shear_damping_factors.is_some() && !file.shear {
-        checker.refuse(&["body", name, "shear_damping_factors"], "factors of a body with shear = true");
+        checker.refuse(&["body", name, "shear_damping_factors"], "this key only on a body with shear = true");
     }
     if file.axis.is_some() || file.axis_file.is_some() {
         if let Some(shape) = natural_shape(name, file, checker) {
@@ -219,8 +219,10 @@ fn own_law(name: &str, file: &BodyFile, sections: &Sections, checker: &mut Check
     }
     let inner = inner?;
     if let (Built::Table(_), Some((key, _))) = (inner, tapered) {
-        checker
-            .refuse(&["body", name, key], "a body whose section is not a table; a table itself states how it varies");
+        checker.refuse(
+            &["body", name, key],
+            "a body whose section is not a table; a table gives the properties at each station",
+        );
         return None;
     }
     let is_table = |built: &Built| matches!(built, Built::Table(_));
@@ -245,7 +247,7 @@ fn own_law(name: &str, file: &BodyFile, sections: &Sections, checker: &mut Check
                 checker.refuse_as(
                     &["body", name, key],
                     found,
-                    "sections of constant dimensions, if there are two of them",
+                    "sections of constant dimensions, if the body has an outer_section",
                 );
                 return None;
             }
@@ -303,7 +305,7 @@ fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<N
             return None;
         }
         _ => {
-            let allowed = "a file name, if the model itself is read from a file; a model given as text states axis";
+            let allowed = "a file name, if the model itself is read from a file; a model given as text must have axis";
             checker.refuse(&["body", name, "axis_file"], allowed);
             return None;
         }
@@ -312,8 +314,9 @@ fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<N
     match axis.natural_shape() {
         Ok(shape) => Some(shape),
         Err(steep) => {
-            let found = format!("an axis that leaves no length along x at {} m", shortest(steep.position_m));
-            let allowed = "points no further apart than the arc between them, on an axis that turns by less than a right angle from x";
+            let found = format!("an axis with no extent along x at {} m", shortest(steep.position_m));
+            let allowed =
+                "points no further apart than the arc length between them, and an axis at less than 90 deg from x";
             checker.refuse_as(&["body", name, "axis"], found, allowed);
             None
         }

@@ -149,7 +149,7 @@ impl Look<'_, '_> {
                     if !BAR_SPEED_M_S.contains(&speed_m_s) {
                         let key = if section.stiffness_si.is_some() { "stiffness_SI" } else { "axial_stiffness_N" };
                         let reason = format!(
-                            "with mass_kg_m = {} the speed of sound along the bar is {} m/s",
+                            "with mass_kg_m = {} the speed of longitudinal waves is {} m/s",
                             number(section.mass_kg_m),
                             number(speed_m_s)
                         );
@@ -259,10 +259,9 @@ impl Look<'_, '_> {
                 let reason = format!("{} m long and {} m thick: no beam", number(length_m), number(thickness_m));
                 self.doubt(&["body", name, "length_m"], reason, "a rigid body may be sufficient");
             } else if length_m < MINIMUM_SLENDERNESS * thickness_m && is_unstated(name, body, self.document) {
-                let thick =
-                    "without deflection by shear, which counts in bodies shorter than ten times their thickness";
+                let thick = "without shear = true the beam neglects shear deflection, which counts in bodies shorter than ten times their thickness";
                 let reason = format!("{} m long and {} m thick, {thick}", number(length_m), number(thickness_m));
-                let advice = "shear = true on the body includes it, shear = false leaves it out without this warning; \
+                let advice = "shear = true on the body includes it, shear = false neglects it without this warning; \
                               a rigid body may be sufficient";
                 self.doubt(&["body", name, "length_m"], reason, advice);
             }
@@ -315,7 +314,7 @@ impl Look<'_, '_> {
             });
             if let Some([from, to]) = hole {
                 let reason = format!("no row between {} and {} deg", number(from[0]), number(to[0]));
-                let advice = "the coefficients run straight across; add the rows that are missing";
+                let advice = "the coefficients are interpolated linearly; add the missing rows";
                 self.doubt(&["polar", name, if polar.file.is_some() { "file" } else { "rows" }], reason, advice);
             }
         }
@@ -324,7 +323,7 @@ impl Look<'_, '_> {
         // one row is a steady wind
         if let Some(end_s) = table.last().map(|row| row[0]).filter(|end_s| table.len() > 1 && *end_s < stop_s) {
             let reason = format!("the wind ends at {} s, the run at {} s", number(end_s), number(stop_s));
-            self.doubt(&["wind", "table"], reason, "the last row holds from there on; was the table cut short?");
+            self.doubt(&["wind", "table"], reason, "the last row applies after that; is the table incomplete?");
         }
     }
 
@@ -339,8 +338,10 @@ impl Look<'_, '_> {
         if let Some(air) = &file.aerodynamics {
             let wind = magnitude(&air.wind_m_s);
             if wind > WIND_M_S && air.speed_of_sound_m_s.is_none() {
-                let reason =
-                    format!("at {} m/s air is compressible; speed_of_sound_m_s includes the effect", number(wind));
+                let reason = format!(
+                    "at {} m/s the compressibility of air matters; speed_of_sound_m_s includes it",
+                    number(wind)
+                );
                 self.doubt(&["aerodynamics", "wind_m_s"], reason, format!("km/h? that is {} m/s", number(wind / 3.6)));
             }
         }

@@ -123,7 +123,7 @@ pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Prob
 fn along(path: &Path, units: Option<FileUnits>) -> Result<String, String> {
     let shown = path.display();
     let table = read_section_file(path, units).map_err(|fault| match fault.line {
-        0 => format!("a file of sections beside the model file ({shown}: {})", fault.reason),
+        0 => format!("a readable file of sections ({shown}: {})", fault.reason),
         _ => {
             format!("sections as CSV or in a file of VABS, BECAS, ANBA4, PreComp, windIO or BeamDyn ({shown}: {fault})")
         }
@@ -134,7 +134,7 @@ fn along(path: &Path, units: Option<FileUnits>) -> Result<String, String> {
 /// `table = [[…], …]` of a table of wind over time.
 fn wind_table(path: &Path, reference_length_m: f64) -> Result<String, String> {
     let text = std::fs::read_to_string(path)
-        .map_err(|reason| format!("a table of wind beside the model file ({}: {reason})", path.display()))?;
+        .map_err(|reason| format!("a readable table of wind ({}: {reason})", path.display()))?;
     let table = read_wind_table(&text, reference_length_m).map_err(|fault| {
         format!("a table in the columns of AeroDyn's uniform wind files ({}: {fault})", path.display())
     })?;
@@ -152,9 +152,9 @@ fn wind_table(path: &Path, reference_length_m: f64) -> Result<String, String> {
 fn wind_field(path: &Path, settings: BladedSettings) -> Result<String, String> {
     let shown = path.display();
     let bytes = std::fs::read(path)
-        .map_err(|reason| format!("a full field of TurbSim or Bladed beside the model file ({shown}: {reason})"))?;
+        .map_err(|reason| format!("a readable wind field of TurbSim or Bladed ({shown}: {reason})"))?;
     read_field(&bytes, settings)
-        .map_err(|fault| format!("a whole full field of TurbSim, .bts, or of Bladed, .wnd ({shown}: {fault})"))?;
+        .map_err(|fault| format!("a complete wind field of TurbSim (.bts) or Bladed (.wnd) ({shown}: {fault})"))?;
     let summary = path.with_extension("sum");
     if is_bladed(&bytes) && summary.is_file() {
         let text =
@@ -162,7 +162,7 @@ fn wind_field(path: &Path, settings: BladedSettings) -> Result<String, String> {
         let read = read_bladed_summary(&String::from_utf8_lossy(&text))
             .map_err(|fault| format!("a .sum file as TurbSim writes it ({}: {fault})", summary.display()))?;
         if let Some(cause) = read.contradiction(&settings) {
-            return Err(format!("a field that its .sum file describes ({shown}: {cause})"));
+            return Err(format!("settings that agree with the .sum file of the field ({shown}: {cause})"));
         }
     }
     Ok(format!("field = \"{}\"", base64::encoded(&bytes)))
@@ -171,7 +171,7 @@ fn wind_field(path: &Path, settings: BladedSettings) -> Result<String, String> {
 /// `axis = { … }` of a file of an axis.
 fn axis(path: &Path) -> Result<String, String> {
     let text = std::fs::read_to_string(path)
-        .map_err(|reason| format!("a file of an axis beside the model file ({}: {reason})", path.display()))?;
+        .map_err(|reason| format!("a readable file of an axis ({}: {reason})", path.display()))?;
     let table = read_axis(&text)
         .map_err(|fault| format!("an axis as CSV or in BeamDyn's primary file ({}: {fault})", path.display()))?;
     Ok(table.text("axis"))
@@ -180,7 +180,7 @@ fn axis(path: &Path) -> Result<String, String> {
 /// `rows = [[…], …]` of a file's first table; else the required contents of a file.
 fn rows(path: &Path) -> Result<String, String> {
     let text = std::fs::read_to_string(path)
-        .map_err(|reason| format!("a polar's file beside the model file ({}: {reason})", path.display()))?;
+        .map_err(|reason| format!("a readable polar file ({}: {reason})", path.display()))?;
     let tables = read_polars(&text)
         .map_err(|fault| format!("a polar in AeroDyn's format or CSV ({}: {fault})", path.display()))?;
     let mut rows = "rows = [".to_owned();

@@ -67,7 +67,7 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
         let (own, other) = if travel == Travel::Rotation { (0, 1) } else { (1, 0) };
         if values[other].is_some() {
             checker
-                .refuse(&place(keys[other]), format!("this key only on the other kind of joint; write {}", keys[own]));
+                .refuse(&place(keys[other]), format!("this key only for the other type of joint; write {}", keys[own]));
             return None;
         }
         let found = values[own].or(or.map(|or| or[own]));
@@ -131,7 +131,7 @@ fn refuse_strangers(name: &str, failure: &FailureFile, checker: &mut Checker) {
     let brakes = failure.kind == Kind::BrakeApplied;
     let weakens = matches!(failure.kind, Kind::SpringBreak | Kind::LoopBreak | Kind::StiffnessLoss);
     let stated = [
-        ("joint", failure.joint.is_some(), on_joint, "of failures on joints"),
+        ("joint", failure.joint.is_some(), on_joint, "for failures of joints"),
         ("loop", failure.closure.is_some(), failure.kind == Kind::LoopBreak, "with kind = \"loop_break\""),
         ("body", failure.body.is_some(), failure.kind == Kind::StiffnessLoss, "with kind = \"stiffness_loss\""),
         ("to_deg", failure.to_deg.is_some(), runs, "with kind = \"motor_runaway\""),

@@ -40,7 +40,7 @@ pub(super) fn along_body(path: &[&str], function: &FunctionFile, checker: &mut C
             None
         }
         FunctionFile::Curve(CurveFile { polynomial: None, table: None }) => {
-            checker.refuse(path, "polynomial or table in it");
+            checker.refuse(path, "a table with the key polynomial or the key table");
             None
         }
     }

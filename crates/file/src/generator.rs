@@ -63,7 +63,7 @@ pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Opt
     // other joints have no generator, which the machine's builder reports
     let assumed = (joint.kind != JointType::Revolute).then_some(1.0);
     let Some(gear_ratio) = stated.or(assumed) else {
-        let allowed = "a finite ratio other than 0 with a generator, whose speed it determines; 1.0 without a gearbox";
+        let allowed = "a finite ratio other than 0, because the joint has a generator; 1.0 without a gearbox";
         checker.refuse(&["joint", name, "motor", "gear_ratio"], allowed);
         return None;
     };
@@ -74,7 +74,8 @@ pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Opt
     }
     let last = generator.table_rpm_n_m.last().map_or(0.0, |row| row[0]);
     if generator.above_table == AboveTableFile::ConstantPower && last <= 0.0 {
-        let allowed = "a last row at a speed > 0, where its power is held beyond; or above_table = \"constant_torque\"";
+        let allowed =
+            "a last row at a speed > 0, above which its power is held constant; or above_table = \"constant_torque\"";
         checker.refuse(&["joint", name, "generator", "table_rpm_N_m"], allowed);
         return None;
     }

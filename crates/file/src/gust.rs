@@ -33,7 +33,7 @@ pub(super) fn build(
         },
         GustShapeFile::Table => match &gust.table {
             Some(rows) => GustShape::Table(rows.as_slice().into()),
-            None => return missing("table", "rows [distance behind the front in m, share of velocity_m_s]"),
+            None => return missing("table", "rows [distance behind the gust front in m, fraction of velocity_m_s]"),
         },
         GustShapeFile::Dryden => turbulence(name, gust, Spectrum::Dryden, wind_m_s, checker)?,
         GustShapeFile::VonKarman => turbulence(name, gust, Spectrum::VonKarman, wind_m_s, checker)?,
@@ -52,19 +52,19 @@ pub(super) fn build(
 fn stray(gust: &GustFile) -> Option<(&'static str, &'static str)> {
     let shape = gust.shape;
     let turbulent = matches!(shape, GustShapeFile::Dryden | GustShapeFile::VonKarman);
-    let of_turbulence = "no such key: it is one of turbulence (shape = \"dryden\" or \"von_karman\")";
+    let of_turbulence = "this key is only for turbulence (shape = \"dryden\" or \"von_karman\")";
     [
-        ("length_m", gust.length_m.is_some() && shape == GustShapeFile::SharpEdge, "no length: a sharp edge has none"),
+        (
+            "length_m",
+            gust.length_m.is_some() && shape == GustShapeFile::SharpEdge,
+            "no length_m with shape = \"sharp_edge\"",
+        ),
         (
             "length_m",
             gust.length_m.is_some() && shape == GustShapeFile::Table,
-            "no length: the rows of the table have their distances",
+            "no length_m with shape = \"table\": the distances are in the rows",
         ),
-        (
-            "table",
-            gust.table.is_some() && shape != GustShapeFile::Table,
-            "no table: only a gust with shape = \"table\" has one",
-        ),
+        ("table", gust.table.is_some() && shape != GustShapeFile::Table, "this key only with shape = \"table\""),
         ("scale_m", gust.scale_m.is_some() && !turbulent, of_turbulence),
         ("seed", gust.seed.is_some() && !turbulent, of_turbulence),
         ("resolution_m", gust.resolution_m.is_some() && !turbulent, of_turbulence),
@@ -90,8 +90,8 @@ fn turbulence(
     let component = match (way.try_normalize(0.0), velocity_m_s.try_normalize(0.0)) {
         (Some(way), Some(velocity)) if way.cross(&velocity).norm() <= ALIGNED => Component::Longitudinal,
         (Some(way), Some(velocity)) if way.dot(&velocity).abs() > ALIGNED => {
-            let allowed = "a velocity along or across the path of the gust, whose spectra differ; write one gust for each, \
-                           with separate seeds";
+            let allowed = "a velocity parallel or perpendicular to the direction of travel, for which the spectra \
+                           differ; write one gust for each component, with separate seeds";
             checker.refuse(&["gust", name, "velocity_m_s"], allowed);
             return None;
         }

@@ -82,7 +82,13 @@ fn joint_of_bodies(file: &ModelFile, checker: &mut Checker) -> Vec<Option<usize>
             checker.refuse(&path, "a body other than the parent");
             hold = false;
         } else if let Some((other, _)) = earlier.and_then(|earlier| file.joint.get_index(earlier)) {
-            checker.refuse(&path, format!("a body that no other joint holds; {other:?} holds this one"));
+            checker.refuse(
+                &path,
+                format!(
+                    "a body that is not yet the child of another joint; this one is the child of \
+                                           {other:?}"
+                ),
+            );
             hold = false;
         } else {
             joint_of[body] = Some(index);
@@ -204,8 +210,10 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
 fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
     for (table, turns, slides) in PAIRS {
         let (strange, allowed) = match joint.kind {
-            JointType::Prismatic => (turns, format!("{slides} in its place: a prismatic joint is in m and N")),
-            JointType::Revolute => (slides, format!("{turns} in its place: a revolute joint is in deg and N·m")),
+            JointType::Prismatic => (turns, format!("{slides} instead: the keys of a prismatic joint are in m and N")),
+            JointType::Revolute => {
+                (slides, format!("{turns} instead: the keys of a revolute joint are in deg and N·m"))
+            }
             JointType::Clamped | JointType::Universal | JointType::Ball | JointType::Free => {
                 (slides, "this key only with type = \"prismatic\"".to_owned())
             }
@@ -249,7 +257,7 @@ fn on_parent(built: JointBuilder, name: &str, joint: &JointFile, checker: &mut C
         if joint.parent_position_m.is_some() {
             checker.refuse(
                 &["joint", name, "parent_position_m"],
-                "this key with a body as parent; write root_position_m = [x, y, z] (m)",
+                "this key only with a body as parent; on the root write root_position_m = [x, y, z] (m)",
             );
         }
         return built.at_root(joint.root_position_m.unwrap_or_default());
@@ -257,7 +265,7 @@ fn on_parent(built: JointBuilder, name: &str, joint: &JointFile, checker: &mut C
     if joint.root_position_m.is_some() {
         checker.refuse(
             &["joint", name, "root_position_m"],
-            "this key with parent = \"root\"; write parent_position_m (m), the distance along the parent",
+            "this key only with parent = \"root\"; on a body write parent_position_m (m), the distance along it",
         );
     }
     match joint.parent_position_m {

@@ -85,7 +85,7 @@ pub(super) fn build(name: &str, file: &ModalBodyFile, checker: &mut Checker) -> 
     let ascending = file.stations.windows(2).all(|pair| pair[0] < pair[1]);
     let sound = ends && ascending;
     if !sound {
-        checker.refuse(&["modal_body", name, "stations"], "shares of the length that ascend from 0 to 1");
+        checker.refuse(&["modal_body", name, "stations"], "fractions of the length that ascend from 0 to 1");
     }
     let mut along = |key: &str, values: &[f64], factor: f64| {
         if values.len() != stations {

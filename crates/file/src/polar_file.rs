@@ -71,10 +71,7 @@ pub fn read_csv(text: &str) -> Result<AirfoilTable, PolarFault> {
         let fields: Vec<&str> = text.split(',').collect();
         if fields.len() != names.len() {
             let (got, due) = (fields.len(), names.len());
-            return Err(fault(
-                line,
-                format!("{got} fields where the header has {due}; a value is missing or too many"),
-            ));
+            return Err(fault(line, format!("{got} fields where the header has {due}; a value is missing or extra")));
         }
         let mut values = [0.0; 4];
         for (value, place) in values.iter_mut().zip(places) {
@@ -85,7 +82,7 @@ pub fn read_csv(text: &str) -> Result<AirfoilTable, PolarFault> {
         push(line, values, &mut rows)?;
     }
     if rows.is_empty() {
-        return Err(fault(first + 1, "no rows behind the header"));
+        return Err(fault(first + 1, "no rows below the header"));
     }
     Ok(AirfoilTable { reynolds: None, polar: Polar { rows }, unsteady: Vec::new() })
 }
@@ -179,9 +176,9 @@ fn fault(line: usize, reason: impl Into<String>) -> PolarFault {
 
 fn number(line: usize, name: &str, text: &str) -> Result<f64, PolarFault> {
     let value: Option<f64> = text.trim_matches('"').replace(['d', 'D'], "e").parse().ok();
-    value
-        .filter(|value| value.is_finite())
-        .ok_or_else(|| fault(line, format!("{name} is {text:?}; a finite number is needed, without holes")))
+    value.filter(|value| value.is_finite()).ok_or_else(|| {
+        fault(line, format!("{name} is {text:?}; a finite number is needed; values must not be missing"))
+    })
 }
 
 fn whole(line: usize, name: &str, text: &str, most: usize) -> Result<usize, PolarFault> {
@@ -201,7 +198,7 @@ fn push(line: usize, [angle_deg, lift, drag, moment]: [f64; 4], rows: &mut Vec<P
         let earlier = last.angle_rad.to_degrees();
         return Err(fault(
             line,
-            format!("an angle of {angle_deg} deg behind {earlier} deg; angles must ascend: sort the rows"),
+            format!("an angle of {angle_deg} deg after {earlier} deg; angles must ascend: sort the rows"),
         ));
     }
     if rows.len() >= MAXIMUM_ROWS {

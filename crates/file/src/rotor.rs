@@ -40,7 +40,7 @@ pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars", "length_m"];
 
 /// Air of the file's rotor. `None` after an error.
 pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> Option<AirBuilder> {
-    let hub = needed(&air.hub, &["aerodynamics", "hub"], "the body that turns with the blades", checker);
+    let hub = needed(&air.hub, &["aerodynamics", "hub"], "the body that rotates with the blades", checker);
     let radius = needed(
         &air.hub_radius_m,
         &["aerodynamics", "hub_radius_m"],
@@ -97,8 +97,10 @@ fn refuse_rivals(air: &AirFile, checker: &mut Checker) {
         );
     }
     if air.dynamic_stall && air.pitch_rate != PitchRateFile::None {
-        checker
-            .refuse(&["aerodynamics", "pitch_rate"], "\"none\" with dynamic_stall, which has the rate in its states");
+        checker.refuse(
+            &["aerodynamics", "pitch_rate"],
+            "\"none\" with dynamic_stall, whose states include the pitch rate",
+        );
     }
 }
 
@@ -118,7 +120,7 @@ fn full_circle(name: &str, polar: &PolarFile, checker: &mut Checker) -> Option<P
             return None;
         }
         (None, Some(_)) => {
-            let allowed = "a file name, if the model itself is read from a file; a model given as text states rows";
+            let allowed = "a file name, if the model itself is read from a file; a model given as text must have rows";
             checker.refuse(&["polar", name, "file"], allowed);
             return None;
         }
@@ -180,7 +182,7 @@ fn full_circle(name: &str, polar: &PolarFile, checker: &mut Checker) -> Option<P
                 rows[0].angle_rad.to_degrees(),
                 rows[rows.len() - 1].angle_rad.to_degrees()
             );
-            let allowed = "rows from -180 to 180 deg: a blade can meet the air from any side; or aspect_ratio, which extends them beyond stall";
+            let allowed = "rows from -180 to 180 deg: the flow at a blade can come from any side; or aspect_ratio, which extends them beyond stall";
             checker.refuse_as(&["polar", name, "rows"], found, allowed);
             None
         }
@@ -244,7 +246,9 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
         let allowed = match twice {
             true => format!("either {key} or {becomes}, not both"),
             false => {
-                format!("a file name, if the model itself is read from a file; a model given as text states {becomes}")
+                format!(
+                    "a file name, if the model itself is read from a file; a model given as text must have {becomes}"
+                )
             }
         };
         checker.refuse(&["wind", key], allowed);
@@ -262,19 +266,20 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
     .collect();
     let both = stated == ["shear_exponent", "turbulence"]; // the profile of the box
     if stated.len() > 1 && !both {
-        let allowed = "one of shear_exponent, roughness_m, table, field and turbulence; shear_exponent and turbulence go together";
+        let allowed = "only one of shear_exponent, roughness_m, table, field and turbulence, except that turbulence \
+                       may have a shear_exponent";
         checker.refuse(&["wind", stated[1]], allowed);
         return None;
     }
     if wind.reference_length_m.is_some() != wind.table.is_some() {
-        let allowed = "a finite length > 0 m with table, and nothing without";
+        let allowed = "a finite length > 0 m together with table; this key only with table";
         checker.refuse(&["wind", "reference_length_m"], allowed);
         return None;
     }
     if wind.field.is_none()
         && let Some(key) = of_bladed(wind)
     {
-        checker.refuse(&["wind", key], "field_file or field with it, a field of Bladed");
+        checker.refuse(&["wind", key], "this key only with a wind field of Bladed in field_file or field");
         return None;
     }
     let source = if let Some(asked) = &wind.turbulence {
@@ -292,7 +297,7 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
         match turbulence.generate() {
             Ok(grid) => Source::Box(Box::new(grid)),
             Err(reason) => {
-                checker.refuse_as(&["wind", "turbulence"], reason.to_string(), "turbulence that can be");
+                checker.refuse_as(&["wind", "turbulence"], reason.to_string(), "values within their ranges");
                 return None;
             }
         }
@@ -305,7 +310,11 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
         if !bytes.as_deref().is_some_and(is_bladed)
             && let Some(key) = of_bladed(wind)
         {
-            checker.refuse(&["wind", key], "a field of Bladed, .wnd: one of TurbSim contains it");
+            checker.refuse(
+                &["wind", key],
+                "this key only with a wind field of Bladed (.wnd); a field of TurbSim \
+                                            contains this value",
+            );
             return None;
         }
         match bytes.map(|bytes| read_field(&bytes, settings)) {
@@ -314,14 +323,14 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
                 checker.refuse_as(
                     &["wind", "field"],
                     fault.to_string(),
-                    "the bytes of a whole file of TurbSim, .bts, or of Bladed, .wnd",
+                    "the contents of a complete file of TurbSim (.bts) or Bladed (.wnd)",
                 );
                 return None;
             }
             None => {
                 checker.refuse(
                     &["wind", "field"],
-                    "base64 of a file of TurbSim or Bladed; field_file names the file itself",
+                    "a file of TurbSim or Bladed in base64; to name the file itself use field_file",
                 );
                 return None;
             }

@@ -87,7 +87,7 @@ pub(super) struct WindFile {
     #[serde(default = "up")]
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub up: [f64; 3],
-    /// Horizontal downwind direction, of any length except zero; default: that of `wind_m_s`.
+    /// Horizontal downwind direction, of any length except zero; default: the direction of `wind_m_s`.
     #[schemars(extend("x-allowed" = "an array of 3 finite numbers, not all 0"))]
     pub downwind: Option<[f64; 3]>,
     /// Point on the ground below the hub, root frame.

@@ -97,7 +97,7 @@ fn build_table(name: &str, table: &TableSection, checker: &mut Checker) -> Optio
             None
         }
         (None, Some(_)) => {
-            let allowed = "a file name, if the model itself is read from a file; a model given as text states along";
+            let allowed = "a file name, if the model itself is read from a file; a model given as text must have along";
             checker.refuse(&["section", name, "file"], allowed);
             None
         }

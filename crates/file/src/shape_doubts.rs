@@ -92,10 +92,10 @@ fn warping(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -
     let added = share / (1.0 - share);
     (section.warping_stiffness_n_m4 > 0.0 && added > MAXIMUM_WARPING).then(|| {
         let reason = format!(
-            "an open section: where its joint restrains warping, body {name} is {} times as stiff in torsion as with GJ alone",
+            "an open section: where its joint restrains warping, body {name} is {} times as stiff in torsion as GJ alone gives",
             short(1.0 + added)
         );
-        let advice = "beams here warp freely; a closed section does not need it: docs/guide/sections.md".to_owned();
+        let advice = "the model assumes free warping; use a closed section if this matters: docs/guide/sections.md".to_owned();
         (path(&["section", &body.section]), reason, advice)
     })
 }

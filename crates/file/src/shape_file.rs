@@ -67,11 +67,11 @@ pub(super) struct FrameSection {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ChannelSection {
-    /// Outer width along `y`, along the body: that of the flanges.
+    /// Outer width along `y`, the width of the flanges, as a function along the body.
     pub width_m: FunctionFile,
-    /// Outer height along `z`, along the body: that of the web.
+    /// Outer height along `z`, the height of the web, as a function along the body.
     pub height_m: FunctionFile,
-    /// Thickness of the walls along the body; with `web_wall_m` only that of the flanges.
+    /// Thickness of the walls along the body; with `web_wall_m` the thickness of the flanges only.
     pub wall_m: FunctionFile,
     /// Thickness of the web along the body. Default: `wall_m`.
     pub web_wall_m: Option<FunctionFile>,
@@ -86,9 +86,9 @@ pub(super) struct ChannelSection {
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AngleSection {
-    /// Outer width along the body: that of the leg along `y`, which lies at the lower side and reaches towards `+y`.
+    /// Outer width along the body: length of the leg along `y`, which lies at the lower side and reaches towards `+y`.
     pub width_m: FunctionFile,
-    /// Outer height along the body: that of the leg along `z`.
+    /// Outer height along the body: length of the leg along `z`.
     pub height_m: FunctionFile,
     /// Thickness of both legs along the body.
     pub wall_m: FunctionFile,
@@ -132,7 +132,7 @@ pub(super) struct SparFile {
     pub position: f64,
     /// Thickness along the body.
     pub wall_m: FunctionFile,
-    /// Name of its material; default: that of the skin.
+    /// Name of the material of the spar; default: the material of the skin.
     pub material: Option<String>,
 }
 

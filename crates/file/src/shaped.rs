@@ -34,16 +34,16 @@ fn build_material(name: &str, file: &MaterialFile, checker: &mut Checker) -> Opt
         (None, _, Some(_)) => {
             checker.refuse(
                 &at("shear_modulus_Pa"),
-                "the shear modulus of a unidirectional material in planes with the fibres",
+                "the shear modulus of a unidirectional material in planes that contain the fibres (G12)",
             );
             return None;
         }
         (_, None, Some(_)) => {
-            checker.refuse(&at("poisson_ratio"), "the major Poisson's ratio of a unidirectional material");
+            checker.refuse(&at("poisson_ratio"), "the major Poisson's ratio of a unidirectional material (nu12)");
             return None;
         }
         (Some(_), Some(_), None) => {
-            let allowed = "either shear_modulus_Pa or poisson_ratio, not both, or transverse_youngs_modulus_Pa besides";
+            let allowed = "either shear_modulus_Pa or poisson_ratio; both only with transverse_youngs_modulus_Pa";
             checker.refuse(&at("poisson_ratio"), allowed);
             return None;
         }
@@ -57,9 +57,8 @@ fn build_material(name: &str, file: &MaterialFile, checker: &mut Checker) -> Opt
     let across = match (file.transverse_youngs_modulus_pa, file.poisson_ratio) {
         (Some(across), Some(ratio)) => {
             if ratio * ratio * across >= along {
-                let found = format!("{} with {} Pa across", shortest(ratio), shortest(across));
-                let allowed =
-                    "a major Poisson's ratio whose square is less than the modulus along over that across the fibres";
+                let found = format!("{} with transverse_youngs_modulus_Pa = {}", shortest(ratio), shortest(across));
+                let allowed = "a major Poisson's ratio whose square is less than youngs_modulus_Pa divided by transverse_youngs_modulus_Pa";
                 checker.refuse_as(&at("poisson_ratio"), found, allowed);
                 return None;
             }
@@ -173,8 +172,7 @@ impl Builder<'_, '_, '_> {
             (Some(aerofoil), None) => {
                 let outline = naca(aerofoil);
                 if outline.is_none() {
-                    let allowed =
-                        "a NACA aerofoil of four digits such as \"naca2412\", or the points of another one as outline";
+                    let allowed = "a four-digit NACA aerofoil such as \"naca2412\"; give the points of any other aerofoil as outline";
                     self.checker.refuse(&["section", self.name, "aerofoil"], allowed);
                 }
                 outline.map(|outline| (outline, "aerofoil"))
@@ -185,7 +183,7 @@ impl Builder<'_, '_, '_> {
                 None
             }
             (None, None) => {
-                let allowed = "a NACA aerofoil of four digits such as \"naca2412\", or outline instead";
+                let allowed = "a four-digit NACA aerofoil such as \"naca2412\", or outline instead";
                 self.checker.refuse(&["section", self.name, "aerofoil"], allowed);
                 None
             }

@@ -128,7 +128,7 @@ fn impossible_sections_are_refused() {
         ),
         (
             format!("{profile}\n[section.spar.spar.rear]\nposition = 0.99\nwall_m = 0.001"),
-            &["spar.rear.position", "0.99", "a fraction of the chord in the hollow"],
+            &["spar.rear.position", "0.99", "so that the spar lies inside the skin"],
         ),
         (plate.to_owned(), &["spar.layup_deg", "foil"][..1]),
         (
@@ -181,7 +181,7 @@ fn shapes_beyond_the_beams_are_doubted() {
     let properties = &section_properties(&short)[0].sections[0].properties;
     let share = 3.0 * properties.flap_stiffness_n_m2 / (properties.shear_stiffnesses_n.expect("known")[1] * 0.04);
     assert!(
-        share > 0.01 && found[0].reason.contains(&format!("{:.1} % of that by bending", 100.0 * share)),
+        share > 0.01 && found[0].reason.contains(&format!("{:.1} % of the bending deflection", 100.0 * share)),
         "{found:?}"
     );
     let shear = |stated: &str| short.replace("length_m = 0.2", &format!("length_m = 0.2\n{stated}"));

@@ -20,18 +20,21 @@ pub(super) fn neglected_shear(bodies: &[(&str, f64)]) -> Option<(String, String)
     let reason = match doubted.as_slice() {
         [] => return None,
         [(name, _)] => {
-            format!("no deflection by shear, {percent:.1} % of that by bending of body {name} under a force at its tip")
+            format!(
+                "shear deflection is neglected, although it is {percent:.1} % of the bending deflection of body {name} under a force at its tip"
+            )
         }
         [first @ .., (last, _)] => {
             let first: Vec<&str> = first.iter().map(|(name, _)| *name).collect();
             format!(
-                "no deflection by shear, up to {percent:.1} % of that by bending of bodies {} and {last} under a force at the tip",
+                "shear deflection is neglected, although it is up to {percent:.1} % of the bending deflection of bodies {} and {last} under a force \
+                 at the tip",
                 first.join(", ")
             )
         }
     };
-    let advice = "frequencies come out too high, those of higher modes by more; shear = true on the body includes it, shear = false \
-                  leaves it out without this warning";
+    let advice = "the computed frequencies are too high, most of all for higher modes; shear = true on the body includes shear, \
+                  shear = false neglects it without this warning";
     Some((reason, advice.to_owned()))
 }
 

@@ -213,7 +213,7 @@ fn places(path: &[&str], eta: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker
             return None;
         }
         (None, None) => {
-            checker.refuse(&at("eta"), "places as shares of the length from 0 to 1, or as lengths s_m");
+            checker.refuse(&at("eta"), "eta, positions as fractions of the length from 0 to 1, or s_m, positions in m");
             return None;
         }
     };
@@ -227,12 +227,12 @@ fn places(path: &[&str], eta: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker
             Some(pair) => format!("{} after {}", shortest(pair[1]), shortest(pair[0])),
             None => match (values.first(), values.last()) {
                 (Some(first), Some(last)) => {
-                    format!("{} places from {} to {}", values.len(), shortest(*first), shortest(*last))
+                    format!("{} positions from {} to {}", values.len(), shortest(*first), shortest(*last))
                 }
-                _ => "no places".to_owned(),
+                _ => "no positions".to_owned(),
             },
         };
-        checker.refuse_as(&at(key), found, format!("2 to {MAXIMUM_STATIONS} places that ascend {end}"));
+        checker.refuse_as(&at(key), found, format!("2 to {MAXIMUM_STATIONS} positions that ascend {end}"));
         return None;
     }
     Some(if key == "eta" { Places::Shares(values.clone()) } else { Places::Lengths(values.clone()) })
@@ -341,7 +341,12 @@ impl SectionsAlong {
             };
             let (key, found, allowed) = if section.shear.is_some_and(|whole| !is_positive_definite(&whole)) {
                 let found = "a stiffness with shear that is not positive definite".to_owned();
-                ("shear_stiffness_y_N", found, "shear stiffnesses and couplings that keep it positive definite")
+                (
+                    "shear_stiffness_y_N",
+                    found,
+                    "shear stiffnesses and couplings that leave the stiffness matrix \
+                                                positive definite",
+                )
             } else if !are_second_moments([yy[i], yz[i], zz[i]]) {
                 let found = format!("[{}, {}, {}]", shortest(yy[i]), shortest(yz[i]), shortest(zz[i]));
                 ("second_moment_yy_kg_m", found, "moments yy >= 0, zz >= 0, yy + zz > 0 and yz² <= yy zz")
@@ -349,7 +354,7 @@ impl SectionsAlong {
                 (
                     "axial_stiffness_N",
                     "a stiffness that is not positive definite".to_owned(),
-                    "couplings small enough to keep it positive definite",
+                    "couplings that leave the stiffness matrix positive definite",
                 )
             } else if !is_sound(&section) {
                 (
@@ -401,7 +406,7 @@ impl AxisAlong {
             } else if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
                 (shortest(*bad), "finite numbers".to_owned())
             } else if key != "twist_deg" && values[0] != 0.0 {
-                (shortest(values[0]), "0 at the inner end, which the joint holds".to_owned())
+                (shortest(values[0]), "0 at the inner end, where the body is attached to its joint".to_owned())
             } else {
                 return values.iter().map(|value| value * factor).collect();
             };

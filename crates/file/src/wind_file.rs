@@ -11,7 +11,7 @@ const MAXIMUM_VELOCITIES: usize = 100_000_000;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WindFault {
     /// The file is shorter than its header implies.
-    #[error("cut short: {what} needs {needed} bytes, the file has {length}; fetch or generate the whole file again")]
+    #[error("truncated: {what} needs {needed} bytes, the file has {length}; fetch or generate the whole file again")]
     CutShort {
         /// Part that was read.
         what: String,
@@ -101,7 +101,7 @@ fn volume(planes: usize, upward: usize, across: usize) -> Result<usize, WindFaul
     if count <= MAXIMUM_VELOCITIES {
         return Ok(count);
     }
-    let allowed = "at most 1e8 velocities; take a coarser grid or a shorter time";
+    let allowed = "at most 1e8 velocities; use a coarser grid or a shorter time";
     Err(WindFault::Value { what: "planes times points", value: count.to_string(), allowed })
 }
 
@@ -279,7 +279,7 @@ fn left_over(file: &Bytes) -> Result<(), WindFault> {
         return Ok(());
     }
     let allowed = "0: the header and the velocities do not belong together";
-    Err(WindFault::Value { what: "bytes behind the velocities", value: rest.to_string(), allowed })
+    Err(WindFault::Value { what: "bytes after the velocities", value: rest.to_string(), allowed })
 }
 
 /// Reads a table over time in the format of AeroDyn's uniform wind files: time in s, horizontal speed in m/s, direction in deg, vertical
@@ -321,7 +321,7 @@ pub fn read_wind_table(text: &str, reference_length_m: f64) -> Result<WindTable,
             )));
         }
         if let Some(last) = rows.last().filter(|last| last.time_s >= values[0]) {
-            return Err(fault(format!("the time {} s behind {} s; times must ascend", values[0], last.time_s)));
+            return Err(fault(format!("the time {} s after {} s; times must ascend", values[0], last.time_s)));
         }
         rows.push(TableRow {
             time_s: values[0],
@@ -413,10 +413,10 @@ mod tests {
         for length in 0..bytes.len() {
             let fault = read_turbsim(&bytes[..length]).unwrap_err();
             assert!(matches!(fault, WindFault::CutShort { .. }), "{length}: {fault}");
-            assert!(fault.to_string().starts_with("cut short"));
+            assert!(fault.to_string().starts_with("truncated"));
         }
         let longer: Vec<u8> = bytes.iter().copied().chain([0]).collect();
-        assert!(read_turbsim(&longer).unwrap_err().to_string().starts_with("bytes behind the velocities is 1"));
+        assert!(read_turbsim(&longer).unwrap_err().to_string().starts_with("bytes after the velocities is 1"));
         let with = |place: usize, new: &[u8]| {
             let mut changed = bytes.clone();
             changed[place..place + new.len()].copy_from_slice(new);
@@ -426,7 +426,7 @@ mod tests {
         assert!(with(2, &(-3i32).to_le_bytes()).starts_with("points upward is -3"));
         assert!(with(2, &i32::MAX.to_le_bytes()).starts_with("points upward is 2147483647"));
         assert!(with(10, &(-1i32).to_le_bytes()).starts_with("points of the tower is -1"));
-        assert!(with(14, &9_999_999i32.to_le_bytes()).starts_with("cut short"));
+        assert!(with(14, &9_999_999i32.to_le_bytes()).starts_with("truncated"));
         assert!(with(18, &f32::NAN.to_le_bytes()).starts_with("distance upward is NaN"));
         assert!(with(42, &0f32.to_le_bytes()).starts_with("scale of velocities is 0"));
     }

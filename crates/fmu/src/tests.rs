@@ -118,8 +118,10 @@ fn l03_every_call_after_a_breakdown() {
     assert_eq!(told.len(), calls.len(), "one message each");
     for ((name, status), told) in calls.iter().zip(told.iter()) {
         assert_eq!(*status, fmi2Fatal, "{name}");
-        let expected =
-            format!("logStatusFatal: {name}: the instance broke down earlier; only fmi2FreeInstance is legal");
+        let expected = format!(
+            "logStatusFatal: {name}: an internal error occurred in this instance earlier; only \
+                     fmi2FreeInstance is legal"
+        );
         assert_eq!(*told, expected);
     }
     println!("life cycle after a breakdown: {} cells", calls.len());

@@ -109,7 +109,8 @@ pub fn flutter(error: &FlutterError) -> PyErr {
     match error {
         FlutterError::FirstSpeed { .. } | FlutterError::Stopped => of_class("StaticsError", &error.to_string()),
         FlutterError::NoWind { machine } => usage(format!(
-            "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or settings={{\"wind.velocity.y\": -1.0}}"
+            "{machine}: the model has no wind, so its direction is undefined; set aerodynamics.wind_m_s, or \
+             settings={{\"wind.velocity.y\": -1.0}}"
         )),
         FlutterError::Speeds
         | FlutterError::TooManySpeeds { .. }
@@ -160,7 +161,8 @@ pub fn operating_points(error: &PointsError) -> PyErr {
         }
         PointsError::SoughtAndGiven { unknown } => usage(format!("solve_for=: {text}: {}=", unknown.name())),
         PointsError::NoWind { machine } => usage(format!(
-            "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or settings={{\"wind.velocity.x\": 1.0}}"
+            "{machine}: the model has no wind, so its direction is undefined; set aerodynamics.wind_m_s, or \
+             settings={{\"wind.velocity.x\": 1.0}}"
         )),
         PointsError::Empty { .. }
         | PointsError::NotFinite { .. }
@@ -185,7 +187,7 @@ pub fn periodic(error: &PeriodicError) -> PyErr {
     match error {
         PeriodicError::Harmonics { .. } => usage(text.replacen("harmonics ", "harmonics=", 1)),
         PeriodicError::Tolerance { .. } => usage(text.replacen("tolerance ", "tolerance=", 1)),
-        PeriodicError::NoPerturbations => usage("perturbations=0: modes need at least 1; count=0 leaves them out"),
+        PeriodicError::NoPerturbations => usage("perturbations=0: modes need at least 1; count=0 omits the modes"),
         PeriodicError::Name(error) | PeriodicError::Setting(SettingError::Name(error)) => name(error),
         PeriodicError::Setting(SettingError::Value(_)) => usage(text),
         PeriodicError::NoTurn { .. } | PeriodicError::Plant(_) | PeriodicError::Stopped => {

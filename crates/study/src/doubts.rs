@@ -68,15 +68,18 @@ impl fmt::Display for Doubt {
                 )
             }
             Self::NoSuction => f.write_str(
-                "the lattice has no suction at the leading edge (leading_edge_suction = false): forces along the chord, as drag and the \
-                 thrust that balances it, come out too large; with leading_edge_suction = true they are those of attached flow",
+                "the lattice has no suction at the leading edge (leading_edge_suction = false): forces along the \
+                 chord, such as drag and the thrust that balances it, are too large; set leading_edge_suction = true \
+                 for attached flow",
             ),
             Self::Stall { strips } => {
-                let names: Vec<String> = strips.iter().map(|(body, count)| format!("{count} strips of {body}")).collect();
+                let names: Vec<String> =
+                    strips.iter().map(|(body, count)| format!("{count} strips of {body}")).collect();
                 write!(
                     f,
-                    "{} are beyond stall, where the circulation is not unique: this equilibrium is the one reached from attached flow at \
-                     the start angles; a run with another history may end in another one, and all depend on the number of strips",
+                    "{} are beyond stall, where the circulation is not unique: this equilibrium is the one reached \
+                     from attached flow at the start angles; a run with another history may reach a different one, and \
+                     each depends on the number of strips",
                     names.join(", ")
                 )
             }
@@ -84,8 +87,8 @@ impl fmt::Display for Doubt {
                 let (coordinate, unit, si) = (travel.coordinate(), travel.shown_unit(), travel.units()[0]);
                 write!(
                     f,
-                    "the latch of {joint}, at {} {unit}, is open in this equilibrium (at {} {unit}), where motor, spring and loads alone hold \
-                     the joint; with {joint}.start_{coordinate} = {} {si} it is closed",
+                    "the latch of joint {joint} at {} {unit} is open in this equilibrium; motor, spring and loads \
+                     alone hold the joint at {} {unit}; with {joint}.start_{coordinate} = {} {si} it is closed",
                     four_digits(travel.shown(*latch_rad)),
                     four_digits(travel.shown(*angle_rad)),
                     four_digits(*latch_rad),
@@ -93,8 +96,8 @@ impl fmt::Display for Doubt {
             }
             Self::Turned { joint, turn_rad } => write!(
                 f,
-                "{joint} turns by {} deg from its start angle to this equilibrium: a hinge whose parts meet before that needs \
-                 end_stops, or another start angle",
+                "{joint} rotates by {} deg from its start angle to this equilibrium; if its parts touch before that, \
+                 add end_stops or choose another start angle",
                 four_digits(turn_rad.to_degrees())
             ),
         }

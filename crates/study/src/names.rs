@@ -26,7 +26,7 @@ pub enum NameError {
         nearest: Option<String>,
     },
     /// No variable matches the pattern.
-    #[error("no {expected} matches `{pattern}`; their names begin with {}", beginnings.join(", "))]
+    #[error("no {expected} matches `{pattern}`; the names begin with {}", beginnings.join(", "))]
     NoMatch {
         /// The pattern.
         pattern: String,
@@ -183,7 +183,7 @@ mod tests {
         let refused = |word: &str| choose(&[word.to_owned()], &rows, name_of, "variable").err().expect("refused");
         assert_eq!(
             refused("x.*").to_string(),
-            "no variable matches `x.*`; their names begin with a, fold, folder, time, tip"
+            "no variable matches `x.*`; the names begin with a, fold, folder, time, tip"
         );
         assert_eq!(refused("fold.angel").to_string(), "no variable is named `fold.angel`; did you mean `fold.angle`?");
         assert_eq!(refused("quite else").to_string(), "no variable is named `quite else`");

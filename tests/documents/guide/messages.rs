@@ -644,7 +644,7 @@ const INTERNAL: &[&str] = &[
     "no stiffness in coordinate",
     "no convergence in … iterations, last correction",
     "the residual is not finite in iteration",
-    "no equilibrium beyond … of the load",
+    "no equilibrium beyond the load factor …",
     // the times come from names of results, which are checked before
     "the requested times must increase from the present",
 ];

@@ -187,11 +187,11 @@ fn wt33_beamdyn_files() {
     assert!((arc_m - parabola).abs() < 1.5e-4, "{arc_m} {parabola}");
 
     for (found, due, reason) in [
-        ("2   station_total", "3   station_total", "cut short: the file ends before station 3 of 3"),
+        ("2   station_total", "3   station_total", "truncated: the file ends before station 3 of 3"),
         (" 1\n", " 0\n", "station 2 at 0 after 0"),
         ("10000000 0 0 0 0 1000000000", "9000000 0 0 0 0 1000000000", "the stiffness is not symmetric"),
         ("200000000 0 0 0 0 10000000", "200000000 0 0 0 0 x", "\"x\" in the stiffness of station 1"),
-        (" 100 0 0 0 0 -10\n", " 90 0 0 0 0 -10\n", "the inertia is not that of a section"),
+        (" 100 0 0 0 0 -10\n", " 90 0 0 0 0 -10\n", "the matrix is not the inertia matrix of a section"),
     ] {
         assert!(blade.contains(found), "{found}");
         let fault = config::read_sections(&blade.replacen(found, due, 1)).unwrap_err();
@@ -199,7 +199,7 @@ fn wt33_beamdyn_files() {
     }
     for (found, due, reason) in [
         ("1 member_total", "2 member_total", "member_total is 2"),
-        ("5 kp_total", "6 kp_total", "cut short: the file ends before key point 6 of 6"),
+        ("5 kp_total", "6 kp_total", "truncated: the file ends before key point 6 of 6"),
         ("-0 0 0 10", "1 0 0 10", "the first key point is not the origin"),
         ("0.4 20 2", "0.4 nan 2", "\"nan\" in key point 5"),
     ] {
@@ -249,7 +249,7 @@ fn wt34_tables_of_the_model_file() {
         (
             "eta = [0.0, 0.5, 1.0], axial",
             "eta = [0.0, 0.5, 0.9], axial",
-            "'section.blade.along.eta': 3 places from 0 to 0.9",
+            "'section.blade.along.eta': 3 positions from 0 to 0.9",
         ),
         ("eta = [0.0, 0.5, 1.0], axial", "eta = [0.0, 1.0, 0.5], axial", "'section.blade.along.eta': 0.5 after 1"),
         ("eta = [0.0, 0.5, 1.0], axial", "axial", "'section.blade.along.eta' is missing"),
@@ -289,7 +289,7 @@ fn wt34_tables_of_the_model_file() {
             "y_m = [1.0, 0.0, 0.0]",
             "'body.blade.axis.y_m': 1 is not allowed; allowed: 0 at the inner end",
         ),
-        ("twist_deg = [12.0, 6.0, 0.0]", "y_m = [0.0, 0.0, 19.0]", "leaves no length along x"),
+        ("twist_deg = [12.0, 6.0, 0.0]", "y_m = [0.0, 0.0, 19.0]", "no extent along x"),
         ("elements = 4", "elements = 4\ntwist_1_m = 0.1", "'body.blade.twist_1_m'"),
         ("elements = 4", "elements = 4\nwidth_taper = 0.1", "'body.blade.width_taper'"),
         ("elements = 4", "elements = 4\nouter_section = \"blade\"", "'body.blade.outer_section'"),

@@ -102,7 +102,7 @@ fn q84_divergence_ends_the_path_and_is_named() {
     let error = refused.expect_err("beyond divergence").to_string();
     println!("Q-84 {error}");
     assert!(error.contains("static divergence"), "{error}");
-    let at = error.find("end at a wind of ").expect("the wind") + "end at a wind of ".len();
+    let at = error.find("ends at ").expect("the wind") + "ends at ".len();
     let limit_m_s: f64 = error[at..].split(' ').next().and_then(|word| word.parse().ok()).expect("a number");
     let below = at_rest(&wing.text(0.99 * limit_m_s)).1.unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(below.departure, None);

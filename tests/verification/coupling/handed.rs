@@ -127,7 +127,10 @@ fn flare_that_crosses_lines_is_refused() {
          strips = 10\n"
     );
     for (flare, told) in [
-        ("{ table = [[0.0, 0.0], [0.8, 0.0], [1.0, 60.0]] }", "key 'surface.wing.flare_deg': lines that meet between "),
+        (
+            "{ table = [[0.0, 0.0], [0.8, 0.0], [1.0, 60.0]] }",
+            "key 'surface.wing.flare_deg': chord lines that meet between ",
+        ),
         ("{ table = [[0.0, 0.0], [1.0, 80.0]] }", "key 'surface.wing.flare_deg': angles from 0 to 80 on the body"),
         ("-76", "key 'surface.wing.flare_deg': -76 is not allowed; allowed: "),
     ] {

@@ -65,5 +65,5 @@ fn divergence_is_an_instability_without_oscillation() {
     assert_eq!(found.iter().filter(|value| value.im == 0.0).count(), 1, "{found:?}");
     let search = Search { branch: Branch::Stable, ..Search::default() };
     let refused = plant.study().rest(0.0, Holding::AsReleased, search).expect_err("no stable equilibrium").to_string();
-    assert!(refused.contains("is unstable") && refused.contains("no stable one is found"), "{refused}");
+    assert!(refused.contains("is unstable") && refused.contains("no stable equilibrium was found"), "{refused}");
 }

@@ -63,7 +63,7 @@ fn pl14_what_does_not_go_together_is_refused() {
         ("pressure_shift_deg = 10.0", "pressure_shift_deg = 0.0", "key 'polar.profile.pressure_shift_deg'"),
         ("pressure_shift_deg = 10.0", "pressure_shift_deg = 81.0", "an angle > 0 deg, at most 80"),
         ("aspect_ratio = 15.0\n", "", "key 'polar.profile.pressure_shift_deg'"),
-        ("    [-10, ", "    [-95, ", "a polar from stall to stall begins at the negative one"),
+        ("    [-10, ", "    [-95, ", "a polar from negative to positive stall must begin"),
     ] {
         let message = machine_of(&[(from, to)]).expect_err(to);
         assert!(message.contains(expected), "{to}: {message}");

@@ -15,7 +15,7 @@ fn p95_impossible_tolerance_is_an_error() {
     let PlantError::NoConvergence { time_s, step_s, .. } = &error else { panic!("{error}") };
     assert_eq!(*time_s, plant.time_s(), "the plant must stand at the last good time");
     assert_eq!(plant.outputs().time_s, plant.time_s());
-    assert!(*step_s < 2e-3 && error.to_string().contains("exceeds tolerance"), "{error}");
+    assert!(*step_s < 2e-3 && error.to_string().contains("exceeds the tolerance"), "{error}");
     assert!(plant.outputs().joints()[0].angle_rad.is_finite());
 }
 
@@ -27,7 +27,10 @@ fn p96_contradicting_step_limits_are_an_error() {
     plant.parameters_mut().solver_mut().max_step_s = 1e-3;
     let error = plant.initialize(0.0).expect_err("1e-2 s is more than 1e-3 s");
     assert_eq!(error, PlantError::Steps { min_step_s: 1e-2, max_step_s: 1e-3 });
-    assert_eq!(error.to_string(), "solver.min_step, 1e-2 s, is longer than solver.max_step, 1e-3 s; set one of them");
+    assert_eq!(
+        error.to_string(),
+        "solver.min_step, 1e-2 s, is longer than solver.max_step, 1e-3 s; change one of them"
+    );
     plant.parameters_mut().solver_mut().min_step_s = 1e-3;
     plant.initialize(0.0).expect("equal limits are one step");
 }

@@ -308,7 +308,9 @@ fn rb11_a_body_without_inertia_about_its_axis_is_named() {
         };
         let error = started(&bare).expect_err("no inertia about the blade's axis");
         assert!(
-            error.contains("at joint bearing: the carried bodies have no inertia along or about one of its axes"),
+            error.contains(
+                "at joint bearing: the carried bodies have no inertia along or about one of this joint's axes"
+            ),
             "{joint} {mount}: {error}"
         );
         let mass = "[mass.nut]\nbody = 'blade'\nposition_m = 0.54\nmass_kg = 0.02\noffset_m = [0.0, 0.02, 0.03]\n";

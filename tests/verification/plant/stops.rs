@@ -246,7 +246,7 @@ fn st05_stops_of_a_file_are_those_of_code() {
             "type = \"revolute\"\nend_stops.lower_deg = 2.0\nend_stops.upper_deg = 1.0\nend_stops.stiffness_N_m_rad = 1.0",
             "above lower_deg",
         ),
-        ("type = \"revolute\"\nend_stops.upper_m = 2.0\nend_stops.stiffness_N_m_rad = 1.0", "upper_deg in its place"),
+        ("type = \"revolute\"\nend_stops.upper_m = 2.0\nend_stops.stiffness_N_m_rad = 1.0", "upper_deg instead"),
         ("type = \"ball\"\nend_stops.upper_deg = 2.0\nend_stops.stiffness_N_m_rad = 1.0", "revolute"),
         (
             "type = \"revolute\"\nmotion = \"locked\"\nend_stops.upper_deg = 2.0\nend_stops.stiffness_N_m_rad = 1.0",

@@ -58,11 +58,11 @@ fn fields_cut_short_are_refused() {
     let (turbsim, bladed) = (bytes("pyturbsim.bts"), bytes("pyturbsim.wnd"));
     for length in (0..turbsim.len()).step_by(7) {
         let fault = read_turbsim(&turbsim[..length]).unwrap_err().to_string();
-        assert!(fault.starts_with("cut short"), "{length}: {fault}");
+        assert!(fault.starts_with("truncated"), "{length}: {fault}");
     }
     for length in (0..bladed.len()).step_by(7) {
         let fault = read_bladed(&bladed[..length], settings).unwrap_err().to_string();
-        assert!(fault.starts_with("cut short"), "{length}: {fault}");
+        assert!(fault.starts_with("truncated"), "{length}: {fault}");
     }
     let fault = read_bladed(&turbsim, settings).unwrap_err().to_string();
     assert!(fault.starts_with("identifier is 7; -99"), "{fault}");

@@ -324,7 +324,7 @@ fn wt58_air_knows_which_sections_turn() {
         assert_eq!(options.sections_turn, [turn; 3]);
         options.sections_turn[1] = !turn;
         let told = format!("{:?}", machine.validate());
-        assert!(told.contains("do not fit their surfaces"), "{told}");
+        assert!(told.contains("do not match the surfaces"), "{told}");
     }
 }
 

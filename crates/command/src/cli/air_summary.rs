@@ -118,10 +118,10 @@ impl GapSummary {
         let angle = self.angle_deg.map_or(String::new(), |angle| format!(" at {angle:.6} deg"));
         let verdict = if self.closed {
             format!(
-                "a simulation is refused; open the joint until the largest gap is {CLOSED_PANELS} panels, or use more strips"
+                "a simulation is not possible; open the joint until the largest gap is {CLOSED_PANELS} panels, or use more strips"
             )
         } else {
-            "each is influenced by the other from above its control points".to_owned()
+            "each induces velocities at the control points of the other".to_owned()
         };
         format!(
             "{one} and {two} overlap{angle}, {:.3} to {:.3} panels apart: {verdict}",

@@ -191,7 +191,7 @@ impl Effort {
             short(self.gravity_at)
         );
         if self.drive == [0.0; 2] {
-            return format!("{asked}, motor and spring give none\n");
+            return format!("{asked}, which motor and spring do not provide\n");
         }
         format!(
             "{asked}, has {} to {} {unit} from motor and spring towards {end}; {reach}\n",
@@ -467,7 +467,7 @@ mod tests {
         assert!(place <= stall_deg && place > stall_deg - 8.0, "{place} of {stall_deg}");
         let away = assessed(&arm(5.0, 130.0));
         assert!(
-            away.warnings[0].contains("joint h: the latch at 130 deg never closes by itself"),
+            away.warnings[0].contains("joint h: the latch at 130 deg is never reached without a command"),
             "{:?}",
             away.warnings
         );

@@ -24,7 +24,7 @@ pub(super) struct BranchArguments {
     /// CSV file to write: a row for each value and mode
     #[arg(long, value_name = "OUT.csv")]
     pub csv: Option<PathBuf>,
-    /// Folder for figures: damping and frequency over the quantity, the paths of the eigenvalues
+    /// Folder for figures: damping and frequency over the varied quantity, and the paths of the eigenvalues
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     #[command(flatten)]

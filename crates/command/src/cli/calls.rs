@@ -243,7 +243,7 @@ pub fn text_with_values(text: &str, values: &[(String, String)]) -> Result<Strin
     for (key, value) in values {
         let path = path(key).ok_or_else(|| {
             Failure::Usage(format!(
-                "values: {key} is not a key of the model file; write keys as in file:body.inner.length_m"
+                "values: {key} is not a key of the model file; write keys such as file:body.inner.length_m"
             ))
         })?;
         changes.push((path, value.as_str()));

@@ -88,9 +88,9 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
         asked.quiet.note(&format!("mode tracking ends before {KEY} = {value}: {error}"));
     }
     let how = match (disturbance.is_some(), has_air) {
-        (false, _) => "without air",
+        (false, _) => "without aerodynamics",
         (true, false) => "about the periodic steady state",
-        (true, true) => "about the periodic steady state, in air",
+        (true, true) => "about the periodic steady state, with aerodynamics",
     };
     let mut text = format!("{name}: modes over the rotor speed, in the ground frame, {how}\n{}", table.text());
     for branch in 0..branches.places.first().map_or(0, |place| place.modes.len()) {

@@ -12,21 +12,21 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::COMPARE)]
 pub struct Arguments {
-    /// Table to compare with (CSV with a column `time`): its rows are the times of the comparison
+    /// Reference table (CSV with a column `time`); the tables are compared at the times of its rows
     reference: PathBuf,
-    /// Table to compare; read between its rows by straight lines
+    /// Table to compare, interpolated linearly between its rows
     other: PathBuf,
-    /// Allowed difference over the largest magnitude of the reference's column
+    /// Allowed difference, relative to the largest magnitude in the reference column
     #[arg(long, value_name = "X", default_value_t = 1e-6, allow_negative_numbers = true)]
     rtol: f64,
-    /// Allowed difference in the column's unit, in addition
+    /// Additional allowed difference, in the unit of the column
     #[arg(long, value_name = "X", default_value_t = 1e-12, allow_negative_numbers = true)]
     atol: f64,
-    /// Allowed difference of columns in their unit, instead: a name or pattern, `=` and a number; may be repeated, the last
-    /// one that fits counts
+    /// Allowed difference of columns in their unit, instead of --rtol and --atol: a name or pattern, `=` and a number; may be repeated, the
+    /// last match applies
     #[arg(long, value_name = "NAME=X")]
     tolerance: Vec<String>,
-    /// Columns to compare: names or patterns, separated by commas; may be repeated [default: those that both have]
+    /// Columns to compare: names or patterns, separated by commas; may be repeated [default: all columns that both tables have]
     #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
     /// Print JSON for programs
@@ -140,7 +140,7 @@ fn tolerance(text: &str) -> Result<(String, String, f64), Failure> {
     });
     parsed.ok_or_else(|| {
         Failure::Usage(format!(
-            "--tolerance {text}: must be NAME=X; allowed: a column and a number of 0 or more, fold.angle=1e-3"
+            "--tolerance {text}: must be NAME=X; allowed: a column and a number of 0 or more, such as fold.angle=1e-3"
         ))
     })
 }

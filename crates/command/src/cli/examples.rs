@@ -16,7 +16,7 @@ pub struct Arguments {
     /// Examples: names, patterns (`turbine/*`) or folders [default: all]
     #[arg(value_name = "NAME")]
     names: Vec<String>,
-    /// Copy them into this folder, with the files that they need; equal files are left as they are
+    /// Copy the examples and the files that they need into this folder; identical files are not rewritten
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
     /// Print JSON for programs

@@ -28,11 +28,11 @@ pub struct Arguments {
     /// Wind speeds in m/s, along the wind of the model: FROM:TO:COUNT or A,B,…
     #[arg(long, value_name = "VALUES", allow_hyphen_values = true)]
     wind_m_s: String,
-    /// Speeds of flutter and divergence over a start value, a parameter or a key of the model file (`file:…`):
+    /// Repeat for several values of a start value, a parameter or a key of the model file (`file:…`):
     /// KEY=FROM:TO:COUNT or KEY=A,B,…
     #[arg(long = "vary", value_name = "KEY=VALUES", value_parser = NonEmptyStringValueParser::new())]
     over: Option<String>,
-    /// Number of modes to follow, of lowest frequency
+    /// Number of modes to track, beginning with the lowest frequency
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=60))]
     count: u16,
     /// Start value of an input or parameter, e.g. `fold.release=0`; may be repeated
@@ -168,7 +168,7 @@ fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
         return Err(refused("needs two or more positive speeds in ascending order".to_owned()));
     }
     if speeds.len() > MAXIMUM_SPEEDS {
-        return Err(refused(format!("{} speeds are more than {MAXIMUM_SPEEDS}", speeds.len())));
+        return Err(refused(format!("{} speeds exceed the maximum of {MAXIMUM_SPEEDS}", speeds.len())));
     }
     Ok(speeds)
 }
@@ -179,15 +179,16 @@ pub(super) fn failure(error: FlutterError) -> Failure {
     match error {
         FlutterError::FirstSpeed { .. } | FlutterError::Stopped => Failure::Statics(text),
         FlutterError::NoWind { machine } => Failure::Usage(format!(
-            "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.y=-1"
+            "{machine}: the model has no wind, so its direction is undefined; set aerodynamics.wind_m_s, or --set \
+             wind.velocity.y=-1"
         )),
         FlutterError::Speeds => {
             Failure::Usage("--wind-m-s: needs two or more positive speeds in ascending order".to_owned())
         }
         FlutterError::TooManySpeeds { count } => {
-            Failure::Usage(format!("--wind-m-s: {count} speeds are more than {MAXIMUM_SPEEDS}"))
+            Failure::Usage(format!("--wind-m-s: {count} speeds exceed the maximum of {MAXIMUM_SPEEDS}"))
         }
-        FlutterError::Count { count } => Failure::Usage(format!("--count {count}: is not in 1..={MAXIMUM_COUNT}")),
+        FlutterError::Count { count } => Failure::Usage(format!("--count {count}: must be from 1 to {MAXIMUM_COUNT}")),
         FlutterError::NoAir { .. } | FlutterError::Rotor { .. } | FlutterError::UnsteadyStart { .. } => {
             Failure::Usage(text)
         }
@@ -216,7 +217,7 @@ fn summary(found: &Flutter, speeds_m_s: &[f64]) -> String {
         let _ = writeln!(text, "divergence at {speed_m_s:.6} m/s");
     }
     if found.is_unstable_from_first() {
-        let _ = writeln!(text, "unstable from the first speed on, {} m/s: start at a lower one", speeds_m_s[0]);
+        let _ = writeln!(text, "unstable from the first speed on, {} m/s: start at a lower speed", speeds_m_s[0]);
     }
     let last = found.branches.places.last().map_or(0.0, |place| place.at);
     if text.is_empty() && found.changes.iter().all(|change| matches!(change.event, Event::Latch { .. })) {

@@ -34,28 +34,29 @@ const FIGURE: &str = "gradient";
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Result to differentiate: a real output at the end of the run (NAME) or at a time (NAME@TIME in s), its largest, least or
-    /// absolutely largest value over the run (max(NAME), min(NAME), peak(NAME)), or JOINT.latch_time. Vectors and patterns are all of their
-    /// components; may be repeated, or a list with commas
+    /// Result to differentiate: a real output at the end of the run (NAME) or at a time (NAME@TIME in s), its maximum, minimum or maximum
+    /// magnitude over the run (max(NAME), min(NAME), peak(NAME)), or JOINT.latch_time. A vector or pattern selects all its components; may
+    /// be repeated, or a list with commas
     #[arg(long = "of", value_name = "RESULT", required = true, value_parser = NonEmptyStringValueParser::new())]
     of: Vec<String>,
-    /// Number by which to differentiate: a real input or parameter, constant during the run, an input of `--inputs` at the time of a row
-    /// (NAME@TIME) or of all rows (NAME@*), or a key of the model file (file:body.inner.length_m); may be repeated, or a list with commas
+    /// Number with respect to which to differentiate: a real input or parameter that is constant during the run, an input of `--inputs` at
+    /// the time of a row (NAME@TIME) or of all rows (NAME@*), or a key of the model file (file:body.inner.length_m); may be repeated, or a
+    /// list with commas
     #[arg(long = "by", value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
     by: Vec<String>,
-    /// Stop time in s [default: the model's]
+    /// Stop time in s [default: from the model]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     stop: Option<f64>,
-    /// Inputs over time from a CSV file, as for `foldwing simulate`; reals are linear between rows
+    /// Inputs over time from a CSV file, as for `foldwing simulate`; real inputs are interpolated linearly between rows
     #[arg(long, value_name = "IN.csv")]
     inputs: Option<PathBuf>,
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// Order of the multiplication: forward costs one pass for each number, adjoint one for each result
+    /// Differentiation mode: forward needs one pass per number (`--by`), adjoint one per result (`--of`); auto takes the cheaper
     #[arg(long, value_name = "MODE", value_enum, default_value = "auto")]
     mode: Order,
-    /// Folder for a figure: the change of each result in % for 1 % of each number, as a table of colours
+    /// Folder for a figure: a heat map of the change of each result in % for a change of each number by 1 %
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
     #[command(flatten)]
@@ -71,7 +72,7 @@ pub struct Arguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Order {
-    /// The cheaper one
+    /// The cheaper of the two
     Auto,
     /// One pass for each number
     Forward,
@@ -301,10 +302,7 @@ impl Variants<'_> {
     /// A number with the machines beside the present one.
     fn number(&self, name: &str, plant: &Plant) -> Result<Numbers, Failure> {
         if name.starts_with("solver.") || name.starts_with("file:solver.") {
-            return Err(refused(
-                name,
-                "is a setting of the integrator: the steps of the run are those of the derivative",
-            ));
+            return Err(refused(name, "is a setting of the integrator: derivatives are computed for fixed time steps"));
         }
         let (value, unit) = match (file_path(name), self.interface.find(name)) {
             (Some(path), _) => (number_in_file(self.text, &path).map_err(|cause| refused(name, &cause))?, ""),
@@ -314,7 +312,7 @@ impl Variants<'_> {
                     return Err(refused(name, "is not a real number"));
                 }
             },
-            (None, None) => return Err(refused(name, "is no input or parameter")),
+            (None, None) => return Err(refused(name, "is not an input or parameter")),
         };
         let step = if value == 0.0 { STEP } else { STEP * value.abs() };
         let parameter = Parameter::new(name, value, step, |value| self.plant(name, value))?;

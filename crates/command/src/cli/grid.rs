@@ -5,13 +5,13 @@ pub(super) use foldwing_recording::Grid;
 
 #[derive(Clone, clap::Args)]
 pub(super) struct GridArguments {
-    /// Communication step in s [default: the model's]
+    /// Communication step in s [default: from the model]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Start time in s [default: the model's]
+    /// Start time in s [default: from the model]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     start: Option<f64>,
-    /// Stop time in s [default: the model's]
+    /// Stop time in s [default: from the model]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     stop: Option<f64>,
 }
@@ -50,7 +50,10 @@ pub(super) fn grid_of(
     }
     let grid = Grid::new(start_s, stop_s, step_s);
     if grid.steps > MAXIMUM_STEPS {
-        return Err(Failure::Usage(format!("--step {step_s}: {} rows are more than {MAXIMUM_STEPS}", grid.steps)));
+        return Err(Failure::Usage(format!(
+            "--step {step_s}: {} rows exceed the maximum of {MAXIMUM_STEPS}",
+            grid.steps
+        )));
     }
     Ok(grid)
 }

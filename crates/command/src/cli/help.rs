@@ -5,8 +5,8 @@ macro_rules! exit_codes {
         "\
 Exit codes:
   0  done
-  1  the content of a file was refused: model, inputs, library or FMU
-  2  the command line was refused, including unknown names in --variables and --set
+  1  a file has invalid content: model, inputs, library or FMU
+  2  the command line is invalid, including unknown names in --variables and --set
   3  the simulation failed (the CSV has the rows up to that time), or there is no equilibrium or
      linear model
   4  a file could not be read or written
@@ -35,7 +35,7 @@ The usual order of work, from a model file to its FMU:
   foldwing package wing.toml -o Wing.fmu          the FMU
   foldwing package --help                         options and examples of a command
 
-Mistakes in a file or on the command line are reported with their location and the allowed values.
+Errors in a file or on the command line are reported with their location and the allowed values.
 Messages go to standard error, in colour if it is a terminal and NO_COLOR is not set. If it is a
 terminal, work that lasts more than half a second shows its progress there, with the time left.
 
@@ -206,8 +206,8 @@ Examples:
   foldwing operating-points wt.toml --wind-m-s 8 --solve-for speed_rpm=9:99 --target rotor.power=1e3
 
 --tip-speed-ratio, --speed-rpm, --solve-for and --target together give the schedule of a
-controller: below rated power the rotor speed of that ratio, up to the given maximum, above it the
-pitch for rated power.";
+controller: below rated power, the rotor speed for the tip speed ratio, up to --speed-rpm; above
+rated power, the pitch for rated power.";
 
 pub(super) const LINEARIZE: &str = "\
 Examples:
@@ -215,11 +215,11 @@ Examples:
   foldwing linearize wing.toml --state 0.3 --inputs load. --outputs tip.,gauge. -o wing.mat
   foldwing linearize wing.toml --state start --set fold.release=0 -o wing.json
 
-The file holds A, B, C, D with names, units and the values about which they are linear. States are
-the free coordinates and their rates. `examples/damp_latched_wing.py` designs a feedback on it and
-runs it against the FMU.";
+The file contains A, B, C, D with the names, units and values at the operating point. States are
+the free coordinates and their rates. `examples/damp_latched_wing.py` designs a feedback controller
+with this model and tests it with the FMU.";
 
 pub(super) const SCHEMA: &str = "\
-Example, and the first line of a model file that tells editors where its schema is:
+Example, and the line at the top of a model file by which editors find the schema:
   foldwing schema > foldwing.schema.json
   #:schema ./foldwing.schema.json";

@@ -31,7 +31,7 @@ pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(sag) = answer.sag.as_ref().filter(|sag| sag.way_m > MAXIMUM_SAG * sag.extent_m) {
         warnings.push(format!(
-            "the tip of {} sags by {:.4} m of {:.4} m under gravity: check moduli (Pa), lengths (m) and masses (kg)",
+            "the tip of {} deflects by {:.4} m of {:.4} m under gravity: check moduli (Pa), lengths (m) and masses (kg)",
             sag.body, sag.way_m, sag.extent_m
         ));
     }
@@ -62,22 +62,25 @@ pub(super) fn run(plant: &Plant, as_written: bool, run: &Times) -> Vec<String> {
     warnings
 }
 
-/// Warning if a joint does not reach its latch. Of machines with aerodynamics, whose loads may drive it further, only if its motor pulls away.
+/// Warning if a joint does not reach its latch. Of machines with aerodynamics, whose loads may drive it further, only if its motor pulls
+/// away.
 fn latch(joint: &Effort) -> Option<String> {
     let (end, unit, name) = (short(joint.end), joint.travel.shown_unit(), &joint.name);
     match joint.reaches {
         _ if !joint.has_latch => None,
         Reach::TurnsAway => Some(format!(
-            "joint {name}: the latch at {end} {unit} never closes by itself: motor, spring and gravity drive the joint the other \
-             way from its start; move the latch to the other side of the start, or command it there"
+            "joint {name}: the latch at {end} {unit} is never reached without a command: motor, spring and gravity \
+             drive the joint away from it; move the latch to the other side of the start, or command the joint to it"
         )),
         Reach::StallsAt(place) => Some(format!(
-            "joint {name}: in slow motion it stalls at {} {unit}, before the latch at {end} {unit}: only momentum carries it further",
+            "joint {name}: in slow motion the joint stops at {} {unit}, before the latch at {end} {unit}: it reaches \
+             the latch only by its momentum",
             short(place)
         )),
         Reach::NotJudged if joint.drive[1] < 0.0 => Some(format!(
-            "joint {name}: motor and spring pull away from the latch at {end} {unit} on the whole way; only wind or momentum closes it; a \
-             positive constant_torque_N_m or constant_force_N acts towards negative positions: is its sign as intended?"
+            "joint {name}: motor and spring pull the joint away from the latch at {end} {unit} over the whole range; \
+             only wind or momentum can close the latch; a positive constant_torque_N_m or constant_force_N acts \
+             towards negative positions: is its sign as intended?"
         )),
         Reach::Arrives | Reach::Stands | Reach::NotJudged => None,
     }
@@ -100,7 +103,8 @@ fn times(frequencies_hz: &[f64], run: &Times) -> Vec<String> {
     }
     if lasts_s * hz < MINIMUM_SWING {
         warnings.push(format!(
-            "{} lasts {lasts_s} s, a hundredth of the longest period ({} Hz) or less: nothing moves in it; times are in seconds",
+            "{} lasts {lasts_s} s, a hundredth of the longest period ({} Hz) or less, so the motion is hardly \
+             simulated; times are in seconds",
             run.stop_name,
             short(hz)
         ));

@@ -30,7 +30,7 @@ pub struct Arguments {
     /// Seed of the turbulence: the same seed gives the same forces everywhere
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Start every step at its wall time, as a real-time loop does: the run then takes as long as the simulated time
+    /// Start every step at its time of the wall clock, as a real-time loop does: the run then takes as long as the simulated time
     #[arg(long)]
     paced: bool,
     /// Start value of an input or parameter; may be repeated
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let mut text = format!(
         "{} steps of {} s; {} internal steps, {} repeated, {} iterations, at most {} in a stage, {} stages \
-         unconverged, {} events; {late} steps took longer than they simulate\n",
+         unconverged, {} events; {late} steps took longer than their simulated time\n",
         arguments.steps,
         arguments.step,
         statistics.steps,

@@ -19,11 +19,11 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// State to linearise about: `start`, the initial state of a simulation; `equilibrium`, the static equilibrium with released joints free,
-    /// as in `static`; or a time in s up to which the model is simulated
+    /// State to linearise about: `start`, the initial state of a simulation; `equilibrium`, the static equilibrium with released joints
+    /// free, as in `static`; or a time in s up to which the model is simulated
     #[arg(long = "state", value_name = "STATE", default_value = "equilibrium")]
     at: String,
-    /// Real inputs, separated by commas; `load.` selects every name with that prefix, `load.*.z` a pattern [default: all]
+    /// Real inputs, separated by commas; `load.` selects every name with that prefix, `load.*.z` every name that matches [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     inputs: Vec<String>,
     /// Real outputs, selected in the same way [default: all]
@@ -32,17 +32,17 @@ pub struct Arguments {
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// Include the vortex lattice: the model is in discrete time, with the aerodynamic step; wind, control surfaces and `gust.` can be
-    /// inputs
+    /// Include the vortex lattice; the model is then discrete-time, sampled at the aerodynamic step. Inputs may also be the wind, control
+    /// surfaces and a gust (`gust.*`)
     #[arg(long)]
     lattice: bool,
-    /// Modal truncation to N states: the slowest modes; the residual modes are kept as static gain
+    /// Modal truncation to N states: the slowest modes; the static gain of the truncated modes is kept
     #[arg(long, value_name = "N", conflicts_with = "reduce")]
     modes: Option<usize>,
     /// Balanced truncation to N states, with inputs and outputs scaled; prints the error over frequency
     #[arg(long, value_name = "N")]
     reduce: Option<usize>,
-    /// With `--reduce`: balance for frequencies up to this one only, and print the largest error in this band
+    /// With `--reduce`: balance only for frequencies up to this value, and print the largest error in this band
     #[arg(long = "max-frequency", value_name = "HZ", requires = "reduce")]
     up_to: Option<f64>,
     /// File to write: `.json`, `.npz` (NumPy) or `.mat` (MATLAB)
@@ -121,8 +121,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     }
     let in_air = match model.step_s {
-        Some(step_s) => format!(", in air, in discrete time with steps of {step_s} s"),
-        None => ", in air".to_owned(),
+        Some(step_s) => format!(", with the vortex lattice, in discrete time with steps of {step_s} s"),
+        None => ", with aerodynamics".to_owned(),
     };
     let text = format!(
         "{}: {} states{}, {} inputs, {} outputs{}\n{}",
@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         model.inputs.len(),
         model.outputs.len(),
         if model.without_air {
-            ", without air (loads held constant; no wind)"
+            ", with constant aerodynamic loads (wind is not an input)"
         } else if plant.machine().air.is_some() {
             &in_air
         } else {
@@ -210,8 +210,8 @@ fn reduction_in_words(model: &LinearModel) -> String {
     format!(" of {} ({})", reduction.whole, parts.join("; "))
 }
 
-/// Describes the modes omitted by a reduction below the upper end of the measured band, with a remedy: another one if the reduction is for a
-/// band already. `None` without any.
+/// Describes the modes omitted by a reduction below the upper end of the measured band, with a remedy: another one if the reduction is for
+/// a band already. `None` without any.
 fn dropped_in_words(model: &LinearModel, for_a_band: bool) -> Option<String> {
     let accuracy = model.reduction.as_ref()?.accuracy.as_ref().filter(|accuracy| !accuracy.dropped.is_empty())?;
     let of = |mode: &Dropped| {
@@ -223,11 +223,12 @@ fn dropped_in_words(model: &LinearModel, for_a_band: bool) -> Option<String> {
     let (shown, up_to_hz) = (shown.join(", "), accuracy.up_to_hz);
     Some(match for_a_band {
         true => format!(
-            "the reduced model has no mode at {shown}{rest}, below {up_to_hz:.4} Hz; keep more states, or take fewer inputs and outputs"
+            "the reduced model omits modes at {shown}{rest}, below {up_to_hz:.4} Hz; keep more states, or select fewer \
+             inputs and outputs"
         ),
         false => format!(
-            "the reduced model has no mode at {shown}{rest}, below {up_to_hz:.4} Hz; balance for a band (--max-frequency HZ), keep more \
-             states, or take fewer inputs and outputs"
+            "the reduced model omits modes at {shown}{rest}, below {up_to_hz:.4} Hz; balance for a frequency band \
+             (--max-frequency HZ), keep more states, or select fewer inputs and outputs"
         ),
     })
 }
@@ -246,8 +247,8 @@ pub(super) fn chosen<'a>(
         let named = rows.iter().any(|row| row.name.starts_with(name.trim_end_matches(['*', '.'])));
         if !named {
             return Err(Failure::Usage(format!(
-                "--inputs {name}: linear models of lattices hold the aerodynamic loads constant; choose other inputs, add --lattice, or \
-                 use strips (aerodynamics.model = \"strip\")"
+                "--inputs {name}: without --lattice the linear model of a vortex lattice holds the aerodynamic loads \
+                 constant; choose other inputs, add --lattice, or use strips (aerodynamics.model = \"strip\")"
             )));
         }
     }
@@ -273,7 +274,7 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
                 })?;
             if time_s > stop_s {
                 tell::note(&format!(
-                    "{option} {time} lies beyond the end of the simulation, {stop_s} s; the run continues up to it"
+                    "{option} {time} lies after the end of the simulation, {stop_s} s; the simulation is extended to this time"
                 ));
             }
             plant.initialize(start_s).map_err(statics)?;

@@ -15,10 +15,10 @@ use std::sync::atomic::AtomicBool;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Port of the loopback interface [default: any free one]
+    /// Port of the loopback interface [default: any free port]
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     port: u16,
-    /// Print the address, start no browser
+    /// Print the address without starting a browser
     #[arg(long)]
     no_browser: bool,
     /// Simulated seconds per second; the page can change it
@@ -27,7 +27,7 @@ pub struct Arguments {
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// State to start from, as `State.to_bytes` of the Python package gives it
+    /// File with the state to start from: the bytes of `State.to_bytes` of the Python package
     #[arg(long, value_name = "FILE", conflicts_with = "settings")]
     state: Option<PathBuf>,
 }
@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let port = arguments.port;
     let server = Server::bind(port).map_err(|error| {
         Failure::Files(format!(
-            "--port {port}: cannot be taken on 127.0.0.1: {error}; give another one, or 0 for any that is free"
+            "--port {port}: cannot be opened on 127.0.0.1: {error}; choose another port, or 0 for any free port"
         ))
     })?;
     let mut session = Session::new(plant, interface, arguments.speed);

@@ -84,8 +84,8 @@ fn version() -> &'static str {
 
 /// Flexible multibody models with joints, such as folding wings, from short model files: FMUs, simulation, analysis
 ///
-/// A model file (TOML) describes sections, bodies, joints, gauges and aerodynamics. Foldwing exports it as an FMU (FMI 2.0 or 3.0, co-simulation
-/// and Model Exchange), and simulates and analyses it without an importer. No compiler is needed.
+/// A model file (TOML) describes sections, bodies, joints, gauges and aerodynamics. Foldwing exports it as an FMU (FMI 2.0 or 3.0,
+/// co-simulation and Model Exchange), and simulates and analyses it without an importer. No compiler is needed.
 #[derive(Parser)]
 #[command(name = "foldwing", version = version(), after_help = help::EXIT_CODES, after_long_help = help::ORDER_OF_WORK)]
 struct Arguments {
@@ -103,61 +103,61 @@ enum Command {
     New(new::Arguments),
     /// List the examples, or copy them into a folder
     ///
-    /// Models, scripts and programs of the repository, which are inside this command. A copy brings the files that the example needs, such
-    /// as polars and imported scripts. Notebooks are in the repository only.
+    /// The models, scripts and programs of the repository are contained in this command. Files that an example needs, such as polars and
+    /// imported scripts, are copied with it. Notebooks are in the repository only.
     Examples(examples::Arguments),
     /// Export a model as an FMU
     ///
-    /// The file is written completely or not at all; the same model, library and version give the same bytes. The default simulation is
-    /// run for the reference results in the FMU. The library is the one next to this executable, unless --library gives others, one for
+    /// The file is written completely or not at all; the same model, library and version give the same bytes. The default simulation is run
+    /// to obtain the reference results in the FMU. The library is the one next to this executable, unless --library gives others, one for
     /// each platform.
     Package(package::Arguments),
     /// Simulate a model and write its outputs as CSV
     ///
     /// Writes the outputs, or the variables chosen by --variables, at the communication points. Optional: figures, an HTML page with an
-    /// animation, VTK files for ParaView. A summary goes to standard error; without any file it is the only result. If the simulation
-    /// fails, tables and pictures contain the run up to that time.
+    /// animation, VTK files for ParaView. A summary is printed to standard error; if no file is requested, it is the only result. If the
+    /// simulation fails, tables and pictures contain the run up to that time.
     Simulate(simulate::Arguments),
     /// Show an animation of a simulation in the browser
     ///
-    /// For a model the simulation is run first and the page is written to this folder; a page written by `simulate --view` is opened.
+    /// A model is simulated first, and the page is written to the current folder; a page written by `simulate --view` is opened.
     View(view::Arguments),
     /// Simulate in real time, interactively, in the browser
     ///
-    /// The page of `view` with a running simulation: run, pause, step, roll back on the time bar; sliders for inputs and parameters, buttons
-    /// for latches and failures, a mouse that pulls with a spring. Only browsers on this computer can open it, by the printed address. The
-    /// command ends when the page is closed.
+    /// Opens the page of `view` with a running simulation: run, pause, step or roll back on the time bar, change inputs and parameters with
+    /// sliders, operate latches and failures with buttons, and pull on the machine with the mouse through a spring. Only browsers on this
+    /// computer can open the page, at the printed address. The command ends when the page is closed.
     Live(live::Arguments),
     /// Write a film of a simulation as a file: MP4, GIF or numbered pictures
     ///
     /// No browser and no display are needed: the machine is drawn by this command, with the geometry and colours of the page of
-    /// `simulate --view`. For a model the simulation is run first. If it fails, the film shows the run up to that time.
+    /// `simulate --view`. A model is simulated first. If the simulation fails, the film shows the run up to that time.
     Render(render::Arguments),
     /// Compare two tables over time within tolerances
     ///
-    /// Results of two simulations, or of a simulation and a measurement: the largest difference of every common column, its time, and
-    /// whether it is within the tolerance. The exit code is 5 if one is not.
+    /// Compares two simulations, or a simulation and a measurement. Prints the largest difference of every common column, its time, and
+    /// whether it is within the tolerance. The exit code is 5 if a column is outside its tolerance.
     Compare(compare::Arguments),
     /// Parameter sweep: simulate many variants of a model and write a row for each
     ///
-    /// Variants run on several threads; their number does not change the results. The same command resumes an interrupted sweep. A variant
-    /// that fails has a row with its error message.
+    /// Variants run on several threads; the number of threads does not change the results. The same command resumes an interrupted sweep. A
+    /// variant that fails has a row with its error message.
     Sweep(sweep::Arguments),
     /// Real-time test: measure the latency of single steps under a turbulent load
     ///
-    /// For hardware in the loop: median, 99 %, 99.9 % and maximum of the step times (wall and processor), and a histogram.
-    /// `solver.mode = "real_time"` in the model bounds the cost of a step.
+    /// For hardware-in-the-loop simulation. Prints median, 99 %, 99.9 % and maximum of the step times (wall and processor), and a
+    /// histogram. `solver.mode = "real_time"` in the model bounds the cost of a step.
     Latency(latency::Arguments),
     /// Run an FMU of any tool (co-simulation of FMI 2.0 or 3.0) and write its outputs as CSV
     ///
-    /// Foldwing's own FMUs give the same bytes as `simulate`. Needs a build with the feature `import` (`make runner`).
+    /// For FMUs of Foldwing the CSV file has the same bytes as that of `simulate`. Needs a build with the feature `import` (`make runner`).
     Run(run::Arguments),
     /// Check a model and summarise it
     ///
     /// Mass, centre of mass and inertia; static deflection under gravity and first natural frequencies; for each joint the torque needed
     /// against gravity, the torque of motor and spring, and whether the latch is reached. Warns of implausible values. Draws the model at
-    /// its start angles in characters. Lists bodies, masses, degrees of freedom, stations, joints, gauges, aerodynamics and variables; with
-    /// --unknowns the number of unknowns per joint, compared with the conventional formulation.
+    /// its start angles with text characters. Lists bodies, masses, degrees of freedom, stations, joints, gauges, aerodynamics and
+    /// variables; with --unknowns the number of unknowns per joint, compared with the conventional formulation.
     Check(check::Arguments),
     /// Compute the static equilibrium and print the deformed shape
     ///
@@ -172,8 +172,9 @@ enum Command {
     Modes(modes::Arguments),
     /// Compute the periodic steady state of a rotor and its Floquet modes
     ///
-    /// With tilt, gravity or wind shear the steady state of a rotor is periodic in the azimuth. Prints means, ranges and harmonics of outputs
-    /// over a revolution, and the Floquet modes about it with their frequencies in the ground frame. The shaft turns at constant speed.
+    /// With tilt, gravity or wind shear the steady state of a rotor is periodic in the azimuth. Prints means, ranges and harmonics of
+    /// outputs over a revolution, and the Floquet modes about it with their frequencies in the ground frame. The shaft turns at constant
+    /// speed.
     Periodic(periodic::Arguments),
     /// Tabulate power, thrust and loads of a rotor over wind speed, rotor speed and pitch
     ///
@@ -183,28 +184,30 @@ enum Command {
     OperatingPoints(operating_points::Arguments),
     /// Trim: solve for inputs or parameters that give outputs their target values at equilibrium
     ///
-    /// Such as the wind direction and the thrust for which the forces on the root vanish. The equilibrium is computed at each iteration, with
-    /// free hinges at their equilibrium angles. Prints the values as `--set` for the other commands.
+    /// For example, finds the wind direction and the thrust at which the forces on the root vanish. The equilibrium is computed at each
+    /// iteration, with free hinges at their equilibrium angles. Prints the values as `--set` options for the other commands.
     Trim(trim::Arguments),
     /// Compute flutter and divergence speeds from the aeroelastic modes over the wind speed
     ///
-    /// About the equilibrium at each speed, with strip theory or a vortex lattice; modes are tracked over the speed, and the speeds at which
-    /// they become unstable are refined. `--vary` repeats this over another quantity, such as the fold angle, the density or the stiffness
-    /// of a latch. Latches keep their start state, open or closed.
+    /// Modes about the equilibrium at each speed, with strip theory or a vortex lattice, are tracked over the speed, and the speeds at
+    /// which they become unstable are refined. `--vary` repeats this over another quantity, such as the fold angle, the density or the
+    /// stiffness of a latch. Latches keep their start state, open or closed.
     Flutter(flutter::Arguments),
-    /// Compute derivatives of results of a run by numbers of the model
+    /// Compute derivatives of simulation results with respect to numbers of the model
     ///
-    /// The exact derivative of the discrete run, through latches and end stops: of outputs at given times, of largest values and of latch
-    /// times, by inputs, parameters and keys of the model file. Parts of the model that gradients do not cover are errors by name.
+    /// Computes exact derivatives of the time-discrete simulation, including latch closings and end stops: of outputs at given times, of
+    /// largest values and of latch times, with respect to inputs, parameters and keys of the model file. If gradients do not cover a part
+    /// of the model, the error names it.
     Gradient(gradient::Arguments),
     /// Identify numbers of the model from measurements
     ///
-    /// Nonlinear least squares between measured and computed outputs over time, latch times and largest values, with the exact derivatives
-    /// of `foldwing gradient`: estimates with standard errors, within bounds, and the directions that the measurements do not determine.
+    /// Solves a nonlinear least-squares problem for measured and computed outputs over time, latch times and largest values, with the exact
+    /// derivatives of `foldwing gradient`. Prints estimates within bounds, their standard errors, and the combinations of numbers that the
+    /// measurements do not determine.
     Fit(Box<fit::Arguments>),
     /// Write a linear model from inputs to outputs
     ///
-    /// A, B, C, D about the start, an equilibrium or a state during a simulation, for NumPy, MATLAB or as JSON.
+    /// Writes the matrices A, B, C, D about the start, an equilibrium or a state during a simulation, for NumPy or MATLAB, or as JSON.
     Linearize(linearize::Arguments),
     /// Print the JSON schema of model files, for autocompletion in editors
     #[command(after_long_help = help::SCHEMA)]
@@ -338,7 +341,7 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
     let bytes = read_bytes(path)?;
     if bytes.starts_with(b"PK\x03\x04") {
         return Err(Failure::Refused(format!(
-            "{shown}: is an archive, as FMUs are, not a model file; `foldwing run` runs FMUs"
+            "{shown}: is a ZIP archive such as an FMU, not a model file; `foldwing run` runs FMUs"
         )));
     }
     let text = String::from_utf8(bytes).map_err(|error| {

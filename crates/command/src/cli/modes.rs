@@ -24,10 +24,10 @@ pub struct Arguments {
     /// State about which the modes are computed
     #[arg(long = "state", value_enum, default_value = "equilibrium")]
     about: About,
-    /// Which equilibrium to use if the one on the load path is unstable
+    /// Equilibrium to use if the one on the load path is unstable
     #[arg(long, value_enum, default_value = "path")]
     branch: BranchOption,
-    /// Include the air of a vortex lattice, whose loads are otherwise held constant
+    /// Include the vortex lattice; without this option its loads are held constant
     #[arg(long, conflicts_with = "over")]
     lattice: bool,
     /// Number of modes
@@ -37,10 +37,10 @@ pub struct Arguments {
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
     /// Track the modes over a start value, a parameter or a key of the model file (`file:…`): KEY=FROM:TO:COUNT or KEY=A,B,…;
-    /// rotor_speed_rpm gives the Campbell diagram of a rotor, frequencies in the ground frame
+    /// rotor_speed_rpm gives the Campbell diagram of a rotor, with frequencies in the ground frame
     #[arg(long = "vary", value_name = "KEY=VALUES", value_parser = NonEmptyStringValueParser::new())]
     over: Option<String>,
-    /// Joint that is the rotor's shaft, for --vary rotor_speed_rpm; default: the only one that turns without limit and carries a hub
+    /// Joint that is the rotor's shaft, for --vary rotor_speed_rpm; default: the only joint that can rotate without limit and carries a hub
     #[arg(long, value_name = "JOINT", requires = "over", value_parser = NonEmptyStringValueParser::new())]
     shaft: Option<String>,
     #[command(flatten)]
@@ -51,7 +51,7 @@ pub struct Arguments {
     /// Folder for VTK files, for ParaView: a cycle of each mode in a folder of its own; open `mode_1/run.pvd`
     #[arg(long, value_name = "DIR", conflicts_with = "over")]
     vtk: Option<PathBuf>,
-    /// Print JSON for programs: mode shapes, or with --vary the eigenvalues over the quantity
+    /// Print JSON for programs: mode shapes, or with --vary the eigenvalues over the varied quantity
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -193,7 +193,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
         return campbell::run(&asked, &mut outlets);
     }
     if arguments.shaft.is_some() {
-        return Err(Failure::Usage(format!("--shaft belongs to --vary {}=…", campbell::KEY)));
+        return Err(Failure::Usage(format!("--shaft can be used only with --vary {}=…", campbell::KEY)));
     }
     arguments.branches.check(&outlets)?;
     let varied = Varied::new(&arguments.model, &arguments.settings, Some(over))?;
@@ -258,9 +258,9 @@ pub(super) fn title(plant: &Plant, bare: bool, in_lattice: bool) -> String {
 pub(super) fn air_in_words(plant: &Plant, bare: bool) -> &'static str {
     match &plant.machine().air {
         None => "",
-        Some(_) if bare => ", without air",
-        Some(_) if plant.air_is_linearised() => ", in air",
-        Some(_) => ", without air: loads held constant",
+        Some(_) if bare => ", without aerodynamics",
+        Some(_) if plant.air_is_linearised() => ", with aerodynamics",
+        Some(_) => ", with constant aerodynamic loads",
     }
 }
 

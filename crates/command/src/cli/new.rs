@@ -38,7 +38,7 @@ enum Template {
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::NEW)]
 pub struct Arguments {
-    /// Model file to write; its name becomes the model's
+    /// Model file to write; the model gets the name of the file
     model: PathBuf,
     /// Model to start from
     #[arg(short, long, value_enum, default_value = "wing")]
@@ -123,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     if path.extension().is_none_or(|extension| extension != "toml") {
         return Err(Failure::Usage(format!(
-            "{shown}: a model file ends in .toml; write {}",
+            "{shown}: the name of a model file must end in .toml; write {}",
             path.with_extension("toml").display()
         )));
     }
@@ -177,7 +177,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut written = outlets.files();
     written.rotate_right(1);
     let written = match &written[..] {
-        [model, rest @ ..] if rest.len() > 2 => format!("{model} and {} files beside it", rest.len()),
+        [model, rest @ ..] if rest.len() > 2 => format!("{model} and {} files next to it", rest.len()),
         list => list.join(" and "),
     };
     print(&format!("wrote {written}; type next:\n{commands}"))

@@ -30,12 +30,13 @@ pub fn notes(machine: &Machine, stop_s: f64) -> Vec<String> {
             notes.push(if rigid {
                 format!(
                     "joint {name}: with {key} = {window} the enabled rigid latch closes {window} {unit} before its \
-                     {coordinate} and holds the joint there; leave the key out to close at the {coordinate} itself"
+                     {coordinate} and holds the joint there; omit the key to close at the {coordinate} itself"
                 )
             } else {
                 format!("joint {name}: with {key} = {window} the enabled latch closes {window} {unit} before its {coordinate}, \
-                 and the wing then swings about that {coordinate}; version 0.1.0 used the window only when the latch was enabled; \
-                 leave the key out to close at the {coordinate} itself"
+                 and the wing then swings about that {coordinate}; version 0.1.0 used the capture range only when the \
+                 latch was enabled; \
+                 omit the key to close at the {coordinate} itself"
                 )
             });
         }
@@ -56,7 +57,7 @@ fn braking(name: &str, travel: Travel, points: &[(f64, f64)], stop_s: f64) -> Op
     let (shown, unit) = (travel.shown(rate(last)), travel.shown_unit());
     Some(format!(
         "joint {name}: in its last interval, from {} s to {} s, the table brakes from about {} {unit}/s to rest; write \
-         table_ends = \"extrapolate\" to keep the rate, or add a row with the same {} if rest is meant",
+         table_ends = \"extrapolate\" to keep the rate, or add a row with the same {} if the joint should stop",
         last[0].0,
         last[1].0,
         rounded(shown),
@@ -96,10 +97,8 @@ mod tests {
         let spin = "table_s_deg = [[0, 0], [0.5, 150], [0.9, 300], [1, 330]]";
         assert_eq!(
             said(spin, 1.0),
-            [
-                "joint spin: in its last interval, from 0.9 s to 1 s, the table brakes from about 300 deg/s to rest; write \
-              table_ends = \"extrapolate\" to keep the rate, or add a row with the same angle if rest is meant"
-            ]
+            ["joint spin: in its last interval, from 0.9 s to 1 s, the table brakes from about 300 deg/s to rest; \
+                 write table_ends = \"extrapolate\" to keep the rate, or add a row with the same angle if the joint should stop"]
         );
         assert_eq!(said(spin, 0.95).len(), 1, "inside the last interval");
         for (table, stop_s) in [

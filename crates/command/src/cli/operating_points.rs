@@ -25,41 +25,42 @@ pub struct Arguments {
     /// Wind speeds in m/s, along the wind of the model: A,B,… or FROM:TO:COUNT
     #[arg(long, value_name = "VALUES", required = true)]
     wind_m_s: String,
-    /// Rotor speeds in rpm; with --tip-speed-ratio the maximum speed; default: that of the model
+    /// Rotor speeds in rpm; with --tip-speed-ratio the maximum speed; default: the speed in the model
     #[arg(long, value_name = "VALUES", allow_negative_numbers = true)]
     speed_rpm: Option<String>,
     /// Tip speed ratio, from which the rotor speed follows
     #[arg(long, value_name = "RATIO")]
     tip_speed_ratio: Option<f64>,
-    /// Pitch angles of all blades in degrees, positive as the pitch joints turn; default: that of the model
+    /// Pitch angles of all blades in degrees, positive about the axes of the pitch joints; default: the angle in the model
     #[arg(long, value_name = "VALUES", allow_negative_numbers = true)]
     pitch_deg: Option<String>,
-    /// Combine the lists value by value (a list of one value holds for all); default: all combinations
+    /// Combine the lists value by value (a list with one value applies to all); default: all combinations
     #[arg(long)]
     paired: bool,
     /// Quantity to solve for, with its range: `pitch_deg=0:90` or `speed_rpm=6:14`
     #[arg(long = "solve-for", value_name = "KEY=FROM:TO", requires = "hold", value_parser = NonEmptyStringValueParser::new())]
     find: Option<String>,
-    /// Target value of the mean of an output, e.g. `rotor.power=5.3e6`; if it is below the target at FROM, FROM is kept
+    /// Target value of the mean of an output, e.g. `rotor.power=5.3e6`; if the output is below the target at FROM, FROM is used
     #[arg(long = "target", value_name = "OUTPUT=VALUE", requires = "find", value_parser = NonEmptyStringValueParser::new())]
     hold: Option<String>,
-    /// Joint that is the shaft; default: the only one that turns without limit and carries a hub
+    /// Joint that is the shaft; default: the only joint that can rotate without limit and carries a hub
     #[arg(long, value_name = "JOINT", value_parser = NonEmptyStringValueParser::new())]
     shaft: Option<String>,
-    /// Joints that pitch the blades, separated by commas [default: those that bear the blades on the hub]
+    /// Joints that pitch the blades, separated by commas [default: the joints between hub and blades]
     #[arg(long, value_name = "JOINTS", value_parser = NonEmptyStringValueParser::new())]
     pitch_joints: Option<String>,
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// Outputs in the table: names or patterns, separated by commas [default: the rotor's, deflection and root loads of the first
-    /// blade and of other bodies, the torque that holds the shaft]
+    /// Outputs in the table: names or patterns, separated by commas [default: rotor outputs, deflection and root loads of the first blade
+    /// and of other bodies, holding torque of the shaft]
     #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
     /// Steps per revolution of a periodic steady state, rounded up to a multiple of 144
     #[arg(long, default_value_t = 720)]
     steps: usize,
-    /// Periodicity tolerance: distance of the ends of a revolution, rotation in rad or displacement over the length of the model
+    /// Periodicity tolerance: allowed difference between start and end of a revolution, as rotation in rad or displacement divided by the
+    /// length of the model
     #[arg(long = "tolerance", default_value_t = 1e-6)]
     accuracy: f64,
     /// CSV file with means and peak-to-peak values of all outputs
@@ -139,10 +140,10 @@ impl Arguments {
             PointsError::TipSpeedRatio { .. } => text.replacen("tip_speed_ratio", "--tip-speed-ratio", 1),
             PointsError::Tolerance { .. } => text.replacen("tolerance", "--tolerance", 1),
             PointsError::SeveralSpeeds => {
-                "--speed-rpm: with --tip-speed-ratio one value is allowed, which the speed does not exceed".to_owned()
+                "--speed-rpm: with --tip-speed-ratio only one value is allowed, the maximum speed".to_owned()
             }
             PointsError::NoRadius => {
-                "--tip-speed-ratio: needs the air of a rotor (aerodynamics.model = \"bem\"); give --speed-rpm"
+                "--tip-speed-ratio: needs rotor aerodynamics (aerodynamics.model = \"bem\"); give --speed-rpm"
                     .to_owned()
             }
             PointsError::Unpaired { list, count, longest } => format!(
@@ -160,10 +161,12 @@ impl Arguments {
                 if unknown.is_pitch() { "--pitch-deg" } else { "--speed-rpm" }
             ),
             PointsError::NoWind { machine } => format!(
-                "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or --set wind.velocity.x=1"
+                "{machine}: the model has no wind, so its direction is undefined; set aerodynamics.wind_m_s, or --set \
+                 wind.velocity.x=1"
             ),
             PointsError::NoPitchJoints { machine } => format!(
-                "{machine}: no revolute joints bear the blades on the hub, so nothing pitches them; name the joints with --pitch-joints"
+                "{machine}: no revolute joints connect the blades to the hub, so the pitch cannot be set; name the \
+                 pitch joints with --pitch-joints"
             ),
             PointsError::PitchJoint { joint } => format!(
                 "--pitch-joints {}: the model has no revolute joint {joint:?}",
@@ -182,9 +185,10 @@ impl Arguments {
         match error {
             PointError::NoTurn { .. } | PointError::Plant(_) => error.to_string(),
             PointError::AboveTarget { output, from, to, excess, .. } => format!(
-                "--target {target}: from {from} to {to} {output} is always above it, and by {excess:.6e} at the end; extend the range of --solve-for"
+                "--target {target}: {output} is above the target everywhere from {from} to {to}, by {excess:.6e} at \
+                 the end; extend the range of --solve-for"
             ),
-            PointError::NotHeld { .. } => format!("--target {target}: no value found that gives it"),
+            PointError::NotHeld { .. } => format!("--target {target}: no value was found that reaches the target"),
         }
     }
 }

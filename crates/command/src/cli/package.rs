@@ -23,20 +23,21 @@ pub struct Arguments {
     /// FMU to write [default: the model's name with .fmu, in this folder]
     #[arg(short, long, value_name = "X.fmu")]
     output: Option<PathBuf>,
-    /// Shared library to put into the FMU, once for each platform, as PATH or linux64=PATH; the platform is that of
-    /// the library's header [default: the library next to this executable]
+    /// Shared library to include in the FMU, as PATH or PLATFORM=PATH, such as linux64=PATH; may be repeated, once for each platform.
+    /// Without PLATFORM it is read from the header of the library [default: the library next to this executable]
     #[arg(long = "library", value_name = "[PLATFORM=]PATH")]
     libraries: Vec<OsString>,
-    /// Kinds of FMU, one or both: co-simulation, in which the FMU integrates, and Model Exchange, in which the importer does
+    /// Interface types, one or both: co-simulation, where the FMU integrates the equations, and Model Exchange, where the importer
+    /// integrates them
     #[arg(long = "interface", value_enum, value_delimiter = ',', default_values_t = [Kind::Cs])]
     kinds: Vec<Kind>,
-    /// Version of FMI; with 3, stations and vectors are arrays, the latch is an event, and reference results are omitted
+    /// Version of FMI; with 3, stations and vectors are arrays, latch closings are events, and reference results are omitted
     #[arg(long, value_name = "VERSION", default_value = "2", value_parser = ["2", "3"])]
     fmi: String,
-    /// With --fmi 3, scalars under the names of FMI 2.0 instead of arrays, for importers without arrays
+    /// With --fmi 3, use scalar variables with the names of FMI 2.0 instead of arrays, for importers that do not support arrays
     #[arg(long)]
     scalars: bool,
-    /// Add the linear model about a state: `start`, a time in s, or the equilibrium
+    /// Add the linear model about a state: `start`, a time in s, or `equilibrium`, which is used if no state is given
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
     /// Omit the reference results; the model is then not simulated
@@ -144,7 +145,7 @@ pub(super) fn check_name(output: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     let shown = output.display();
-    Err(Failure::Usage(format!("{shown}: an FMU ends in .fmu; write {shown}.fmu")))
+    Err(Failure::Usage(format!("{shown}: the name of an FMU must end in .fmu; write {shown}.fmu")))
 }
 
 /// Writes the cross-check files of one platform, and prints their folder unless `silent`.
@@ -188,7 +189,7 @@ fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
 pub(super) fn reference(machine: &Machine) -> Result<Reference, Failure> {
     Reference::simulate(machine).map_err(|error| {
         Failure::Simulation(format!(
-            "{error}; it was the default experiment, whose result goes into the FMU: fix the model or its [simulation], or \
+            "{error}; the default experiment, whose result is stored in the FMU, failed: fix the model or its [simulation], or \
              package with --no-reference"
         ))
     })
@@ -211,6 +212,6 @@ fn library_beside_executable() -> Result<PathBuf, Failure> {
     if library.is_file() {
         Ok(library)
     } else {
-        Err(Failure::Files(format!("{}: no library beside this executable; give --library", library.display())))
+        Err(Failure::Files(format!("{}: no library next to this executable; give --library", library.display())))
     }
 }

@@ -20,10 +20,10 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Speed of the shaft in rpm; default: that at which it is prescribed or starts
+    /// Speed of the shaft in rpm; default: its prescribed or initial speed
     #[arg(long, value_name = "RPM", allow_negative_numbers = true)]
     speed_rpm: Option<f64>,
-    /// Joint that is the shaft; default: the only one that turns without limit and carries a hub
+    /// Joint that is the shaft; default: the only joint that can rotate without limit and carries a hub
     #[arg(long, value_name = "JOINT", value_parser = NonEmptyStringValueParser::new())]
     shaft: Option<String>,
     /// Start value of an input or parameter, e.g. `wind.velocity.x=8`; may be repeated
@@ -32,16 +32,18 @@ pub struct Arguments {
     /// Steps per revolution, rounded up to a multiple of 144
     #[arg(long, default_value_t = 720)]
     steps: usize,
-    /// Periodicity tolerance: distance of the ends of the revolution, rotation in rad or displacement over the length of the model
+    /// Periodicity tolerance: allowed difference between start and end of the revolution, as rotation in rad or displacement divided by the
+    /// length of the model
     #[arg(long = "tolerance", default_value_t = 1e-8)]
     accuracy: f64,
-    /// Outputs in the tables: names or patterns, separated by commas [default: deflections, angles, the rotor's; in files all]
+    /// Outputs in the tables: names or patterns, separated by commas [default: deflections, angles and rotor outputs; files contain all
+    /// outputs]
     #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
     /// Number of harmonics of the rotor speed in the table
     #[arg(long, default_value_t = 3)]
     harmonics: usize,
-    /// Number of Floquet modes; 0 leaves them out
+    /// Number of Floquet modes; 0 omits them
     #[arg(long, default_value_t = 10)]
     count: usize,
     /// Maximum number of perturbations integrated for the Floquet modes, two revolutions each
@@ -84,7 +86,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let named = !arguments.outputs.is_empty();
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
     if arguments.view.is_some() && arguments.count == 0 {
-        return Err(Failure::Usage("--view shows the Floquet modes: --count 0 leaves them out".to_owned()));
+        return Err(Failure::Usage(
+            "--view shows the Floquet modes, which --count 0 omits; use a larger --count".to_owned(),
+        ));
     }
     let view = outlets.place_if(arguments.view.as_deref(), Mark::PAGE)?;
     let found = find_watched(&machine, &options, &mut Progress::phase("periodic state").watch()).map_err(failure)?;
@@ -110,8 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     let mut text = format!(
-        "{name}: periodic at {:.6} rpm, a turn of {:.6} s in {} steps\n{} states; periodic to {:.1e} after {} Newton \
-         steps and {} turns\n\n",
+        "{name}: periodic at {:.6} rpm, a revolution of {:.6} s in {} steps\n{} states; periodic to {:.1e} after {} Newton steps and {} revolutions\n\n",
         turn.speed_rad_s * 30.0 / PI,
         turn.period_s(),
         turn.steps,
@@ -133,7 +136,7 @@ pub(super) fn failure(error: PeriodicError) -> Failure {
     match error {
         PeriodicError::Harmonics { .. } | PeriodicError::Tolerance { .. } => Failure::Usage(format!("--{text}")),
         PeriodicError::NoPerturbations => {
-            Failure::Usage("--perturbations 0: modes need at least 1; --count 0 leaves them out".to_owned())
+            Failure::Usage("--perturbations 0: modes need at least 1; --count 0 omits the modes".to_owned())
         }
         PeriodicError::Name(error) | PeriodicError::Setting(SettingError::Name(error)) => {
             Failure::Usage(name_message::<Variable>(&error))
@@ -166,7 +169,7 @@ fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     if !left_out.is_empty() {
         let _ = writeln!(
             text,
-            "not periodic within --tolerance, harmonics omitted (change over the turn): {}",
+            "not periodic within --tolerance, harmonics omitted (change over the revolution): {}",
             left_out.join(", ")
         );
     }

@@ -31,12 +31,12 @@ pub(super) fn csv_text(series: &[Series], sense: f64) -> Vec<u8> {
 /// Appends the Floquet modes, one line each.
 pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     let averaged = match floquet.averaged {
-        Some(_) => "; averaged: equations in the ground frame, averaged over the turn",
+        Some(_) => "; averaged: equations in the ground frame, averaged over the revolution",
         None => "",
     };
     let _ = writeln!(
         text,
-        "\nmodes about this motion, {} turns{averaged}\n{:>4} {:>12} {:>12} {:>10} {:>7} {:>12} {:>10}  motion",
+        "\nmodes about this motion, {} revolutions{averaged}\n{:>4} {:>12} {:>12} {:>10} {:>7} {:>12} {:>10}  motion",
         floquet.turns, "mode", "multiplier", "frequency Hz", "damping", "share", "averaged Hz", "damping"
     );
     for (i, mode) in floquet.modes.iter().take(count).enumerate() {
@@ -67,7 +67,7 @@ pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     if let Some(averaged) = &floquet.averaged {
         let _ = writeln!(
             text,
-            "relative change of the stiffness in the ground frame over the turn: up to {:.1e}",
+            "relative change of the stiffness in the ground frame over the revolution: up to {:.1e}",
             averaged.spread
         );
     }
@@ -87,13 +87,13 @@ fn notes(floquet: &Floquet, text: &mut String) {
     if floquet.coarse > 0 {
         let _ = writeln!(
             text,
-            "modes not shown, as the turn has fewer than 24 steps (--steps) or 2 of its {SAMPLES} samples in a period of theirs: {}",
+            "modes not shown, because the revolution has fewer than 24 steps (--steps) or 2 of its {SAMPLES} samples \
+             in one of their periods: {}",
             floquet.coarse
         );
     }
     if let Some(cause) = &floquet.unseen {
-        let _ =
-            writeln!(text, "frequencies are those in the coordinates of the machine, not in the ground frame: {cause}");
+        let _ = writeln!(text, "frequencies are in the coordinates of the machine, not in the ground frame: {cause}");
     }
 }
 

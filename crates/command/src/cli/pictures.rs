@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args)]
 pub struct PictureArguments {
-    /// Folder for figures: fold angles and torques, tips, moment on the root, strains, force of the air, energies, tip paths,
+    /// Folder for figures: fold angles and torques, tip positions, moment on the root, strains, aerodynamic force, energies, tip paths,
     /// shapes, and the variables named by `--variables`
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
@@ -32,11 +32,10 @@ pub struct PictureArguments {
     /// another page of `--view` (.html)
     #[arg(long = "compare", value_name = "FILE")]
     pub beside: Vec<PathBuf>,
-    /// Folder for VTK files over time, for ParaView: open `run.pvd`, which has wing, joints, gauges, loads, surfaces and wake
+    /// Folder for VTK files over time, for ParaView: open `run.pvd`, which contains wing, joints, gauges, loads, surfaces and wake
     #[arg(long, value_name = "DIR")]
     pub vtk: Option<PathBuf>,
-    /// Maximum number of frames of `--view` and `--vtk` after the first; a page that would exceed 10 MB has
-    /// fewer, as it states
+    /// Maximum number of frames of `--view` and `--vtk` after the first; a page that would exceed 10 MB has fewer frames
     #[arg(long, value_name = "N", default_value_t = FRAMES, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub frames: u64,
 }
@@ -58,11 +57,11 @@ pub struct SheetArguments {
 /// Format of a figure.
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Format {
-    /// Vectors for the web and for papers
+    /// Vector graphics for web pages and papers
     Svg,
     /// Pixels
     Png,
-    /// Vectors for papers, letters as outlines
+    /// Vector graphics for papers, with text as outlines
     Pdf,
 }
 
@@ -126,7 +125,7 @@ impl<'a> Pictures<'a> {
             }
             if wanted.view.is_none() && beside::runs(&wanted.beside)? > 1 {
                 return Err(Failure::Usage(format!(
-                    "--compare {shown}: figures take tables (.csv); add --view for other runs"
+                    "--compare {shown}: only tables (.csv) can be shown in figures; add --view for models and pages"
                 )));
             }
         }

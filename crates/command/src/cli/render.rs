@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Seconds of the run per second of the film, such as 0.05 for slow motion [default: the film takes about 8 s]
     #[arg(long, value_name = "X", value_parser = speed)]
     speed: Option<f64>,
-    /// Camera: `follow` goes along with the machine, `fixed` frames the whole motion; `iso`, `front`, `side`, `top` select the view;
+    /// Camera: `follow` moves with the machine, `fixed` frames the whole motion; `iso`, `front`, `side`, `top` select the view;
     /// one of each, separated by a comma [default: iso; follow if the machine flies, else fixed]
     #[arg(long, value_name = "CAMERA", value_delimiter = ',')]
     camera: Vec<Camera>,
@@ -71,7 +71,7 @@ pub struct Arguments {
 /// Motion of the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Camera {
-    /// Goes along with the machine
+    /// Moves with the machine
     Follow,
     /// Fixed; shows the whole motion
     Fixed,
@@ -172,8 +172,8 @@ impl Settings {
     }
 }
 
-/// Writes a film of the run in a page of `simulate --view`, as the command does, and returns the output of `--json`. `drawn` is called with the
-/// numbers of finished and of all pictures.
+/// Writes a film of the run in a page of `simulate --view`, as the command does, and returns the output of `--json`. `drawn` is called with
+/// the numbers of finished and of all pictures.
 ///
 /// # Errors
 /// Those of the command, and those of `drawn`.

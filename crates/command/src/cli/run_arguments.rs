@@ -17,23 +17,23 @@ pub struct Arguments {
     /// List the variables with type, unit and start value without running
     #[arg(long = "list-variables")]
     pub variables: bool,
-    /// Inputs over time: CSV with a column `time` and columns named after inputs; taken at the start of each step,
-    /// reals interpolated linearly between rows, others held
+    /// Inputs over time: CSV with a column `time` and columns named after inputs; values are taken at the start of each step, with real
+    /// inputs interpolated linearly between rows and others held
     #[arg(long, alias = "input", value_name = "IN.csv")]
     pub inputs: Option<PathBuf>,
-    /// Start value: a number, optionally with one of the variable's units after a space ("x=90 deg"), a word of an
-    /// enumeration or a text; may be repeated
+    /// Start value: a number, optionally with one of the variable's units after a space ("x=90 deg"), an item of an enumeration or a
+    /// string; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     pub settings: Vec<String>,
     #[command(flatten)]
     pub grid: GridArguments,
-    /// Relative tolerance of the FMU's solver [default: the FMU's own]
+    /// Relative tolerance of the FMU's solver [default: from the FMU]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
     /// Variables to write: names or patterns (`fold.*`), separated by commas; may be repeated [default: all outputs]
     #[arg(long = "variables", value_name = "NAME")]
     pub outputs: Vec<String>,
-    /// Folder for figures of the variables over time, one per unit, with marks where Boolean ones change
+    /// Folder for figures of the variables over time, one per unit, with marks where Boolean variables change
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     #[command(flatten)]

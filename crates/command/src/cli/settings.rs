@@ -42,7 +42,7 @@ pub(super) fn apply_setting(
     let (name, text) = setting.split_once('=').ok_or_else(|| refused("must be NAME=VALUE".to_owned()))?;
     if name.starts_with("file:") {
         return Err(refused(
-            "keys of the model file are varied by `foldwing sweep`; change the file itself here".to_owned(),
+            "keys of the model file can be varied by `foldwing sweep --vary`, not by --set; edit the file".to_owned(),
         ));
     }
     if let Some(rows) = components(name, interface) {

@@ -98,7 +98,7 @@ pub(super) fn of_flutter(mut plant: Plant, seen: &Seen) -> Result<Shapes, PlantE
         add(crossing.at, format!("{what} mode {}", crossing.branch + 1), modes)?;
     }
     states.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let title = "modes in air over the wind speed, about the equilibrium at each".to_owned();
+    let title = "aeroelastic modes over the wind speed, about the equilibrium at each speed".to_owned();
     Ok(Shapes { scene, title, quantity: Some(["wind speed", "m/s"]), states })
 }
 

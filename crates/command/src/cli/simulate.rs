@@ -32,8 +32,8 @@ pub struct Arguments {
     /// CSV file to write; `-` is standard output
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Inputs over time: CSV with a column `time` and columns named after inputs, `-` for standard input; taken at the
-    /// start of each step, reals interpolated linearly between rows, Booleans held
+    /// Inputs over time: CSV with a column `time` and columns named after inputs, `-` for standard input; values are taken at the start of
+    /// each step, with real inputs interpolated linearly between rows and Booleans held
     #[arg(long, value_name = "IN.csv")]
     inputs: Option<PathBuf>,
     /// Start value of an input or parameter; may be repeated
@@ -47,14 +47,14 @@ pub struct Arguments {
     /// JSON file for the vortex lattice and its wake at the times of `--lattice-at`
     #[arg(long, value_name = "OUT.json", requires = "lattice_at")]
     lattice: Option<PathBuf>,
-    /// Time in s at which to write the lattice; may be repeated. Taken at the next communication point, at the end of
-    /// the aerodynamic step there
+    /// Time in s at which to write the lattice; may be repeated. The lattice is written at the next communication point, as it is at the
+    /// end of the current aerodynamic step
     #[arg(long, value_name = "S", requires = "lattice", allow_negative_numbers = true)]
     lattice_at: Vec<f64>,
     /// Variables to write: names or patterns (`fold.*`), separated by commas; may be repeated [default: all outputs]
     #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
-    /// JSON file for the cost of the run: processor time, wall time of start, steps and rows, counts of steps,
+    /// JSON file for the cost of the run: processor time, wall times of initialisation, steps and output, counts of steps,
     /// rejections, iterations and factorisations
     #[arg(long = "profile", value_name = "OUT.json")]
     timing: Option<PathBuf>,
@@ -247,7 +247,7 @@ fn written(place: Place, write: impl FnOnce(&mut Outlet) -> io::Result<()>) -> R
 pub(super) fn one_standard_input<'a>(read: impl IntoIterator<Item = Option<&'a Path>>) -> Result<(), Failure> {
     let count = read.into_iter().flatten().filter(|path| *path == Path::new("-")).count();
     if count > 1 {
-        return Err(Failure::Usage("-: standard input can be one file only; name the other one".to_owned()));
+        return Err(Failure::Usage("-: standard input can be read only once; name the other file".to_owned()));
     }
     Ok(())
 }
@@ -322,7 +322,7 @@ impl<W: Write> Run<'_, W> {
         feed(self.inputs.as_ref(), self.interface, &mut self.plant, grid.start_s)?;
         self.plant.initialize(grid.start_s).map_err(failed)?;
         if self.lattices.is_some() && self.plant.lattice().is_none() {
-            return Err(Failure::Usage("--lattice: the model's air is not a vortex lattice".to_owned()));
+            return Err(Failure::Usage("--lattice: the model has no vortex lattice".to_owned()));
         }
         self.record(grid.start_s).map_err(writing)?;
         if let Some(timing) = &mut self.timing {

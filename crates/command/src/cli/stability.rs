@@ -8,22 +8,22 @@ use std::fmt::Write;
 pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) -> String {
     let mut text = match departure {
         Some(Departure::Unstable(count)) => format!(
-            "The equilibrium on the load path is unstable in {}: this is a stable one downhill from it (--branch path \
-             keeps the other).\n",
+            "The equilibrium on the load path is unstable in {}: this is a stable one, found by descent from it \
+             (--branch path prints the unstable one).\n",
             directions(count)
         ),
         Some(Departure::PathEnds(factor)) => format!(
-            "The load path ends at {factor:.4} of the load: under the full load the machine falls or snaps to this \
-             equilibrium (--path arc-length follows a path that turns back).\n"
+            "The load path ends at {factor:.4} of the load: under the full load the machine snaps through to this \
+             equilibrium (--path arc-length follows a path through limit points).\n"
         ),
         Some(Departure::PathInAirEnds(factor)) => format!(
-            "The path of equilibria from still air ends at {factor:.4} of the dynamic pressure: this one is not connected with it, and \
-             the machine may not reach it.\n"
+            "The equilibrium path from still air ends at {factor:.4} of the dynamic pressure: this equilibrium is not \
+             connected to the path, and the machine may not reach it.\n"
         ),
         None => String::new(),
     };
     if let Some(cause) = &stability.not_judged {
-        let _ = writeln!(text, "stability: not judged: {cause}");
+        let _ = writeln!(text, "stability: not determined: {cause}");
         return text;
     }
     let basis = match (stability.neutral, stability.potential) {
@@ -41,7 +41,7 @@ pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) 
         let _ = writeln!(text, "  {}", growth_in_words(plant, growth));
     }
     if stability.growing.is_empty() {
-        text.push_str("  no slow mode grows: stabilised by gyroscopic forces, which damping destroys\n");
+        text.push_str("  no slow mode grows: stabilised by gyroscopic forces only, which damping would overcome\n");
     }
     text
 }

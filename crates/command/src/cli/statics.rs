@@ -27,7 +27,7 @@ pub struct Arguments {
     /// Application of the loads
     #[arg(long, value_enum, default_value = "load")]
     path: PathOption,
-    /// Which equilibrium to print if the one on the load path is unstable
+    /// Equilibrium to print if the one on the load path is unstable
     #[arg(long, value_enum, default_value = "stable")]
     branch: BranchOption,
     /// Print JSON for programs
@@ -49,9 +49,9 @@ enum PathOption {
 /// Selected equilibrium.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
 pub enum BranchOption {
-    /// A stable one, found by a descent from it and checked with the aerodynamics
+    /// A stable equilibrium, found by descent from the unstable one, with the aerodynamics included in the check of stability
     Stable,
-    /// That one, stable or not; with a vortex lattice without a check
+    /// The equilibrium on the load path, stable or not; with a vortex lattice its stability is not evaluated
     Path,
 }
 
@@ -107,7 +107,7 @@ pub(super) fn judged(plant: &mut Plant, rest: &Rest) -> Result<Stability, PlantE
         return Ok(stability.clone());
     }
     if plant.has_linear_lattice() {
-        let cause = "in a lattice the branch \"path\" does not evaluate stability; the branch \"stable\" does";
+        let cause = "with a vortex lattice the branch \"path\" does not evaluate stability; use the branch \"stable\"";
         return Ok(Stability { not_judged: Some(cause.to_owned()), ..Stability::default() });
     }
     plant.study().stability()

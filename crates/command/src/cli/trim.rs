@@ -21,9 +21,9 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Input or parameter to solve for, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which turn the model relative to gravity and
-    /// wind, or `turn.rate` of a steady turn to the right; as many as there are targets. Names joined by commas share a value, `-NAME`
-    /// takes its negative
+    /// Input or parameter to solve for, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which rotate the model relative to gravity
+    /// and wind, or `turn.rate` of a steady turn to the right; as many as there are targets. Names joined by commas share a value; `-NAME`
+    /// takes the negative of it
     #[arg(long = "solve-for", value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
     free: Vec<String>,
     /// Output and its target value at equilibrium, in SI units; may be repeated. The forces and moments on free joints are always
@@ -31,7 +31,7 @@ pub struct Arguments {
     #[arg(long = "target", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     balance: Vec<String>,
     /// Start value of an input or parameter, or of `attitude.roll`, `attitude.pitch`, `attitude.yaw` in rad and
-    /// `turn.rate` in rad/s; of those to solve for the initial guess; may be repeated
+    /// `turn.rate` in rad/s; for an unknown, the initial guess; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
     /// Print JSON for programs

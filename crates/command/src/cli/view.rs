@@ -27,12 +27,12 @@ pub struct Arguments {
     /// Data to overlay, as in `simulate`; may be repeated
     #[arg(long = "compare", value_name = "FILE")]
     beside: Vec<PathBuf>,
-    /// Only write the page
+    /// Write the page without opening it
     #[arg(long)]
     no_open: bool,
     #[command(flatten)]
     force: Force,
-    /// Print the summary as JSON for programs, as `simulate` does; of a page only its name
+    /// Print the summary as JSON for programs, as `simulate` does; for an existing page only its name
     #[arg(long)]
     json: bool,
     /// Print no summary

@@ -129,7 +129,7 @@ impl Clients {
         let is_near = stream.peer_addr().is_ok_and(|peer| peer.ip().is_loopback());
         let refused = |status, reason: &str| answer(status, "text/plain", &format!("{reason}\n"), &self.address);
         if !is_near {
-            return stream.write_all(&refused(403, "this server answers programs of its own computer only"));
+            return stream.write_all(&refused(403, "this server accepts connections only from its own computer"));
         }
         if !has_room {
             return stream.write_all(&refused(503, "too many connections; close some of the pages"));
@@ -188,7 +188,7 @@ impl Clients {
         };
         let order = match &message {
             Message::Text(text) => Order::read(text),
-            Message::Binary(_) => Err("a message is not an order: orders are texts".to_owned()),
+            Message::Binary(_) => Err("a message is not a command: commands are sent as text".to_owned()),
             Message::Ping(_) | Message::Pong(_) | Message::Frame(_) => return true,
             // the next read answers it and ends the connection
             Message::Close(_) => return true,

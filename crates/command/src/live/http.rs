@@ -63,7 +63,7 @@ impl ServerAddress {
         let mut request = httparse::Request::new(&mut headers);
         let whole = request.parse(head).is_ok_and(|status| status.is_complete());
         let (Some(method), Some(path), true) = (request.method, request.path, whole) else {
-            return Access::Refused(400, "this is not a request of HTTP/1.1".to_owned());
+            return Access::Refused(400, "this is not an HTTP/1.1 request".to_owned());
         };
         let values = |name: &str| {
             let same = request.headers.iter().filter(|header| header.name.eq_ignore_ascii_case(name));
@@ -72,7 +72,13 @@ impl ServerAddress {
         // protects against DNS rebinding
         let (hosts, own) = (values("host"), self.host());
         if hosts != [own.as_str()] {
-            return Access::Refused(403, format!("this server is called {own} only; open the address that it printed"));
+            return Access::Refused(
+                403,
+                format!(
+                    "this server answers only to the host name {own}; open the address \
+                                                 that it printed"
+                ),
+            );
         }
         let (origins, own) = (values("origin"), self.origin());
         if let Some(other) = origins.iter().find(|origin| **origin != own) {
@@ -87,13 +93,14 @@ impl ServerAddress {
             );
         }
         if method != "GET" {
-            return Access::Refused(405, format!("{method} is not a method of this server; GET is"));
+            return Access::Refused(405, format!("{method} is not supported; use GET"));
         }
         match rest {
             "" => Access::Page,
-            "socket" if origins.is_empty() => {
-                Access::Refused(403, format!("the socket is for the page of {own}, and this request names no origin"))
-            }
+            "socket" if origins.is_empty() => Access::Refused(
+                403,
+                format!("the WebSocket is only for the page of {own}, and this request has no origin"),
+            ),
             "socket" => {
                 let names = |name: &str, wanted: &str| {
                     values(name)
@@ -104,10 +111,12 @@ impl ServerAddress {
                 let upgrades = names("upgrade", "websocket") && names("connection", "upgrade");
                 match values("sec-websocket-key").as_slice() {
                     [key] if upgrades && names("sec-websocket-version", "13") => Access::Socket(accepted(key)),
-                    _ => Access::Refused(426, "this address is a web socket of version 13".to_owned()),
+                    _ => {
+                        Access::Refused(426, "this address accepts only WebSocket connections of version 13".to_owned())
+                    }
                 }
             }
-            _ => Access::Refused(404, "there are only the page and its socket".to_owned()),
+            _ => Access::Refused(404, "this server has only the page and its WebSocket".to_owned()),
         }
     }
 }
@@ -137,7 +146,7 @@ pub(super) fn read_head(mut stream: impl Read) -> io::Result<(Vec<u8>, Vec<u8>)>
             return Ok((bytes, rest));
         }
         if bytes.len() > LARGEST_HEAD {
-            return Err(io::Error::new(io::ErrorKind::InvalidData, "the head of the request is too long"));
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "the header of the request is too long"));
         }
     }
 }

@@ -77,7 +77,7 @@ impl Order {
     /// # Errors
     /// Text that is no order, and numbers out of bounds, with the allowed values.
     pub fn read(text: &str) -> Result<Self, String> {
-        let order: Self = serde_json::from_str(text).map_err(|error| format!("a message is not an order: {error}"))?;
+        let order: Self = serde_json::from_str(text).map_err(|error| format!("a message is not a command: {error}"))?;
         let within = |what: &str, value: f64, [least, most]: [f64; 2], unit: &str| match (least..=most).contains(&value)
         {
             true => Ok(()),

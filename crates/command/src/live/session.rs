@@ -361,11 +361,13 @@ impl Session {
                 ("integer", Given::Number(value)) if value.fract() == 0.0 && value.abs() < f64::from(i32::MAX) => {
                     session.interface.set_all(plant, row, &[value as i32], Stage::Running)
                 }
-                (_, Given::Switch(_)) => return Err(format!("{name} cannot be true or false: it is a number")),
+                (_, Given::Switch(_)) => return Err(format!("{name} cannot be true or false: it must be a number")),
                 ("switch", Given::Number(value)) => {
                     return Err(format!("{name} cannot be {value}: it must be true or false"));
                 }
-                (_, Given::Number(value)) => return Err(format!("{name} cannot be {value}: it is a whole number")),
+                (_, Given::Number(value)) => {
+                    return Err(format!("{name} cannot be {value}: it must be a whole number"));
+                }
             };
             outcome.map_err(|error| error.to_string())
         })

@@ -227,7 +227,7 @@ fn wrong_orders_are_refused_with_what_is_allowed() {
         (set("body.outer.mass_factor", 2.0), "cannot be set during a run"),
         (set("fold.motor_damping", -1.0), "variable fold.motor_damping cannot be -1: it must be ≥ 0 N.m.s/rad"),
         (set("fold.release", 1.0), "fold.release cannot be 1: it must be true or false"),
-        (switch("fold.angle_command"), "fold.angle_command cannot be true or false: it is a number"),
+        (switch("fold.angle_command"), "fold.angle_command cannot be true or false: it must be a number"),
         (Order::Watch { names: vec!["fold.angel".to_owned()] }, "did you mean `fold.angle`?"),
         (Order::Watch { names: vec!["fold.release".to_owned()] }, "output"),
         (

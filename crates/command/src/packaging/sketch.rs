@@ -32,7 +32,7 @@ const JOINTS: [(char, &str); 6] = [
     ('O', "fold joint"),
     ('@', "fold joint with latch"),
     ('X', "clamp"),
-    ('*', "joint of several freedoms"),
+    ('*', "joint with several degrees of freedom"),
     ('S', "sliding joint"),
     ('$', "sliding joint with latch"),
 ];

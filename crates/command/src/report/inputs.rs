@@ -266,7 +266,7 @@ fn check_order(times_s: &[f64], next_s: f64) -> Result<(), String> {
             "is before the previous row ({last_s} s); times must ascend, and two rows at one time make a jump"
         )),
         [.., first_s, last_s] if next_s == last_s && first_s == last_s => {
-            Err("is the time of three rows; a jump has two, the values before it and those after it".to_owned())
+            Err("is the time of three rows; a jump has two rows, with the values before and after it".to_owned())
         }
         [..] => Ok(()),
     }

@@ -102,7 +102,7 @@ fn mistakes_are_named_with_their_place() {
         ),
         (
             format!("{head}1,1,1\n1,2,1\n1,3,1\n"),
-            "in.csv:4: column 1 (time): `1` is the time of three rows; a jump has two, the values before it and those after it",
+            "in.csv:4: column 1 (time): `1` is the time of three rows; a jump has two rows, with the values before and after it",
         ),
         (format!("{head}1,1\n"), "in.csv: line 2: 2 columns where the header has 3"),
         (head.to_owned(), "in.csv: no rows below the header; at least one is needed"),

@@ -111,7 +111,7 @@ impl ContinuousTurbulence {
         let resolution_m = positive("resolution_m", self.resolution_m.unwrap_or(scale_m / 256.0))?;
         let asked = (length_m / resolution_m).ceil();
         if !(asked >= 1.0 && asked <= *POINTS.end() as f64) {
-            let allowed = "a length > 0 m, of which length_m has at most 1048576";
+            let allowed = "a length > 0 m that is at least length_m / 1048576";
             return Err(NoSeries { field: "resolution_m", value: resolution_m, allowed });
         }
         let count = (asked as usize).max(*POINTS.start()).next_power_of_two();

@@ -46,17 +46,18 @@ pub enum NoLinearLattice {
     #[error("wake_rows = 0 leaves no wake to linearise; set wake_rows to 1 or more")]
     NoWake,
     /// The root frame rotates.
-    #[error("the root turns at {0} rad/s, so the wake is not straight; set the root's angular velocity to 0")]
+    #[error("the root rotates at {0} rad/s, so the wake is not straight; set the root's angular velocity to 0")]
     Turning(f64),
     /// Strips are beyond stall.
     #[error(
-        "strips with polars are beyond stall, where the lift follows them with a lag that no linear model has; lower the incidence, or \
-         simulate"
+        "strips are beyond stall, where the lift follows the polar with a lag that the linear model does not include; \
+         reduce the incidence, or simulate"
     )]
     Stalled,
     /// The wind does not carry the wake away fast enough.
     #[error(
-        "the wind travels {panels:.4} panel chords in an aerodynamic step; a row of the wake needs at least {SHED_PANELS}; increase \
+        "the wind travels {panels:.4} panel chords in an aerodynamic step; each row of the wake needs at least \
+         {SHED_PANELS}; increase \
          step_s or the wind"
     )]
     Slow {

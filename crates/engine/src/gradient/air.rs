@@ -38,7 +38,7 @@ impl Gradient<'_> {
         let slopes = self.system.air_step_slopes(air, &last.end).map_err(|error| match error {
             NoSlopes::Still(body) => {
                 let place = self.system.machine.bodies[body].name.clone();
-                GradientError::NotCovered { part: "strips in air that does not move relative to them", place }
+                GradientError::NotCovered { part: "strips without relative flow", place }
             }
             NoSlopes::Step(error) => error.into(),
         })?;

@@ -39,7 +39,7 @@ use step::Variation;
 #[derive(Debug, thiserror::Error)]
 pub enum GradientError {
     /// A part of the machine has no exact derivative yet.
-    #[error("gradients do not cover {part} ({place}); remove it, or use differences of runs")]
+    #[error("gradients do not cover {part} ({place}); remove it, or use finite differences")]
     NotCovered {
         /// Kind of part, in words.
         part: &'static str,
@@ -48,8 +48,9 @@ pub enum GradientError {
     },
     /// A crossing that the motion only touches: its instant has no derivative.
     #[error(
-        "joint {joint} reaches its latch or stop at {time_s} s at {closing_1_s:.1e} rad/s (or m/s), less than a millionth of its largest \
-         rate: the instant has no derivative; change the motion so that the joint arrives with speed or stays away"
+        "joint {joint} reaches its latch or end stop at {time_s} s with a rate of only {closing_1_s:.1e} rad/s (or \
+         m/s), less than a millionth of its largest rate: the time of contact has no derivative; change the model so \
+         that the joint arrives faster or does not arrive"
     )]
     Grazing {
         /// Joint.
@@ -61,8 +62,8 @@ pub enum GradientError {
     },
     /// Two crossings at one instant.
     #[error(
-        "joints {first} and {second} cross at the same instant, {time_s} s: a parameter would change their order, and the run has two \
-         one-sided derivatives; separate them by a small asymmetry"
+        "joints {first} and {second} have events at the same time, {time_s} s: a parameter changes the order of the \
+         events, so the two one-sided derivatives differ; separate the events by a small asymmetry"
     )]
     Simultaneous {
         /// One joint.
@@ -88,7 +89,8 @@ pub enum GradientError {
     },
     /// A neighbouring machine has other coordinates or starts in another state.
     #[error(
-        "parameter {parameter} changes {what}; its derivative is not defined: choose another value of it, or another parameter"
+        "a small change of parameter {parameter} changes {what}, so the derivative is not defined; choose another \
+         value, or another parameter"
     )]
     Structure {
         /// Name of the parameter.
@@ -97,14 +99,15 @@ pub enum GradientError {
         what: &'static str,
     },
     /// A result that this run does not have.
-    #[error("the run has no {what}; run longer, or choose another result")]
+    #[error("the run has no {what}; use a later stop time, or choose another result")]
     Absent {
         /// Result, in words.
         what: String,
     },
     /// A linear system without a solution to round-off.
     #[error(
-        "the linear equations of the step to {time_s} s contract too slowly ({left:.1e} left); use a smaller tolerance or step"
+        "the iteration for the linear equations of the step to {time_s} s converges too slowly (relative residual \
+         {left:.1e}); use a smaller solver.tolerance or solver.max_step"
     )]
     NotSolved {
         /// End of the step in s.
@@ -172,8 +175,8 @@ struct Entry {
 impl<'a> Gradient<'a> {
     /// Prepares the derivatives of a run of `plant` by `parameters`.
     ///
-    /// The plant's state is changed; initialise it again before its next run. Errors for parameters that change the mesh or the discrete state
-    /// of the start.
+    /// The plant's state is changed; initialise it again before its next run. Errors for parameters that change the mesh or the discrete
+    /// state of the start.
     pub fn new(plant: &'a mut Plant, tape: &'a Tape, parameters: Vec<Parameter>) -> Result<Self, GradientError> {
         let tableau = plant
             .tableau()

@@ -78,7 +78,7 @@ impl<'a> Gradient<'a> {
         }
         if self.sections.is_some() && self.tape.marks[time].branch.is_none() {
             let place = "ask for a later time".into();
-            return Err(GradientError::NotCovered { part: "results at the start of a run in air", place });
+            return Err(GradientError::NotCovered { part: "results at the start of a run with aerodynamics", place });
         }
         if layout.changes_at_events(index) {
             return Err(GradientError::NotCovered {

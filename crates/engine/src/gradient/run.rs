@@ -53,7 +53,10 @@ impl Plant {
         let mut next = self.begin_piece(inputs, piece)?;
         let mut tape = Tape::with_inputs(inputs.clone());
         if self.system.state.air.is_some() && !inputs.columns().is_empty() {
-            return Err(GradientError::NotCovered { part: "inputs over time in air", place: "aerodynamics".into() });
+            return Err(GradientError::NotCovered {
+                part: "inputs over time of a model with aerodynamics",
+                place: "aerodynamics".into(),
+            });
         }
         let last_s = from_s;
         if last_s == start_s {
@@ -170,7 +173,7 @@ impl Plant {
             !slew.follows_at_once() && (slew.from_rad != slew.target_rad || slew.target_rate_rad_s != 0.0)
         };
         if let Some(joint) = system.state.joints.iter().position(lags) {
-            return Err(GradientError::NotCovered { part: "commands behind a rate limit", place: name(joint) });
+            return Err(GradientError::NotCovered { part: "commands subject to a rate limit", place: name(joint) });
         }
         Ok(true)
     }

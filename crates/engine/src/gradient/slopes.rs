@@ -147,7 +147,7 @@ impl System {
             let slews =
                 |joint: &JointForces| joint.motor().is_some_and(|motor| motor.next_kink_s(self.time_s()).is_finite());
             if slews(joint) {
-                return law("commands behind a rate limit");
+                return law("commands subject to a rate limit");
             }
         }
         Ok(())

@@ -47,13 +47,12 @@ const MINIMUM_FORESIGHT: f64 = 1e-5;
 /// fast modes excited by an impact until they are damped, may grow by a factor of 3 per step and soon need no bound.
 const GROWTH_AFTER_JUMP: f64 = 0.2;
 /// Error text for a diverging staggered coupling.
-const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 aerodynamic steps in a row the loads missed their \
-     prediction by more than the largest of the run: one correction per step is unstable for this ratio of air to structural mass, \
-     write coupling = \"iterated\"";
+const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 consecutive aerodynamic steps the prediction \
+                                  error of the loads exceeded the largest load of the run: one correction per step is \
+                                  unstable for this ratio of apparent to structural mass; write coupling = \"iterated\"";
 
 /// Error text for loads of a rotor that do not converge.
-const JUMPS: &str =
-    "; an annulus of the rotor may jump between windmill and propeller brake, write coupling = \"staggered\"";
+const JUMPS: &str = "; an annulus of the rotor may alternate between the windmill and the propeller brake state: write coupling = \"staggered\"";
 
 /// Time in s by which the caller's clock may deviate from the end of an aerodynamic step.
 fn round_off_s(time_s: f64, step_s: f64) -> f64 {
@@ -134,7 +133,7 @@ impl Plant {
         if let Some(change_n) = change_n {
             let change = change_n / state.air.as_ref().map_or(1.0, |history| history.scale_n);
             let mut cause =
-                format!("the loads still change by {change:.1e} of the largest after {most_trials} iterations");
+                format!("the loads still change by {change:.1e} of the largest load after {most_trials} iterations");
             if air.model.sees_instants() {
                 cause += JUMPS;
             }
@@ -142,8 +141,10 @@ impl Plant {
                 gaps::blown_from_behind(&air.settings, &air.motions, &flow(&air.settings, state, end_s))
             {
                 let body = &machine.bodies[air.settings.surfaces[surface].body].name;
-                cause +=
-                    &format!("; the air reaches the trailing edge of {body} first, but the wake must be behind it");
+                cause += &format!(
+                    "; the relative flow reaches {body} at its trailing edge, where the wake must leave: turn \
+                              the wind or the wing"
+                );
             }
             return Err(refusal(begin_s, cause));
         }
@@ -237,7 +238,7 @@ impl Plant {
             .map_err(|error| gaps::failure(machine, settings, begin_s, error))?;
         let (change_n, size_n) = air.compare();
         if !change_n.is_finite() {
-            return Err(refusal(begin_s, "its loads are not finite"));
+            return Err(refusal(begin_s, "the loads are not finite"));
         }
         history.scale_n = history.scale_n.max(size_n);
         if air.settings.coupling == Coupling::Staggered {

@@ -86,16 +86,16 @@ pub enum Cause {
     #[error("the residual is not finite in iteration {0}")]
     NotFinite(usize),
     /// The descent did not reach a stable state.
-    #[error("no stable state within {0} steps downhill")]
+    #[error("no stable equilibrium was found within {0} descent steps")]
     NoStableState(usize),
     /// The path of equilibria was followed without reaching the load.
-    #[error("the path of equilibria does not reach the load within {0} points")]
+    #[error("the equilibrium path does not reach the full load within {0} points")]
     PathTooLong(usize),
 }
 
 /// No equilibrium was found.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("no equilibrium beyond {reached:.4} of the load, last tried {tried:.4}: {cause}")]
+#[error("no equilibrium beyond the load factor {reached:.4}, last tried {tried:.4}: {cause}")]
 pub struct NoEquilibrium {
     /// Largest load factor with an equilibrium.
     pub reached: f64,

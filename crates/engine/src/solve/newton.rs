@@ -6,7 +6,7 @@ use crate::solve::{EquationsOfMotion, Singular};
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NewtonError {
     /// The iteration converges too slowly or diverges.
-    #[error("correction {correction:.1e} after {iterations} iterations exceeds {tolerance:.1e}")]
+    #[error("the correction {correction:.1e} after {iterations} iterations exceeds {tolerance:.1e}")]
     NotConverged {
         /// Number of iterations.
         iterations: usize,
@@ -19,7 +19,7 @@ pub enum NewtonError {
     #[error(transparent)]
     Singular(#[from] Singular),
     /// The residual is NaN or infinite.
-    #[error("residual not finite in iteration {iteration}")]
+    #[error("the residual is not finite in iteration {iteration}")]
     NotFinite {
         /// Number of the iteration.
         iteration: usize,

@@ -38,16 +38,19 @@ pub struct Reduced {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoReduction {
     /// The eigenvalue iteration failed.
-    #[error("the eigenvalues of A cannot be found")]
+    #[error("the eigenvalues of A cannot be computed")]
     Eigenvalues,
     /// Equal eigenvalues with equal eigenvectors.
-    #[error("A has eigenvalues that coincide with their vectors (condition {condition:.1e}); choose another state")]
+    #[error(
+        "the eigenvectors of A are almost linearly dependent (condition number {condition:.1e}); choose another state"
+    )]
     Defective {
         /// Condition number of the eigenvectors.
         condition: f64,
     },
     /// The requested number of states is too small or too large.
-    #[error("{order} states cannot be kept: allowed are {least} to {most}{}", if *.least > 1 { ", as motions that do not decay stay whole" } else { "" })]
+    #[error("{order} states cannot be kept: allowed are {least} to {most}{}", if *.least > 1 { ", because motions that \
+         do not decay must be kept" } else { "" })]
     Order {
         /// Requested order.
         order: usize,
@@ -58,20 +61,23 @@ pub enum NoReduction {
     },
     /// Balanced truncation in discrete time is not possible for a model with motions that do not decay.
     #[error(
-        "the model has motions that do not decay, which balanced truncation in discrete time cannot reduce; choose a state below flutter, or hold the motion"
+        "the model has motions that do not decay, which balanced truncation in discrete time cannot reduce; choose a \
+         state below the flutter speed, or lock the free joints"
     )]
     Grows,
     /// Modal truncation in discrete time: the modes of the wake cannot be ordered.
-    #[error("models in discrete time are reduced by balanced truncation, not to modes")]
+    #[error("discrete-time models can be reduced by balanced truncation only, not by modal truncation")]
     SampledModes,
     /// A band with an end outside the frequency range of the model.
-    #[error("the band must end above 0 Hz, and in discrete time below half the sampling rate")]
+    #[error(
+        "the upper end of the frequency band must be above 0 Hz, and in discrete time below half the sampling rate"
+    )]
     Band,
     /// Modal truncation in a frequency band.
-    #[error("only balanced truncation is for a band of frequencies; modal truncation keeps the slowest modes")]
+    #[error("only balanced truncation can be limited to a frequency band; modal truncation keeps the slowest modes")]
     ModalBand,
     /// A matrix in an intermediate step is singular.
-    #[error("the balanced form cannot be found; keep more states, or keep modes")]
+    #[error("the balanced realisation cannot be computed; keep more states, or use modal truncation")]
     Singular,
 }
 

@@ -82,7 +82,7 @@ fn what_does_not_decay_stays() {
     let refused = reduce(&whole, 1, Keep::Balanced, None).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "1 states cannot be kept: allowed are 2 to 8, as motions that do not decay stay whole"
+        "1 states cannot be kept: allowed are 2 to 8, because motions that do not decay must be kept"
     );
     assert!(matches!(reduce(&whole, 9, Keep::Modes, None), Err(NoReduction::Order { .. })));
     assert_eq!(reduce(&whole, 6, Keep::Modes, None).unwrap().model.a.nrows(), 6);

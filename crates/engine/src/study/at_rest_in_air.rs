@@ -62,8 +62,8 @@ impl Study<'_> {
         }
         let names: Vec<&str> = pulling.iter().map(|joint| self.system.joint_name(*joint)).collect();
         let cause = format!(
-            "the latch of {} would have to pull its joint back, and without it the equilibrium is beyond it; choose a start angle near the \
-             equilibrium, or disable the latch (latch_enable = false)",
+            "the latch of {} would have to pull its joint back if closed, and with the latch open the equilibrium lies \
+             beyond the latch angle; choose a start angle near the equilibrium, or disable the latch (latch_enable = false)",
             names.join(", ")
         );
         Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause, diverges_m_s: None })
@@ -187,8 +187,9 @@ impl Study<'_> {
             history.loads.from.clone_from(&history.loads.to);
         }
         let cause = format!(
-            "the loads of the air at rest still change by {change:.1e} of the largest after {MAXIMUM_STATIC_ITERATIONS} iterations with the \
-             structure; the machine may be past divergence in this wind: try a lower speed, or more stiffness"
+            "the static aerodynamic loads still change by {change:.1e} of the largest load after \
+             {MAXIMUM_STATIC_ITERATIONS} iterations with the structure; the wind may be above the divergence speed: \
+             try a lower speed, or more stiffness"
         );
         Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause, diverges_m_s: None })
     }

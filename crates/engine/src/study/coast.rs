@@ -173,8 +173,8 @@ impl Study<'_> {
             })
             .collect();
         let cause = format!(
-            "the released hinges keep an unbalanced torque of {torque_n_m:.1e} N.m in this wind ({}); try a lower speed, hold them \
-             (release = false), or stiffen their springs",
+            "an unbalanced torque of {torque_n_m:.1e} N.m remains on the released hinges in this wind ({}); try a \
+             lower speed, lock them (release = false), or stiffen their springs",
             list.join(", ")
         );
         PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause, diverges_m_s: None }

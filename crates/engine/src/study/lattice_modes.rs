@@ -398,8 +398,8 @@ impl Study<'_> {
         let found = delays.growing(radius_1_s, free_1_s, is_stiff);
         let (list, agrees) = found.ok_or_else(|| self.no_eigenvalues())?;
         if !agrees {
-            let cause = "the static stiffness with the air and the motions that grow without oscillating do not agree: divergence, or a \
-                         mesh or step that is too coarse";
+            let cause = "the sign of the static aeroelastic stiffness and the number of unstable real modes disagree: \
+                         the model is close to divergence, or the mesh or the aerodynamic step is too coarse";
             return Err(PlantError::Linearization { time_s: self.system.state.now.time_s, cause: cause.into() });
         }
         let freedoms = self.system.freedoms();
@@ -429,7 +429,7 @@ impl Study<'_> {
     }
 
     fn no_eigenvalues(&self) -> PlantError {
-        let cause = "the eigenvalues of the model in discrete time are not found".into();
+        let cause = "the eigenvalues of the discrete-time model could not be computed".into();
         PlantError::Linearization { time_s: self.system.state.now.time_s, cause }
     }
 }

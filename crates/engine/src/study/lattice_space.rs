@@ -136,8 +136,8 @@ impl Study<'_> {
 
     fn too_many_states(&self, count: usize) -> PlantError {
         let cause = format!(
-            "the model in discrete time would have at least {count} states, and its dense matrices {:.1} GB; at most {MAXIMUM_STATES} are \
-             allowed: use fewer wake_rows, strips or chord_panels",
+            "the discrete-time model would have at least {count} states and dense matrices of {:.1} GB; at most \
+             {MAXIMUM_STATES} states are allowed: use fewer wake_rows, strips or chord_panels",
             MATRICES * (count as f64).powi(2) * 8e-9
         );
         PlantError::Linearization { time_s: self.system.state.now.time_s, cause }
@@ -153,7 +153,7 @@ impl Study<'_> {
         let time_s = self.system.state.now.time_s;
         let refused = |cause: &str| PlantError::Linearization { time_s, cause: cause.into() };
         let Some(step_s) = self.system.air_step_s().filter(|_| self.system.has_linear_lattice()) else {
-            return Err(refused("only a vortex lattice (aerodynamics.model = \"uvlm\") has a model in discrete time"));
+            return Err(refused("only a vortex lattice (aerodynamics.model = \"uvlm\") has a discrete-time model"));
         };
         let now = &self.system.state.now;
         if now.v.iter().chain(&now.a).any(|rate| *rate != 0.0) {

@@ -197,14 +197,15 @@ impl Study<'_> {
         let diverges = determinant.abs() < SINGULAR;
         let cause = if diverges {
             format!(
-                "the equilibria from still air end at a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, where the stiffness \
-                 of structure and air together vanishes: static divergence, beyond which the next equilibrium is far away; try a lower \
-                 speed, or more stiffness"
+                "the equilibrium path from still air ends at {at_m_s:.2} m/s (requested: {wind_m_s:.2} m/s), where the \
+                 aeroelastic stiffness becomes singular: static divergence; the next equilibrium is far away; try a \
+                 lower speed, or more stiffness"
             )
         } else {
             format!(
-                "the equilibria from still air cannot be followed beyond a wind of {at_m_s:.2} m/s of the {wind_m_s:.2} m/s, \
-                 although structure and air together are stiff there: check for a profile, a spring or an end stop whose loads jump"
+                "the equilibrium path from still air cannot be followed beyond {at_m_s:.2} m/s (requested: \
+                 {wind_m_s:.2} m/s), although the aeroelastic stiffness is not singular there; check for discontinuous \
+                 loads of a polar, a spring or an end stop"
             )
         };
         PlantError::Equilibrium { time_s, reached, tried, cause, diverges_m_s: diverges.then_some(at_m_s) }

@@ -150,8 +150,8 @@ impl Study<'_> {
             let (first, own) = (&machine.bodies[roots[0]].name, &machine.bodies[root].name);
             if (turn * axis - axis).norm() > PLACE_RAD {
                 return Err(format!(
-                    "{own} on {} is not a copy of {first} rotated about the joint {}: all that the hub carries must be equal blades, \
-                     at equal start angles",
+                    "{own} on {} is not a copy of {first} rotated about the joint {}: the hub must carry only equal \
+                     blades, at equal start angles",
                     machine.bodies[hub].name, joint.name
                 ));
             }
@@ -167,7 +167,7 @@ impl Study<'_> {
             let wanted_rad = TAU * k as f64 / placed.len() as f64;
             if (angle_rad - wanted_rad).abs() > PLACE_RAD {
                 return Err(format!(
-                    "{} is {:.4} deg ahead of {}: {} blades are spaced evenly, by {:.4} deg; is one missing?",
+                    "{} is {:.4} deg ahead of {}: {} blades must be evenly spaced, by {:.4} deg; is one missing?",
                     machine.bodies[bodies[0]].name,
                     angle_rad.to_degrees(),
                     machine.bodies[placed[0].1[0]].name,

@@ -358,8 +358,8 @@ impl Study<'_> {
             }
         }
         let cause = format!(
-            "the equilibrium on the load path is unstable{}, and no stable one is found beside it; accept it with the branch \
-             \"path\", or use other start angles",
+            "the equilibrium on the load path is unstable{}, and no stable equilibrium was found near it; accept it \
+             with the branch \"path\", or use other start angles",
             found.growing.first().map_or(String::new(), |growth| {
                 let name = &self.system.machine.bodies[growth.body].name;
                 format!(" (body {name:?} leaves it with {:.4} 1/s)", growth.eigenvalue_1_s.re)
@@ -430,7 +430,10 @@ impl Study<'_> {
             }
             self.system.configure();
         }
-        let cause = format!("latches and stops change their state in each of {MAXIMUM_SEARCHES} searches for rest");
+        let cause = format!(
+            "latches or end stops still change their state after {MAXIMUM_SEARCHES} searches for the \
+                             equilibrium"
+        );
         Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause, diverges_m_s: None })
     }
 
@@ -482,8 +485,8 @@ impl Study<'_> {
             let gap_m = closure.gap(&self.system.equations.work).position_m.norm();
             if gap_m > limit_m {
                 let cause = format!(
-                    "loop {:?} is open by {gap_m:.3e} m; hold the linkage (release = false, a spring, a latch) or \
-                     increase the loop's stiffness",
+                    "loop {:?} is open by {gap_m:.3e} m; lock or restrain the linkage (release = false, a spring, a \
+                     latch) or increase the loop's stiffness",
                     described.name
                 );
                 return Err(PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause, diverges_m_s: None });
@@ -511,10 +514,10 @@ impl Study<'_> {
         for (body, described) in bodies.iter().zip(&self.system.machine.bodies) {
             if body.joint.range().contains(&coordinate) {
                 let remedy = match body.joint.kind.freedoms() {
-                    1 => "add a spring, close its latch, or hold it (release = false)",
+                    1 => "add a spring, close its latch, or lock it (release = false)",
                     6 => {
-                        "its body is held by loops only, which allow a motion; add a spring to a joint of the loops, or hold one \
-                         (release = false)"
+                        "its body is held by loops only, which leave a motion free; add a spring to a joint of the \
+                         loops, or lock one (release = false)"
                     }
                     _ => "add a spring",
                 };

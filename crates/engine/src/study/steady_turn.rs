@@ -52,8 +52,9 @@ impl Study<'_> {
             }
         }
         Err(refused(format!(
-            "no steady state at {speed_rad_s} rad/s: structure and air still differ by {size:.1e} (rotation in rad, or displacement over \
-             the machine's length) after {MAXIMUM_CORRECTIONS} corrections"
+            "no steady state at {speed_rad_s} rad/s: the equilibrium of structure and aerodynamics still changes by \
+             {size:.1e} (rotation in rad, or displacement divided by the machine's length) after {MAXIMUM_CORRECTIONS} \
+             corrections"
         )))
     }
 

@@ -199,8 +199,9 @@ impl Study<'_> {
             let worst = places.max_by(|a, b| excess(a.0, a.1).total_cmp(&excess(b.0, b.1)));
             if let Some((i, j)) = worst.filter(|&(i, j)| excess(i, j).is_nan() || excess(i, j) > ISOTROPIC) {
                 return Err(format!(
-                    "the rotor is not isotropic: the {what} between {} and {} in the ground frame changes by {:.1e} of its size as \
-                     the rotor turns; allowed are three or more equal blades at equal start angles, or two on a support that does not move",
+                    "the rotor is not isotropic: the {what} between {} and {} in the ground frame changes by {:.1e} of \
+                     its magnitude during a revolution; allowed are three or more equal blades at equal start angles, \
+                     or two on a support that does not move",
                     freedoms[i].name,
                     freedoms[j].name,
                     excess(i, j)

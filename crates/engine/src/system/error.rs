@@ -20,7 +20,7 @@ pub enum PlantError {
         advice: &'static str,
     },
     /// Outputs that are not finite.
-    #[error("outputs at t = {time_s} s are not finite; {cause}; check the inputs and parameters until then")]
+    #[error("outputs at t = {time_s} s are not finite; {cause}; check the inputs and parameters up to this time")]
     NotFinite {
         /// End of the step in s.
         time_s: f64,
@@ -43,7 +43,8 @@ pub enum PlantError {
     },
     /// Accelerations that are too large for the aerodynamic step.
     #[error(
-        "the accelerations at t = {time_s} s move the wing by {lengths:.1e} times its length within an aerodynamic step of {step_s} s; {cause}; reduce it, or use a smaller aerodynamics.step_s"
+        "the accelerations at t = {time_s} s move the wing by {lengths:.1e} times its length within an aerodynamic \
+         step of {step_s} s; {cause}; reduce the accelerations, or use a smaller aerodynamics.step_s"
     )]
     Leap {
         /// Time in s.
@@ -64,7 +65,7 @@ pub enum PlantError {
         step_s: f64,
     },
     /// Parameters that contradict each other.
-    #[error("solver.min_step, {min_step_s:e} s, is longer than solver.max_step, {max_step_s:e} s; set one of them")]
+    #[error("solver.min_step, {min_step_s:e} s, is longer than solver.max_step, {max_step_s:e} s; change one of them")]
     Steps {
         /// Smallest internal step in s.
         min_step_s: f64,
@@ -73,7 +74,8 @@ pub enum PlantError {
     },
     /// States set by an external integrator that are physically impossible.
     #[error(
-        "at t = {time_s} s {place} is compressed through zero length: longitudinal strain {strain:.3e}, allowed is more than -1"
+        "at t = {time_s} s {place} is compressed to less than zero length: the longitudinal strain is {strain:.3e}, \
+         but must be greater than -1"
     )]
     Crushed {
         /// Time in s.
@@ -84,7 +86,7 @@ pub enum PlantError {
         strain: f64,
     },
     /// The initial accelerations could not be found.
-    #[error("no accelerations at t = {time_s} s: {cause}; check the inputs and parameters from then on")]
+    #[error("no accelerations at t = {time_s} s: {cause}; check the inputs and parameters from this time on")]
     Initialization {
         /// Start time in s.
         time_s: f64,
@@ -128,8 +130,8 @@ pub enum PlantError {
     },
     /// One lattice passes through another.
     #[error(
-        "no aerodynamic loads at t = {time_s} s: the lattices of {} and {} pass through each other by {depth_m:.1e} m, without any \
-         contact force: more chord_panels resolve a narrower gap; else open their joint further",
+        "no aerodynamic loads at t = {time_s} s: the lattices of {} and {} pass through each other by {depth_m:.1e} m, \
+         as contact is not modelled: use more chord_panels to resolve a narrower gap, or open their joint further",
         .bodies[0], .bodies[1]
     )]
     CrossedSheets {
@@ -142,7 +144,8 @@ pub enum PlantError {
     },
     /// No static equilibrium was found.
     #[error(
-        "no equilibrium at t = {time_s} s beyond {reached:.4} of the load, last tried {tried:.4}: {cause}; reduce the load, or start the simulation unstrained"
+        "no equilibrium at t = {time_s} s beyond the load factor {reached:.4}, last tried {tried:.4}: {cause}; reduce \
+         the load, or start from the unstrained shape"
     )]
     Equilibrium {
         /// Time in s.

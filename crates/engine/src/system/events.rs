@@ -228,7 +228,7 @@ impl System {
     pub(crate) fn accelerations(&self, time_s: f64, jump: Result<f64, Singular>) -> Result<f64, PlantError> {
         let cause = match jump {
             Ok(jump) if jump.is_finite() => return Ok(jump),
-            Ok(_) => format!("they are not finite; {}", self.largest_input()),
+            Ok(_) => format!("the accelerations are not finite; {}", self.largest_input()),
             Err(singular) => return Err(self.no_accelerations(time_s, singular)),
         };
         Err(PlantError::Initialization { time_s, cause })
@@ -238,7 +238,8 @@ impl System {
         let place = self.place_of(singular.coordinate);
         let cause = if self.is_joint(singular.coordinate) {
             format!(
-                "the mass matrix has no positive pivot at {place}: the carried bodies have no inertia along or about one of its axes"
+                "the mass matrix has no positive pivot at {place}: the carried bodies have no inertia along or about \
+                 one of this joint's axes"
             )
         } else {
             format!("the mass matrix has no positive pivot at {place}")

@@ -20,9 +20,10 @@ impl Statistics {
         let Self { failures, steps, .. } = self;
         self.newton_decides().then(|| {
             format!(
-                "Newton's iteration gave up {failures} steps beside {steps} that were taken: it decides on their length, not the \
-                 tolerance. The result meets the tolerance, but at many times the cost. Thin, stiff bodies cause this; \
-                 solver.method = \"generalized_alpha\" mostly cures it, stiffness_damping_s on these bodies helps"
+                "Newton's method did not converge in {failures} steps, in addition to {steps} accepted ones: \
+                 convergence rather than the tolerance limits the step size. The result meets the tolerance, but at \
+                 many times the usual cost. Thin, stiff bodies cause this; solver.method = \"generalized_alpha\" \
+                 usually avoids it, and stiffness_damping_s on these bodies reduces it"
             )
         })
     }

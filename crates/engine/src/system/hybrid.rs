@@ -51,7 +51,7 @@ pub enum NotHybrid {
     /// Panels, wake and rotors advance in fixed aerodynamic steps.
     #[error(
         "an external integrator is not possible with a vortex lattice or a rotor: both use fixed aerodynamic steps; write \
-         model = \"strip\" in [aerodynamics], leave it out, or step the machine"
+         model = \"strip\" in [aerodynamics], omit the table, or let the machine integrate its own steps"
     )]
     Air,
 }

@@ -252,7 +252,7 @@ impl System {
             if !self.outputs.are_finite() {
                 self.state = own;
                 self.adopt_state();
-                return Err(PlantError::Snapshot("its outputs are not finite".into()));
+                return Err(PlantError::Snapshot("the outputs of the state are not finite".into()));
             }
         }
         self.show_set_inputs();

@@ -56,7 +56,7 @@ impl System {
         };
         let (cause, advice) = match failure {
             Failure::Estimate { error, tolerance } => (
-                format!("error estimate {error:.1e} exceeds tolerance {tolerance:.1e}"),
+                format!("the error estimate {error:.1e} exceeds the tolerance {tolerance:.1e}"),
                 "allow a larger solver.tolerance or a smaller solver.min_step",
             ),
             // whether the iteration overflows or merely diverges depends on round-off
@@ -64,15 +64,16 @@ impl System {
                 format!("{error}; {}", self.largest_input()),
                 "check inputs and parameters far beyond the structure's strength",
             ),
-            Failure::Newton(error) if self.machine.solver.most_iterations.is_some() => {
-                (format!("in real time a stage has no solution: {error}; {}", self.largest_input()), REAL_TIME_ADVICE)
-            }
+            Failure::Newton(error) if self.machine.solver.most_iterations.is_some() => (
+                format!("in real-time mode a stage has no solution: {error}; {}", self.largest_input()),
+                REAL_TIME_ADVICE,
+            ),
             Failure::Unsolved { rest } => (
-                format!("in real time an iteration that was cut short still corrects by {rest:.1e} rad"),
+                format!("in real-time mode the allowed iterations leave a correction of {rest:.1e} rad"),
                 REAL_TIME_ADVICE,
             ),
             Failure::Turned { turn_rad, .. } => (
-                format!("in real time it turns by {turn_rad:.1e} rad in one step, more than half a turn"),
+                format!("in real-time mode it rotates by {turn_rad:.1e} rad in one step, more than half a revolution"),
                 REAL_TIME_ADVICE,
             ),
             Failure::Newton(error) => (
@@ -164,7 +165,8 @@ impl System {
         if [ROOT_ACCELERATION, ROOT_ANGULAR_ACCELERATION].iter().any(|name| largest.contains(&format!("{name}."))) {
             let mass_kg = self.mass_kg();
             format!(
-                "{largest}; if it responds to root.force, the carrier must be heavier than the wing ({mass_kg:.3} kg)"
+                "{largest}; if this input is computed from root.force, the carrier must be heavier than the wing \
+                 ({mass_kg:.3} kg)"
             )
         } else {
             largest

@@ -10,7 +10,8 @@ impl Statistics {
     pub fn advice_on_stall(&self) -> Option<String> {
         (self.stalled_steps > 0).then(|| {
             format!(
-                "in {} aerodynamic steps strips of the lattice were beyond stall, where neighbours may have several circulations: their lift \
+                "in {} aerodynamic steps strips of the lattice were beyond stall, where the circulation is not unique: \
+                 their lift \
                  followed the polar with a lag of 3 semi-chords and depends on the number of strips",
                 self.stalled_steps
             )
@@ -33,8 +34,8 @@ impl Statistics {
             let unit_s = 10f64.powf(exact_s.log10().floor() - 1.0);
             let shorter_s = (exact_s / unit_s * (1.0 + 1e-9)).floor() * unit_s;
             format!(
-                "the wake has rows of up to {longest:.decimals$} panels, and more than {MAXIMUM_ROW_PANELS} are too \
-                 coarse: aerodynamics.step_s of at most {shorter_s:.1e} s instead of {step_s:.3e} s cures this"
+                "rows of the wake are up to {longest:.decimals$} panel chords long, and more than {MAXIMUM_ROW_PANELS} \
+                 are too coarse: set aerodynamics.step_s to at most {shorter_s:.1e} s (it is {step_s:.3e} s)"
             )
         })
     }

@@ -231,7 +231,7 @@ pub(super) fn read_list(text: &str, folder: &Path, units: Option<FileUnits>) -> 
             continue;
         }
         let (position, name) =
-            text.split_once(',').ok_or_else(|| fault(line, format!("{text:?}; a place and a file are needed")))?;
+            text.split_once(',').ok_or_else(|| fault(line, format!("{text:?}; a position and a file are needed")))?;
         let position = number(line, place, position.trim())?;
         let path = folder.join(name.trim());
         let content = std::fs::read_to_string(&path)
@@ -239,7 +239,7 @@ pub(super) fn read_list(text: &str, folder: &Path, units: Option<FileUnits>) -> 
         let within = |inner: StationFault| fault(line, format!("{}: {inner}", path.display()));
         let content = crate::station_file::without_mark(&content);
         let program = program(content)
-            .ok_or_else(|| fault(line, format!("{} is no file of VABS, BECAS or ANBA4", path.display())))?;
+            .ok_or_else(|| fault(line, format!("{} is not a file of VABS, BECAS or ANBA4", path.display())))?;
         let sections = read(program, content).map_err(within)?;
         let [only] = sections.stations.as_slice() else {
             let count = sections.stations.len();
@@ -415,7 +415,8 @@ fn slice_inertia([mass, y, z, yy, yz, zz]: [f64; 6]) -> Matrix6<f64> {
 fn lamina(line: usize, axes: &Axes, theirs: &Matrix6<f64>) -> Result<[f64; 6], StationFault> {
     let inertia = axes.turned(theirs);
     let mass = inertia[(0, 0)];
-    let refuse = |reason: String| Err(fault(line, format!("the inertia is not that of a section: {reason}")));
+    let refuse =
+        |reason: String| Err(fault(line, format!("the matrix is not the inertia matrix of a section: {reason}")));
     if mass <= 0.0 {
         return refuse(format!("a mass of {mass}; it must be > 0"));
     }

@@ -51,7 +51,7 @@ pub(super) fn stations(text: &str) -> Result<Vec<Station>, StationFault> {
                 let due = COLUMNS.join(" ");
                 return Err(fault(
                     line,
-                    format!("columns {}; those of the general output are needed: {due}", names.join(" ")),
+                    format!("columns {}; the columns of the general output are needed: {due}", names.join(" ")),
                 ));
             }
             break;
@@ -81,7 +81,7 @@ pub(super) fn stations(text: &str) -> Result<Vec<Station>, StationFault> {
         stations.push(station(line, &values));
     }
     if stations.len() < 2 {
-        return Err(fault(text.lines().count() + 1, "cut short: fewer than two stations"));
+        return Err(fault(text.lines().count() + 1, "truncated: fewer than two stations"));
     }
     Ok(stations)
 }

@@ -19,7 +19,7 @@ impl<'t> Lines<'t> {
     pub fn next(&mut self, due: &str) -> Result<(usize, &'t str), StationFault> {
         let next = self.lines.find(|(_, line)| !line.trim().is_empty());
         let (index, line) =
-            next.ok_or_else(|| fault(self.last + 1, format!("cut short: the file ends before {due}")))?;
+            next.ok_or_else(|| fault(self.last + 1, format!("truncated: the file ends before {due}")))?;
         Ok((index + 1, line))
     }
 

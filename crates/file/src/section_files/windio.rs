@@ -27,7 +27,7 @@ impl Lists {
         let (line, rows) = list.ok_or_else(|| fault(1, format!("no list {key} in {}", tables.join(" or "))))?;
         let values = match rows.as_slice() {
             [only] => only,
-            _ => return Err(fault(*line, format!("{key} is no flat list of numbers"))),
+            _ => return Err(fault(*line, format!("{key} is not a flat list of numbers"))),
         };
         if count > 0 && values.len() != count {
             return Err(fault(*line, format!("{key} has {} numbers where its grid has {count}", values.len())));
@@ -48,7 +48,7 @@ pub(super) fn stations(text: &str) -> Result<Vec<Station>, StationFault> {
     if !(2..=MAXIMUM_STATIONS).contains(&grid.len()) || !rises {
         return Err(fault(
             line,
-            format!("a grid of {} places; 2 to {MAXIMUM_STATIONS} that ascend from 0 to 1", grid.len()),
+            format!("a grid of {} positions; needed are 2 to {MAXIMUM_STATIONS} that ascend from 0 to 1", grid.len()),
         ));
     }
     if grid != inertia_grid {
@@ -139,7 +139,7 @@ fn lists(text: &str) -> Result<Lists, StationFault> {
             while depth(&list) > 0 {
                 let (_, more) = lines
                     .next()
-                    .ok_or_else(|| fault(index + 1, format!("cut short: the file ends before the end of {key}")))?;
+                    .ok_or_else(|| fault(index + 1, format!("truncated: the file ends before the end of {key}")))?;
                 list += " ";
                 list += more.trim();
             }

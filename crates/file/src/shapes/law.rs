@@ -335,16 +335,17 @@ impl ProfileShape {
                     s_m,
                     skin_m,
                     format!(
-                        "a skin < {} m, which follows the bends of this outline at chord_m = {}; a solid section has shape = \"explicit\"",
+                        "a skin < {} m, the largest that fits into this outline at chord_m = {}; a solid section has \
+                         shape = \"explicit\"",
                         short(thickness_m.min(skin_m)),
                         shortest(chord_m)
                     ),
                 ),
                 Misfit::Outside(index, [nose, tail]) => of_spar(
                     index,
-                    format!("a fraction of the chord in the hollow, between {} and {} with its wall", short(nose), short(tail)),
+                    format!("a fraction of the chord between {} and {}, so that the spar lies inside the skin", short(nose), short(tail)),
                 ),
-                Misfit::Coincident(index) => of_spar(index, "a position at which no other spar stands".to_owned()),
+                Misfit::Coincident(index) => of_spar(index, "a position that no other spar occupies".to_owned()),
             }
         })
     }
@@ -359,12 +360,14 @@ fn short(value: f64) -> String {
 fn coupled(coupling: Coupling, s_m: f64) -> Refused {
     let (found, allowed) = match coupling {
         Coupling::Stretch => (
-            "an unbalanced laminate: stretched, it shears in its plane",
-            "for each ply at an angle one of the same material and thickness at the opposite angle, as beams here have no shear strain",
+            "an unbalanced laminate, which shears in its plane when it is stretched",
+            "for each ply at an angle a ply of the same material and thickness at the opposite angle, because coupling \
+             with in-plane shear is not modelled",
         ),
         Coupling::OutOfPlane => (
             "a laminate whose bending or twist is coupled with shear in its plane",
-            "plies at angles other than 0 and 90 deg symmetric about the middle (symmetric = true), as beams here have no shear strain",
+            "plies at angles other than 0 and 90 deg symmetric about the mid-plane (symmetric = true), because \
+             coupling with in-plane shear is not modelled",
         ),
     };
     Refused::state("layup_deg", s_m, found, allowed)

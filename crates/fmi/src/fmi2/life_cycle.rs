@@ -164,7 +164,7 @@ impl Call {
     /// Rule of the life cycle for the function.
     pub const fn rule(self) -> Rule {
         let (name, phases) = self.row();
-        let never = "steps are never asynchronous, so there is none to cancel";
+        let never = "asynchronous steps are not supported, so no step can be cancelled";
         Rule { name, version: Version::Fmi2, kind: self.kind(), phases, never }
     }
 

@@ -20,7 +20,7 @@ const STATES: u16 = INITIALIZATION | EVENT | CONTINUOUS | TERMINATED;
 const NEVER: u16 = 0;
 
 /// Reasons why some functions are legal in no phase.
-const NO_ELEMENTS: &str = "the dependencies are those of the model description, and there are none of single elements";
+const NO_ELEMENTS: &str = "dependencies are given in the model description for whole arrays, not for single elements";
 const NO_STRUCTURE: &str = "there are no structural parameters, so there is nothing to configure";
 const NO_CLOCKS: &str = "there are no clocks";
 const NO_DISCRETE: &str = "discrete states change in fmi3UpdateDiscreteStates only";

@@ -36,13 +36,13 @@ pub enum CallError {
         phase: Phase,
     },
     /// Any call after a panic.
-    #[error("the instance broke down earlier; only {version}FreeInstance is legal")]
+    #[error("an internal error occurred in this instance earlier; only {version}FreeInstance is legal")]
     Poisoned {
         /// Version of the standard.
         version: Version,
     },
     /// A pointer that must not be null.
-    #[error("argument {argument} is null; that is legal for a length of 0 only")]
+    #[error("argument {argument} is null; this is allowed only for a length of 0")]
     NullPointer {
         /// Name of the argument in the standard.
         argument: &'static str,
@@ -75,7 +75,7 @@ pub enum CallError {
         name: String,
     },
     /// Event Mode of co-simulation was not requested at instantiation.
-    #[error("this instance was made without Event Mode: pass eventModeUsed = true to fmi3InstantiateCoSimulation")]
+    #[error("this instance was created without Event Mode: pass eventModeUsed = true to fmi3InstantiateCoSimulation")]
     NoEventMode,
     /// The value of a state is not finite.
     #[error("continuous state {name} cannot be {value}: the value must be finite")]
@@ -178,7 +178,7 @@ pub enum CallError {
         reported: &'static str,
     },
     /// The log category does not exist.
-    #[error("unknown log category {name:?}: there are {known}")]
+    #[error("unknown log category {name:?}; allowed are {known}")]
     LogCategory {
         /// The unknown name.
         name: String,
@@ -222,7 +222,7 @@ pub enum InstantiationError {
     #[error("the instance name is missing: it is null or empty")]
     NoName,
     /// Neither co-simulation nor Model Exchange.
-    #[error("FMU type {0} is unknown: there are 0, Model Exchange, and 1, co-simulation")]
+    #[error("FMU type {0} is unknown; allowed are 0 (Model Exchange) and 1 (co-simulation)")]
     WrongType(u32),
     /// Scheduled Execution, which exists in FMI 3.0 only.
     #[error("no Scheduled Execution: this FMU has no clocks; instantiate it for co-simulation")]
@@ -232,7 +232,8 @@ pub enum InstantiationError {
     NoModelExchange,
     /// The model description does not belong to the model file.
     #[error(
-        "the GUID {given} of the model description is not {own}, that of resources/model.toml in this library; package the model again"
+        "the GUID {given} of the model description differs from {own}, which this library computes for \
+         resources/model.toml; package the model again"
     )]
     Guid {
         /// GUID passed by the importer.

@@ -10,9 +10,9 @@ pub const LOG_CATEGORIES: &[(&str, &str)] = &[
     ("logAll", "all messages"),
     ("logEvents", "releases, latch closings and openings"),
     ("logStatusWarning", "warnings"),
-    ("logStatusDiscard", "refused values; always logged"),
-    ("logStatusError", "refused and failed calls; always logged"),
-    ("logStatusFatal", "breakdowns; always logged"),
+    ("logStatusDiscard", "rejected values; always logged"),
+    ("logStatusError", "rejected and failed calls; always logged"),
+    ("logStatusFatal", "internal errors; always logged"),
 ];
 
 /// Category of a message.

@@ -242,7 +242,7 @@ impl Instance {
         if outside && self.kind == InterfaceKind::CoSimulation
             || !outside && !state.stale && self.kind == InterfaceKind::ModelExchange
         {
-            return Err(StateError::Content(format!("its machine is not one of {}", self.kind)).into());
+            return Err(StateError::Content(format!("it was not saved in {}", self.kind)).into());
         }
         if !self.can_stand(state.phase) {
             let here = state.phase.phrase(self.version);

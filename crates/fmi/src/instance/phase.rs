@@ -190,7 +190,7 @@ impl Rule {
     pub(super) fn refusal(self, kind: InterfaceKind, phase: Phase) -> String {
         let here = format!("not legal {}", phase.phrase(self.version));
         if let Some(other) = self.kind.filter(|&other| other != kind) {
-            return format!("{here}; it belongs to {other}, and the instance was made for {kind}");
+            return format!("{here}; it belongs to {other}, and this instance is for {kind}");
         }
         let legal: Vec<String> = self.legal_phases(kind).map(|phase| phase.phrase(self.version)).collect();
         if legal.is_empty() {

@@ -42,7 +42,10 @@ pub enum StateError {
         expected: String,
     },
     /// State of an instance of the other interface type.
-    #[error("the FMU state was saved in {found} and does not fit {expected}; set one of this kind")]
+    #[error(
+        "the FMU state was saved by an instance for {found} and does not fit one for {expected}; set a state of \
+             the same interface type"
+    )]
     OtherKind {
         /// Interface type of the instance that saved it.
         found: InterfaceKind,
@@ -69,7 +72,8 @@ pub enum StateError {
     Content(String),
     /// The buffer of the importer is too small.
     #[error(
-        "the buffer for the serialised FMU state has {given} bytes; {needed} are needed, the size returned by the call for it"
+        "the buffer for the serialised FMU state has {given} bytes; {needed} are needed, as returned by the function \
+         for the serialised size"
     )]
     Buffer {
         /// Size of the buffer.

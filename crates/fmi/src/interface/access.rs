@@ -37,7 +37,8 @@ pub enum AccessError {
     },
     /// The row is a continuous state, and the FMU integrates.
     #[error(
-        "continuous state {name} cannot be set in co-simulation after the start: the FMU integrates it; in Model Exchange it can"
+        "continuous state {name} cannot be set in co-simulation after the start: the FMU integrates it; only Model \
+         Exchange allows this"
     )]
     State {
         /// Name of the row.
@@ -56,25 +57,30 @@ pub enum AccessError {
         name: String,
     },
     /// Only outputs have derivatives.
-    #[error("no derivative of variable {name} is known: unknowns are Real outputs")]
+    #[error("no derivative of variable {name} is available: unknowns must be Real outputs")]
     NotAnUnknown {
         /// Name of the row.
         name: String,
     },
     /// The row is not a known at this stage.
-    #[error("no derivative by variable {name}: knowns are Real inputs and, in Initialization Mode, parameters")]
+    #[error(
+        "no derivative with respect to variable {name}: knowns must be Real inputs and, in Initialization Mode, parameters"
+    )]
     NotAKnown {
         /// Name of the row.
         name: String,
     },
     /// Only derivatives of states and outputs have derivatives in Model Exchange.
-    #[error("no derivative of variable {name} is known: unknowns are derivatives of states and Real outputs")]
+    #[error("no derivative of variable {name} is available: unknowns must be derivatives of states and Real outputs")]
     NotAnExchangeUnknown {
         /// Name of the row.
         name: String,
     },
     /// The row is not a known of Model Exchange.
-    #[error("no derivative by variable {name}: knowns are continuous states, Real inputs, tunable parameters and time")]
+    #[error(
+        "no derivative with respect to variable {name}: knowns must be continuous states, Real inputs, tunable \
+             parameters and time"
+    )]
     NotAnExchangeKnown {
         /// Name of the row.
         name: String,
@@ -89,7 +95,8 @@ pub enum AccessError {
     },
     /// The number of values differs from that of the variables.
     #[error(
-        "{given} values were passed for {variables} variables that have {own}: an array has a value for each element, row by row"
+        "{given} values were passed for {variables} variables that have {own}: pass a value for each element of an \
+         array, row by row"
     )]
     Count {
         /// Number of values passed.

@@ -114,19 +114,22 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
                 "power_coefficient",
                 offset_of!(RotorLoads, power_coefficient),
                 "Ratio",
-                "power over the power of the axial wind through the disc; 0 if the axial wind is less than 1 % of the relative air speed at the tips",
+                "rotor power divided by the power of the axial wind through the rotor disc; 0 if the axial wind is \
+                 less than 1 % of the relative air speed at the tips",
             ),
             (
                 "thrust_coefficient",
                 offset_of!(RotorLoads, thrust_coefficient),
                 "Ratio",
-                "thrust over the dynamic pressure of the axial wind times disc area; 0 as the power coefficient",
+                "thrust divided by the product of dynamic pressure of the axial wind and disc area; 0 under the same \
+                 condition as the power coefficient",
             ),
             (
                 "tip_speed_ratio",
                 offset_of!(RotorLoads, tip_speed_ratio),
                 "Ratio",
-                "speed of the outermost sections over the axial wind; 0 as the power coefficient",
+                "speed of the outermost sections divided by the axial wind speed; 0 under the same condition as the \
+                 power coefficient",
             ),
         ];
         for (name, offset, kind, meaning) in rows {

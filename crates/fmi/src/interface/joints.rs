@@ -192,7 +192,7 @@ pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: us
     add.real(rate_key, (offset_of!(JointOutputs, rate_rad_s), now), "AngularVelocity", depends, "fold rate");
     // non-zero if the joint is held
     let depends = Depends::on_group(topology, topology.revolutes[joint]);
-    let holding = "torque on the outer body by the lock or the prescribed motion of the joint";
+    let holding = "torque exerted on the outer body by the lock or the prescribed motion of the joint";
     let at = (offset_of!(JointOutputs, holding_torque_n_m), OutputSet::HOLDING);
     add.real("holding_torque", at, "Moment", depends, holding);
     if topology.is_free(joint) {

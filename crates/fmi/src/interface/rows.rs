@@ -413,7 +413,7 @@ const SOLVER_PARAMETERS: &[ParameterRow<()>] = {
             Fixed,
             "Ratio",
             TOLERANCE,
-            "error tolerance per step: displacement over wing length, rotation in rad",
+            "error tolerance per step: displacement divided by wing length, rotation in rad",
         ),
         ("max_step", (), offset_of!(SolverParameters, max_step_s), Fixed, "Time", POSITIVE, "maximum internal step"),
         (

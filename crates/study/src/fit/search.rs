@@ -57,10 +57,13 @@ impl Ended {
 impl std::fmt::Display for Ended {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         out.write_str(match self {
-            Self::Orthogonal => "the residuals are orthogonal to their derivatives by the numbers within their bounds",
-            Self::Reduction => "no step reduces the cost by more than 1e-8 of it",
-            Self::Step => "a step changes the numbers by less than 1e-10 of them",
-            Self::Runs => "the largest number of runs is reached",
+            Self::Orthogonal => {
+                "the residuals are orthogonal to their derivatives with respect to the numbers within \
+                                 their bounds"
+            }
+            Self::Reduction => "no step reduces the cost by more than 1e-8 of its value",
+            Self::Step => "a step changes the numbers by less than 1e-10 of their values",
+            Self::Runs => "the maximum number of runs is reached",
         })
     }
 }

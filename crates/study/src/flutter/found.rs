@@ -131,17 +131,17 @@ impl fmt::Display for Event {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Latch { joints, lost } => {
-                write!(f, "the configuration changes, and the modes with it{}", details(joints, *lost))
+                write!(f, "the configuration of the joints changes, so the modes change as well{}", details(joints, *lost))
             }
             Self::Jump { joints, lost } => {
-                write!(f, "the equilibrium jumps, as beyond divergence of a wing under load{}", details(joints, *lost))
+                write!(f, "the equilibrium jumps, as it does beyond the divergence speed of a loaded wing{}", details(joints, *lost))
             }
             Self::Unstable { branch, eigenvalue_1_s, frequency_hz } => {
                 let how = frequency_hz.map_or("not oscillating".to_owned(), |hz| format!("at {hz:.4} Hz"));
                 write!(f, "mode {} becomes unstable: growth rate {:.4} 1/s, {how}", branch + 1, eigenvalue_1_s.re)
             }
             Self::Divergence => f.write_str(
-                "the static stiffness changes its sign, at a speed not found: divergence, or another branch of equilibria",
+                "the static stiffness changes its sign, but the speed was not found: divergence, or another branch of equilibria",
             ),
         }
     }
@@ -245,11 +245,12 @@ mod tests {
             from_to: Some([0.25, 1.0]),
         };
         let latch = Event::Latch { joints: vec![turns, slides], lost: true };
-        let expected = "the configuration changes, and the modes with it: the latch of fold closes, fold goes from 90.000 to 0.000 deg, \
+        let expected = "the configuration of the joints changes, so the modes change as well: the latch of fold \
+                        closes, fold goes from 90.000 to 0.000 deg, \
                         the latch of rail opens, rail goes from 0.250 to 1.000 m, no equilibrium in between";
         assert_eq!(latch.to_string(), expected);
         let jump = Event::Jump { joints: Vec::new(), lost: false };
-        assert_eq!(jump.to_string(), "the equilibrium jumps, as beyond divergence of a wing under load");
+        assert_eq!(jump.to_string(), "the equilibrium jumps, as it does beyond the divergence speed of a loaded wing");
         let eigenvalue_1_s = Complex::new(0.125, 2.0);
         let grows = |frequency_hz| Event::Unstable { branch: 1, eigenvalue_1_s, frequency_hz }.to_string();
         assert_eq!(grows(Some(1.5)), "mode 2 becomes unstable: growth rate 0.1250 1/s, at 1.5000 Hz");

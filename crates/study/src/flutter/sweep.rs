@@ -37,19 +37,21 @@ pub enum FlutterError {
     #[error("wind_m_s: two or more positive speeds in m/s in ascending order are needed")]
     Speeds,
     /// More than [`MAXIMUM_SPEEDS`].
-    #[error("wind_m_s: {count} speeds are more than {MAXIMUM_SPEEDS}")]
+    #[error("wind_m_s: {count} speeds exceed the maximum of {MAXIMUM_SPEEDS}")]
     TooManySpeeds {
         /// Number of speeds.
         count: usize,
     },
     /// No modes, or more than [`MAXIMUM_COUNT`].
-    #[error("count: {count} is not in 1..={MAXIMUM_COUNT}")]
+    #[error("count: {count} must be from 1 to {MAXIMUM_COUNT}")]
     Count {
         /// The rejected number of modes.
         count: usize,
     },
     /// The machine has no aerodynamics.
-    #[error("{machine}: has no air; flutter needs [aerodynamics] with model = \"strip\" and surfaces")]
+    #[error(
+        "{machine}: has no aerodynamics; flutter needs [aerodynamics] with model = \"strip\" or \"uvlm\", and surfaces"
+    )]
     NoAir {
         /// Name of the machine.
         machine: String,
@@ -64,14 +66,17 @@ pub enum FlutterError {
         machine: String,
     },
     /// The flow starts impulsively with the run, so that it is not developed.
-    #[error("{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed flow; omit the key")]
+    #[error(
+        "{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed steady flow; omit the key"
+    )]
     UnsteadyStart {
         /// Name of the machine.
         machine: String,
     },
     /// The wind has no direction.
     #[error(
-        "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or a start value of wind.velocity"
+        "{machine}: the model has no wind, so its direction is undefined; set aerodynamics.wind_m_s, or a start value \
+         of wind.velocity"
     )]
     NoWind {
         /// Name of the machine.

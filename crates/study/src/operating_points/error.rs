@@ -45,7 +45,7 @@ pub enum PointsError {
         value: f64,
     },
     /// A negative wind speed.
-    #[error("wind_m_s {value}: must not be negative; its direction is that of the model's wind")]
+    #[error("wind_m_s {value}: must not be negative; the wind of the model gives the direction")]
     NegativeWind {
         /// The speed in m/s.
         value: f64,
@@ -57,13 +57,13 @@ pub enum PointsError {
         ratio: f64,
     },
     /// Several speeds together with a tip speed ratio.
-    #[error("speed_rpm: with tip_speed_ratio one value is allowed, which the speed does not exceed")]
+    #[error("speed_rpm: with tip_speed_ratio only one value is allowed, the maximum speed")]
     SeveralSpeeds,
     /// A tip speed ratio without the aerodynamics of a rotor, which has a radius.
-    #[error("tip_speed_ratio: needs the air of a rotor (aerodynamics.model = \"bem\"); give speed_rpm")]
+    #[error("tip_speed_ratio: needs rotor aerodynamics (aerodynamics.model = \"bem\"); give speed_rpm")]
     NoRadius,
     /// More points than [`MAXIMUM_POINTS`](crate::operating_points::MAXIMUM_POINTS).
-    #[error("{count} points are more than {most}")]
+    #[error("{count} points exceed the maximum of {most}")]
     TooMany {
         /// Number of points.
         count: usize,
@@ -115,7 +115,8 @@ pub enum PointsError {
     },
     /// The machine has no aerodynamics.
     #[error(
-        "{machine}: has no air; operating points need [aerodynamics] with model = \"bem\" or \"strip\" and the blades' surfaces"
+        "{machine}: has no aerodynamics; operating points need [aerodynamics] with model = \"bem\" or \"strip\" and \
+         the blades' surfaces"
     )]
     NoAir {
         /// Name of the machine.
@@ -123,7 +124,8 @@ pub enum PointsError {
     },
     /// The wind has no direction.
     #[error(
-        "{machine}: has no wind to give the direction; set aerodynamics.wind_m_s, or a start value of wind.velocity"
+        "{machine}: the model has no wind, so its direction is undefined; set aerodynamics.wind_m_s, or a start value \
+         of wind.velocity"
     )]
     NoWind {
         /// Name of the machine.
@@ -131,7 +133,8 @@ pub enum PointsError {
     },
     /// No joints pitch the blades.
     #[error(
-        "{machine}: no revolute joints bear the blades on the hub, so nothing pitches them; name the joints in pitch_joints"
+        "{machine}: no revolute joints connect the blades to the hub, so the pitch cannot be set; name the pitch \
+         joints in pitch_joints"
     )]
     NoPitchJoints {
         /// Name of the machine.
@@ -144,7 +147,9 @@ pub enum PointsError {
         joint: String,
     },
     /// A pitch joint has neither motor nor lock.
-    #[error("the joint {joint}: nothing holds its pitch; give it a motor with a stiffness, or motion = \"locked\"")]
+    #[error(
+        "the joint {joint}: no motor holds its pitch angle; add a motor with a stiffness, or write motion = \"locked\""
+    )]
     LoosePitch {
         /// Name of the joint.
         joint: String,
@@ -177,7 +182,8 @@ pub enum PointError {
     Plant(#[from] PlantError),
     /// The output is above its target in the whole range.
     #[error(
-        "target {output}={target}: from {from} to {to} {output} is always above it, and by {excess:.6e} at the end; extend the range"
+        "target {output}={target}: {output} is above the target everywhere from {from} to {to}, by {excess:.6e} at the \
+         end; extend the range"
     )]
     AboveTarget {
         /// Name of the output.
@@ -192,7 +198,7 @@ pub enum PointError {
         excess: f64,
     },
     /// The search ended without a state that holds the output.
-    #[error("target {output}={target}: no value found that gives it")]
+    #[error("target {output}={target}: no value was found that reaches the target")]
     NotHeld {
         /// Name of the output.
         output: String,

@@ -81,7 +81,8 @@ pub struct Periodic {
 pub enum PeriodicError {
     /// More harmonics than [`MAXIMUM_HARMONICS`].
     #[error(
-        "harmonics {harmonics}: must be at most {MAXIMUM_HARMONICS}, as many as the {SAMPLES} samples of a turn resolve"
+        "harmonics {harmonics}: must be at most {MAXIMUM_HARMONICS}, the highest that the {SAMPLES} samples per \
+         revolution resolve"
     )]
     Harmonics {
         /// The rejected number.
@@ -94,7 +95,7 @@ pub enum PeriodicError {
         tolerance: f64,
     },
     /// Modes are requested without perturbations.
-    #[error("perturbations 0: modes need at least 1; count 0 leaves them out")]
+    #[error("perturbations 0: modes need at least 1; count 0 omits the modes")]
     NoPerturbations,
     /// The machine has no shaft, or changes from revolution to revolution.
     #[error("no periodic motion: {cause}")]

@@ -10,7 +10,7 @@ pub enum QuantityError {
     #[error(transparent)]
     Name(#[from] NameError),
     /// The text after `@` is not a time.
-    #[error("`{0}` is not a time in s; write NAME@TIME, as in tip.position.z@0.3")]
+    #[error("`{0}` is not a time in s; write NAME@TIME, such as tip.position.z@0.3")]
     Time(String),
     /// A time that is not within the run.
     #[error("the time {time_s} s is not within the run, {start_s} to {stop_s} s")]
@@ -24,8 +24,8 @@ pub enum QuantityError {
     },
     /// The largest value lies at a jump or a corner of the output, where it has no derivative.
     #[error(
-        "its largest value, at {time_s} s, is at a jump or a corner of the output, where a derivative does not exist; ask for the output \
-         at a time (NAME@TIME) instead"
+        "its largest value, at {time_s} s, is at a jump or a kink of the output, where no derivative exists; request \
+         the output at a time (NAME@TIME) instead"
     )]
     Corner {
         /// Time of this value in s.

@@ -138,7 +138,7 @@ impl Data {
             }
             if let Some(name) = name.filter(|name| !places.iter().any(|(own, _)| own == name)) {
                 let known: Vec<&str> = places.iter().map(|(own, _)| own.as_str()).collect();
-                return Err(refused(&format!("{name} is not measured; there are {}", known.join(", "))));
+                return Err(refused(&format!("{name} is not measured; measured are {}", known.join(", "))));
             }
             for ((own, places), missing) in places.iter().zip(&mut missing) {
                 if name.is_none_or(|name| name == own) {

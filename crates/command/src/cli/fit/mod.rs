@@ -25,47 +25,47 @@ use trials::Trials;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Measurements: CSV with a column `time` in s and columns with names of real outputs; empty cells were not measured
+    /// Measurements: CSV with a column `time` in s and columns with names of real outputs; cells without a measurement are empty
     data: PathBuf,
-    /// Number to identify: a real input or parameter, constant during the run, or a key of the model file (file:body.inner.length_m); may be
-    /// repeated, or a list with commas
+    /// Number to identify: a real input or parameter that is constant during the run, or a key of the model file
+    /// (file:body.inner.length_m); may be repeated, or a list with commas
     #[arg(long = "by", value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
     by: Vec<String>,
-    /// Bounds of a number; one of them may be missing [default: those of the model]; may be repeated
+    /// Bounds of a number; one of them may be omitted [default: the range of the variable or key]; may be repeated
     #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = NonEmptyStringValueParser::new())]
     bounds: Vec<String>,
-    /// Start of the search for a number [default: the model's]; may be repeated
+    /// Initial value of a number in the search [default: from the model]; may be repeated
     #[arg(long, value_name = "NAME=NUMBER", value_parser = NonEmptyStringValueParser::new())]
     start: Vec<String>,
     /// Columns to use [default: all]; may be repeated, or a list with commas
     #[arg(long, value_name = "NAME", value_parser = NonEmptyStringValueParser::new())]
     columns: Vec<String>,
-    /// Measured single result of the run, as in `foldwing gradient --of`: fold.latch_time=0.122; may be repeated
+    /// Measured value of a single result, named as in `foldwing gradient --of`, such as fold.latch_time=0.122; may be repeated
     #[arg(long, value_name = "RESULT=NUMBER", value_parser = NonEmptyStringValueParser::new())]
     value: Vec<String>,
-    /// Standard deviation of the noise, of all measurements or of one name; may be repeated. Without it residuals are scaled by the largest
-    /// size of their column, and the noise is estimated
+    /// Standard deviation of the measurement noise, for all measurements or for one name; may be repeated. Without this option residuals
+    /// are scaled by the largest magnitude in their column, and the noise is estimated
     #[arg(long, value_name = "[NAME=]NUMBER", value_parser = NonEmptyStringValueParser::new())]
     sigma: Vec<String>,
-    /// Loss of a residual: all but `linear` limit outliers
+    /// Loss function of the residuals; all but `linear` reduce the influence of outliers
     #[arg(long, value_name = "LOSS", default_value = "linear", value_parser = Loss::ALL.map(|(_, name)| name))]
     loss: String,
-    /// Largest number of runs of the search
+    /// Maximum number of simulations in the search
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..))]
     max_runs: u32,
-    /// Stop time in s [default: the last measured one; with --value the model's]
+    /// Stop time in s [default: the last measured time; with --value from the model]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     stop: Option<f64>,
-    /// Inputs over time from a CSV file, as for `foldwing simulate`; reals are linear between rows
+    /// Inputs over time from a CSV file, as for `foldwing simulate`; real inputs are interpolated linearly between rows
     #[arg(long, value_name = "IN.csv")]
     inputs: Option<PathBuf>,
     /// Start value of an input or parameter; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// Model file with the identified values of keys (file:...)
+    /// Model file to write, with the identified values of keys (file:...)
     #[arg(short, long, value_name = "OUT.toml")]
     output: Option<PathBuf>,
-    /// Folder for figures: measured against computed values before and after, and each column over time
+    /// Folder for figures: computed against measured values before and after the fit, and each column over time
     #[arg(long, value_name = "DIR")]
     plot: Option<PathBuf>,
     #[command(flatten)]
@@ -99,7 +99,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let keys = by.iter().any(|name| name.starts_with("file:"));
     if let Some(path) = arguments.output.as_ref().filter(|_| !keys) {
         return Err(Failure::Usage(format!(
-            "-o {}: none of the numbers of --by is a key of the model file (file:...); the result has them as --set for other commands",
+            "-o {}: none of the numbers of --by is a key of the model file (file:...); the result gives them as --set \
+             options for other commands",
             path.display()
         )));
     }

@@ -44,7 +44,8 @@ impl<'a> Trials<'a> {
     ) -> Result<Self, Failure> {
         if let Some(row) = by.iter().find(|name| name.contains('@') && file_path(name).is_none()) {
             return Err(Failure::Usage(format!(
-                "--by {row}: values of an input over time are identified by Model.fit of the Python package; name a number that is constant"
+                "--by {row}: only Model.fit of the Python package can identify values of an input over time; name a \
+                 number that is constant"
             )));
         }
         let options = Options { of: data.of.clone(), stop_s: data.stop_s, mode: Mode::Auto, inputs };
@@ -85,7 +86,7 @@ impl<'a> Trials<'a> {
     pub fn place(&self, option: &str, name: &str) -> Result<usize, Failure> {
         self.numbers.iter().position(|(own, ..)| own == name).ok_or_else(|| {
             let known: Vec<&str> = self.numbers.iter().map(|(own, ..)| own.as_str()).collect();
-            Failure::Usage(format!("{option} {name}: is none of the numbers of --by, {}", known.join(", ")))
+            Failure::Usage(format!("{option} {name}: is not one of the numbers of --by: {}", known.join(", ")))
         })
     }
 
@@ -146,7 +147,9 @@ impl<'a> Trials<'a> {
             | Failure::Closed) => other,
         })?;
         if found.of.len() != self.data.of.len() {
-            return Err(Failure::Usage("--value: a name stands for several results; name each of them".to_owned()));
+            return Err(Failure::Usage(
+                "--value: a name selects several results; give each result by its own name".to_owned(),
+            ));
         }
         Ok(found)
     }

@@ -28,7 +28,7 @@ const MAXIMUM_NAMED: usize = 4;
 /// `--force`, the same for every command that writes.
 #[derive(Clone, clap::Args)]
 pub struct Force {
-    /// Replace files that something else wrote, but never what the command reads
+    /// Overwrite files that were not written by foldwing, but never the inputs of this command
     #[arg(long)]
     pub force: bool,
 }
@@ -187,7 +187,10 @@ impl Outlets {
             )));
         }
         if self.written.contains(&file) {
-            return Err(Failure::Usage(format!("{shown}: two results would go into this file; name another one")));
+            return Err(Failure::Usage(format!(
+                "{shown}: two results would be written to this file; name another file \
+                                               for one of them"
+            )));
         }
         let permissions = found.map(|found| found.permissions());
         if permissions.as_ref().is_some_and(fs::Permissions::readonly) {

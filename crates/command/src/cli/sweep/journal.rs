@@ -36,7 +36,7 @@ impl Journal {
         let path = out.with_file_name(name);
         if out.exists() && !path.exists() {
             return Err(Failure::Usage(format!(
-                "--output {}: exists and has no record {} beside it; it is not overwritten: remove it or name another file",
+                "--output {}: exists without the record {} of a sweep; it is not overwritten: remove it or name another file",
                 out.display(),
                 path.display()
             )));
@@ -91,7 +91,7 @@ impl Journal {
             .map(|(name, _)| name.as_str())
             .collect();
         Err(Failure::Usage(format!(
-            "{place}: belongs to another sweep, these differ: {}; to start again, remove it and {}, or name another --output",
+            "{place}: belongs to another sweep, which differs in: {}; to start again, remove it and {}, or name another --output",
             changed.join("; "),
             out.display()
         )))
@@ -136,7 +136,8 @@ impl Journal {
         if rows.len() != self.done.len() {
             let (found, all) = (rows.len(), self.done.len());
             return Err(Failure::Files(format!(
-                "{}: {found} of {all} rows can be read back: something else wrote into it; the same command runs the others",
+                "{}: {found} of {all} rows can be read: another program has changed the file; the same command \
+                 computes the missing rows",
                 self.path.display()
             )));
         }

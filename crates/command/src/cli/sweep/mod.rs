@@ -29,8 +29,8 @@ use std::time::Instant;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Values of an input's or parameter's start value, or of a key of the model file (`file:solver.tolerance`):
-    /// FROM:TO:COUNT or A,B,…; several form a grid, in which the last varies fastest
+    /// Start values of an input or parameter, or values of a key of the model file (`file:solver.tolerance`): FROM:TO:COUNT or A,B,…;
+    /// several options form a grid, in which the last one varies fastest
     #[arg(long, value_name = "KEY=VALUES", group = "variants", value_parser = NonEmptyStringValueParser::new())]
     vary: Vec<String>,
     /// CSV file with a column for each key and a row for each variant
@@ -50,7 +50,7 @@ pub struct Arguments {
     inputs: Option<PathBuf>,
     #[command(flatten)]
     grid: GridArguments,
-    /// Threads [default: one for each processor]
+    /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Print the summary as JSON for programs
@@ -66,7 +66,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let clock = Instant::now();
     for (option, path) in [("--samples", &arguments.samples), ("--inputs", &arguments.inputs)] {
         if path.as_deref() == Some(Path::new("-")) {
-            return Err(Failure::Usage(format!("{option} -: a resumed sweep reads it again; name a file")));
+            return Err(Failure::Usage(format!(
+                "{option} -: standard input cannot be read again when the sweep is \
+                                               resumed; name a file"
+            )));
         }
     }
     let (machine, text) = read_model(&arguments.model)?;

@@ -169,7 +169,7 @@ fn check_keys(keys: &[String], place: &str, interface: &Interface) -> Result<(),
         if let Some(path) = file_path(key) {
             if path.iter().any(|part| part.is_empty()) {
                 return Err(Failure::Usage(format!(
-                    "{place}: {key} is not a key of the model file; write keys as in file:body.inner.length_m"
+                    "{place}: {key} is not a key of the model file; write keys such as file:body.inner.length_m"
                 )));
             }
         } else if interface.find(key).is_none() {

@@ -102,7 +102,9 @@ pub(in crate::cli) fn changed_text(text: &str, place: &str, changes: &[(Vec<&str
                     let count = array.len();
                     let index = name.parse().ok().filter(|index: &usize| *index < count);
                     let index = index.ok_or_else(|| {
-                        refused(&format!("{name} is no entry of the array; its {count} entries begin with 0"))
+                        refused(&format!(
+                            "{name} is not an index of the array, which has {count} entries; indices start at 0"
+                        ))
                     })?;
                     &mut array[index]
                 }
@@ -136,7 +138,7 @@ pub(in crate::cli) fn number_in_file(text: &str, path: &[&str]) -> Result<f64, S
             | toml::Value::Datetime(_) => None,
         };
         entry = next
-            .ok_or_else(|| format!("the model file has no key `{name}` there; give it a number in the file first"))?;
+            .ok_or_else(|| format!("the model file has no key `{name}` there; set it to a number in the file first"))?;
     }
     match entry {
         toml::Value::Float(value) => Ok(*value),
@@ -145,7 +147,7 @@ pub(in crate::cli) fn number_in_file(text: &str, path: &[&str]) -> Result<f64, S
             Err("is not a number".to_owned())
         }
         toml::Value::Array(array) => {
-            Err(format!("is an array; name one of its {} entries, as in file:{}.0", array.len(), path.join(".")))
+            Err(format!("is an array; name one of its {} entries, such as file:{}.0", array.len(), path.join(".")))
         }
         toml::Value::Table(_) => Err("is a table; name one of its keys".to_owned()),
     }

@@ -109,7 +109,7 @@ impl Film {
         let count = picture_count(to_s - from_s, options.pictures_per_s, speed);
         if count > MAXIMUM_PICTURES as f64 {
             return Err(format!(
-                "{count:.0} pictures are more than {MAXIMUM_PICTURES}; increase --speed ({speed}) or reduce --fps"
+                "{count:.0} pictures exceed the maximum of {MAXIMUM_PICTURES}; increase --speed ({speed}) or reduce --fps"
             ));
         }
         let time_s = |picture: usize| (from_s + picture as f64 * speed / options.pictures_per_s).min(to_s);

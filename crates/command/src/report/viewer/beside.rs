@@ -83,10 +83,11 @@ pub fn run_of_page(text: &str) -> Result<PackedRun, String> {
     let generated = text.contains("<meta name=\"generator\" content=\"foldwing\">");
     let found = between(super::RUN_BEGINS).zip(between(super::NUMBERS_BEGIN));
     let Some((description, numbers)) = found.filter(|_| generated) else {
-        return Err("is not a page that foldwing simulate --view of this version wrote; write it again".to_owned());
+        return Err("is not a page written by foldwing simulate --view of this version; write it again".to_owned());
     };
     if text.contains(super::MODES_BEGIN) {
-        return Err("is a page of mode shapes, which has no run; name a page of foldwing simulate --view".to_owned());
+        return Err("is a page of mode shapes, which contains no simulation; name a page of foldwing simulate --view"
+            .to_owned());
     }
     let read = serde_json::from_str::<serde_json::Value>(description).ok();
     if read.and_then(|read| read["format"].as_u64()) != Some(FORMAT) {
@@ -95,7 +96,7 @@ pub fn run_of_page(text: &str) -> Result<PackedRun, String> {
     // text for another page must not end its element or match a placeholder of the page
     let is_number = |c: char| c.is_ascii_alphanumeric() || matches!(c, '+' | '/' | '=');
     if !stays_in_script(description) || !numbers.chars().all(is_number) {
-        return Err("is not a page that foldwing simulate --view of this version wrote; write it again".to_owned());
+        return Err("is not a page written by foldwing simulate --view of this version; write it again".to_owned());
     }
     Ok(PackedRun { description: description.to_owned(), numbers: numbers.to_owned() })
 }

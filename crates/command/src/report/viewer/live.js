@@ -200,7 +200,7 @@ function startPull(x, y) {
   const own = station === undefined ? about.stations.map((_, i) => i).filter(i => about.stations[i].body === body) : [station];
   if (!own.length) {
     const others = [...new Set(about.stations.map(one => about.bodies[one.body].name))];
-    say(`${about.bodies[body].name} has no load input to pull at${others.length ? `; these bodies have: ${others.join(", ")}` : ""}`);
+    say(`${about.bodies[body].name} has no load station to pull on${others.length ? `; bodies with load stations: ${others.join(", ")}` : ""}`);
     return null;
   }
   const nearest = own.reduce((best, i) => (away(i) < away(best) ? i : best));

@@ -221,15 +221,20 @@ impl Turbulence {
         field("reference_height_m", self.reference_height_m, positive(self.reference_height_m), "a finite number > 0")?;
         for (spacing_m, points) in self.spacing_m.into_iter().zip(self.points) {
             field("spacing_m", spacing_m, positive(spacing_m), "finite numbers > 0")?;
-            field("points", points as f64, (2..=100).contains(&points), "2 to 100 points across and upward")?;
+            field("points", points as f64, (2..=100).contains(&points), "2 to 100 points in each direction")?;
         }
         let bottom_m = self.reference_height_m - 0.5 * (upward - 1) as f64 * self.spacing_m[1];
-        field("spacing_m", self.spacing_m[1], bottom_m > 0.0, "a box whose lowest points are above the ground")?;
+        field(
+            "spacing_m",
+            self.spacing_m[1],
+            bottom_m > 0.0,
+            "a spacing at which the lowest points are above the ground",
+        )?;
         field("plane_interval_s", self.plane_interval_s, positive(self.plane_interval_s), "a finite number > 0")?;
         let fine = self.planes.is_power_of_two() && (8..=1 << 20).contains(&self.planes);
         field("planes", self.planes as f64, fine, "a power of two from 8 to 1048576")?;
         let values = (across * upward * self.planes) as f64;
-        field("planes", values, values <= 3e7, "at most 3e7 points times planes, whose bytes are twelve times that")
+        field("planes", values, values <= 3e7, "at most 3e7 for the product of points and planes")
     }
 }
 

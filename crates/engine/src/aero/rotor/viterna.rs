@@ -23,20 +23,25 @@ pub enum NoExtension {
     Empty,
     /// The last row is not a stall point between 0° and 90°.
     #[error(
-        "the last angle is {0:.3} deg; Viterna's extension begins at stall, between 0 and 90 deg and above every other angle \
-         in magnitude reached by a positive lift"
+        "the last angle is {0:.3} deg; Viterna's extrapolation starts at stall: the last row must be between 0 and 90 \
+         deg with a positive lift coefficient"
     )]
     NotStalled(f64),
     /// The first row is not a negative stall point between −90° and 0°.
     #[error(
-        "the first angle is {0:.3} deg; a polar from stall to stall begins at the negative one, between -90 and 0 deg with a negative lift"
+        "the first angle is {0:.3} deg; a polar from negative to positive stall must begin between -90 and 0 deg with \
+         a negative lift coefficient"
     )]
     NotStalledBelow(f64),
     /// The first row is outside the reflected range.
-    #[error("the first angle is {0:.3} deg; an extended polar begins between -90 deg and the last angle")]
+    #[error(
+        "the first angle is {0:.3} deg; the rows of a polar with aspect_ratio must begin between -90 deg and the last angle"
+    )]
     FirstAngle(f64),
     /// The drag coefficient is not that of a plate normal to the flow.
-    #[error("a largest drag coefficient of {0}; a plate across the flow has more than the last row, at most 3")]
+    #[error(
+        "the drag coefficient at 90 deg would be {0}; it must be larger than at the ends of the rows, and at most 3"
+    )]
     Drag(f64),
 }
 

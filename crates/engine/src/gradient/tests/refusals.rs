@@ -94,7 +94,7 @@ fn machines_that_are_not_covered_are_refused_by_name() {
     assert!(outcome.to_string().contains("inputs or parameters changed since initialisation"), "{outcome}");
 }
 
-/// Air whose steps have no derivatives, inputs over time in air, and results that are not covered there, are errors by name.
+/// Air whose steps have no derivatives, inputs over time of a model with aerodynamics, and results that are not covered there, are errors by name.
 #[test]
 fn air_that_is_not_covered_is_refused_by_name() {
     let plate =
@@ -127,13 +127,13 @@ fn air_that_is_not_covered_is_refused_by_name() {
     let column = InputColumn { index, held: false, values: vec![0.0; 2] };
     let inputs = InputRows::new(vec![0.0, 0.01], vec![column]).unwrap_or_else(|error| panic!("{error}"));
     let outcome = plant.run_on_tape_with(&inputs, &[0.01]).map(|_| ()).expect_err("inputs in air");
-    assert!(outcome.to_string().contains("inputs over time in air"), "{outcome}");
+    assert!(outcome.to_string().contains("inputs over time of a model with aerodynamics"), "{outcome}");
     let mut plant = started(machine.clone());
     let tape = plant.run_on_tape(&[0.0, 0.01]).unwrap_or_else(|error| panic!("{error}"));
     let layout = *plant.outputs().layout();
     let gradient = Gradient::new(&mut plant, &tape, Vec::new()).unwrap_or_else(|error| panic!("{error}"));
     let of = |index: usize, time: usize| gradient.check_output(index, time).expect_err("no number").to_string();
-    assert!(of(layout.tips.place(0, 0), 0).contains("results at the start of a run in air"));
+    assert!(of(layout.tips.place(0, 0), 0).contains("results at the start of a run with aerodynamics"));
     assert!(of(layout.circulation_m2_s.place(0, 0), 1).contains("circulations and control surfaces as results"));
     let stepped = |shift: f64| {
         let mut machine = machine.clone();
@@ -164,7 +164,7 @@ fn strips_that_meet_no_air_are_refused() {
     let parameter = Parameter::new("density", 1.2, 1e-3, still).unwrap_or_else(|error| panic!("{error}"));
     let mut gradient = Gradient::new(&mut plant, &tape, vec![parameter]).unwrap_or_else(|error| panic!("{error}"));
     let result = RunResult::Output { index, time: 0 };
-    let words = "strips in air that does not move relative to them (plate)";
+    let words = "strips without relative flow (plate)";
     for outcome in [gradient.forward(&[result]).map(|_| ()), gradient.adjoint(result).map(|_| ())] {
         let error = outcome.expect_err("no slope").to_string();
         assert!(error.contains(words), "{error}");

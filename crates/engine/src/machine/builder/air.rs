@@ -206,8 +206,8 @@ impl AirBuilder {
     fn ground_plane(&self, mirror: Option<Vector3<f64>>, checker: &mut Checker) -> Option<Option<Plane>> {
         let Some((normal, distance_m)) = self.ground else { return Some(None) };
         if self.model != Model::Lattice {
-            let allowed = "ground under a lattice alone";
-            checker.refuse_state(&["air", "ground_normal"], "ground under another model of the air", allowed);
+            let allowed = "a ground only with a vortex lattice";
+            checker.refuse_state(&["air", "ground_normal"], "a ground with another aerodynamic model", allowed);
             return None;
         }
         let place = ["air", "ground_normal"];
@@ -216,7 +216,7 @@ impl AirBuilder {
             return None;
         };
         if mirror.is_some_and(|mirror| mirror.dot(&unit).abs() > ACROSS) {
-            let allowed = "a normal across mirror_normal: images of images close only at a right angle";
+            let allowed = "a normal perpendicular to mirror_normal";
             checker.refuse(&place, array_text(normal.as_slice()), allowed);
             return None;
         }
@@ -283,7 +283,7 @@ impl GustBuilder {
         };
         let speed_m_s = self.speed_m_s.unwrap_or(wind_m_s.norm());
         if speed_m_s <= 0.0 {
-            let allowed = "a finite speed > 0 m/s; its default is that of wind_m_s";
+            let allowed = "a finite speed > 0 m/s; its default is the magnitude of wind_m_s";
             checker.refuse(&place("speed_m_s"), shortest(speed_m_s), allowed);
             return None;
         }
@@ -315,7 +315,7 @@ pub(super) fn build(
         let stray = stray.or(gusts.first().map(|gust| ["gust", gust.name.as_str()]));
         let stray = stray.or(flaps.first().map(|flap| ["control_surface", flap.name.as_str()]));
         if let Some(place) = stray {
-            checker.refuse_state(&place, "a surface, gust or flap without air", "a machine with air");
+            checker.refuse_state(&place, "a surface, gust or flap without aerodynamics", "a machine with aerodynamics");
         }
         return None;
     };
@@ -336,7 +336,7 @@ pub(super) fn build(
     }
     if surfaces.is_empty() {
         let allowed = "at least one surface";
-        checker.refuse_state(&["air", "model"], "air without a surface", allowed);
+        checker.refuse_state(&["air", "model"], "aerodynamics without a surface", allowed);
         return None;
     }
     let mirror = match air.mirror_normal {
@@ -387,7 +387,8 @@ pub(super) fn build(
         None => match fastest_m_s(&surfaces, bodies, air.wind_m_s, start_time_s) {
             Some(speed_m_s) => smallest_m / speed_m_s,
             None => {
-                let allowed = "a finite time > 0 s: it has no default if wing and air do not move relative to each other at the start";
+                let allowed =
+                    "a finite time > 0 s: it has no default if the wing does not move relative to the air at the start";
                 checker.refuse(&["air", "step_s"], "none", allowed);
                 return None;
             }

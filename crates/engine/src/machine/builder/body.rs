@@ -383,7 +383,7 @@ pub(super) fn add_load(name: &str, station: usize, load: &Wrench, body: &mut Bod
         None => {
             let allowed = match count {
                 0 => format!("a body with load stations: {:?} has none", body.name),
-                count => format!("a whole number from 1 to {count}, the load stations of {:?}", body.name),
+                count => format!("a whole number from 1 to {count}, the number of load stations of {:?}", body.name),
             };
             checker.refuse(&["load", name, "station"], shortest(station as f64), allowed);
         }

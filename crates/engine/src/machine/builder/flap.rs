@@ -147,7 +147,8 @@ fn check_row(flap: &FlapBuilder, chord_panels: usize, checker: &mut Checker) {
     };
     let nearest = (rows.round().clamp(1.0, (chord_panels.max(2) - 1) as f64)) / chord_panels.max(2) as f64;
     let allowed = format!(
-        "a hinge on a line between panels, a multiple of 1/{chord_panels} with chord_panels = {chord_panels}, such as {}; {cure}",
+        "a hinge on a line between panels, at a multiple of 1/{chord_panels} with chord_panels = {chord_panels}, such \
+         as {}; {cure}",
         shortest(nearest)
     );
     checker.refuse(&["control_surface", &flap.name, "hinge_fraction"], shortest(flap.hinge_fraction), allowed);

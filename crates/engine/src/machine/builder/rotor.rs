@@ -56,7 +56,7 @@ impl RotorSettings {
         if let Some(blades) =
             self.features.blades.filter(|blades| *blades == 0 || blades % machine.max(1) != 0 || *blades > 100)
         {
-            let allowed = format!("a multiple of {machine}, the blades of the machine, up to 100");
+            let allowed = format!("a multiple of {machine}, the number of blades of the machine, up to 100");
             checker.refuse(&["air", "blades"], blades.to_string(), allowed);
             return None;
         }
@@ -75,7 +75,7 @@ impl RotorSettings {
                     || "no rows".to_owned(),
                     |(a, b)| format!("angles from {} to {} rad", shortest(a.angle_rad), shortest(b.angle_rad)),
                 );
-                let allowed = "a polar from -pi to pi: a blade can meet the air from any side; viterna::extend adds what is missing";
+                let allowed = "a polar from -pi to pi: the flow at a blade can come from any side; viterna::extend adds what is missing";
                 checker.refuse_state(&["polar", name, "rows"], found, allowed);
                 return None;
             }

@@ -156,7 +156,7 @@ pub(super) fn draft<'b>(
         return None;
     }
     if surfaces[..index].iter().any(|other| other.body == name) {
-        checker.refuse(&place, format!("{name:?}"), "a body without a surface; one is on this one");
+        checker.refuse(&place, format!("{name:?}"), "a body without a surface; this one already has one");
         return None;
     }
     let length_m = length_m(surface, &bodies[body], checker)?;
@@ -255,7 +255,7 @@ fn slope(surface: &SurfaceBuilder, length_m: f64, checker: &mut Checker) -> bool
     }
     let least = least_of(slope, length_m);
     if least < 0.0 {
-        let found = format!("a slope that falls to {} on the body", shortest(least));
+        let found = format!("a lift slope that falls to {} on the body", shortest(least));
         checker.refuse_state(&place, found, "a slope >= 0 all along the body");
     }
     least >= 0.0
@@ -366,8 +366,9 @@ fn place(
             breaks_m.dedup_by(|later, earlier| *later - *earlier <= NEAR * length_m);
             let parts = breaks_m.len() + 1;
             if surface.strips < parts {
-                let allowed =
-                    format!("at least {parts} strips: the ends of the flaps cut the surface into as many parts");
+                let allowed = format!(
+                    "at least {parts} strips, because the ends of the flaps divide the surface into {parts} parts"
+                );
                 checker.refuse(&["surface", &surface.body, "strips"], surface.strips, allowed);
                 return None;
             }
@@ -409,9 +410,8 @@ fn lines_apart(surface: &SurfaceBuilder, positions_m: &[f64], chords: &[ChordLin
         wide(|line| line.leading_m.x).min(wide(|line| line.trailing_m.x)) < 0.05 * width_m
     });
     if let Some((ends_m, _)) = narrow {
-        let found = format!("lines that meet between {} and {} m", shortest(ends_m[0]), shortest(ends_m[1]));
-        let allowed =
-            "a flare that changes over a longer part of the body, so that lines along the chord keep their order";
+        let found = format!("chord lines that meet between {} and {} m", shortest(ends_m[0]), shortest(ends_m[1]));
+        let allowed = "a flare that changes over a longer part of the body, so that chord lines do not cross";
         checker.refuse_state(&["surface", &surface.body, "flare_deg"], found, allowed);
     }
     narrow.is_none()

@@ -34,7 +34,7 @@ pub(super) fn resolve(bodies: &[(BodyBuilder, JointBuilder)], checker: &mut Chec
         if parent_of[own].is_none() {
             let what = match bodies.iter().find(|(_, other)| other.name == *parent) {
                 Some((child, other)) => {
-                    format!("the root or a body, not a joint ({:?} holds {:?})", other.name, child.name)
+                    format!("the root or a body, not a joint (joint {:?} has the child {:?})", other.name, child.name)
                 }
                 None => "the root or a body".to_owned(),
             };
@@ -103,7 +103,8 @@ fn refuse_cycles(
         let name = |body: usize| bodies[body].0.name.as_str();
         let chain: Vec<&str> = cycle.iter().chain(cycle.first()).map(|body| name(*body)).collect();
         let joint = bodies[cycle[0]].1.name.as_str();
-        let allowed = format!("a parent that ends at the root; here the parents go in a cycle: {}", chain.join(" -> "));
+        let allowed =
+            format!("a chain of parents that ends at the root; here the parents form a cycle: {}", chain.join(" -> "));
         checker.refuse(&["joint", joint, "parent"], format!("{:?}", chain[1]), allowed);
     }
 }

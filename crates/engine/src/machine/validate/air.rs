@@ -31,7 +31,7 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
         checker.count(&["air", "coupling_iterations"], most_iterations, 1, 1000);
     }
     if air.surfaces.is_empty() {
-        checker.refuse_state(&["air", "model"], "air without a surface", "at least one surface");
+        checker.refuse_state(&["air", "model"], "aerodynamics without a surface", "at least one surface");
     }
     for (index, surface) in air.surfaces.iter().enumerate() {
         check_surface(index, surface, &air.surfaces, bodies, checker);
@@ -65,7 +65,8 @@ fn check_sound(air: &Air, bodies: &[Body], checker: &mut Checker) {
     checker.number(&["air", "speed_of_sound_m_s"], sound_m_s, Range::Above(0.0));
     let polar = air.surfaces.iter().find(|surface| surface.profile.polar.is_some());
     if let Some(body) = polar.and_then(|surface| bodies.get(surface.body)) {
-        let allowed = "a polar of its Mach number without speed_of_sound_m_s, or lift_slope_1_rad with it";
+        let allowed =
+            "either a polar measured at the actual Mach number without speed_of_sound_m_s, or lift_slope_1_rad with it";
         checker.refuse_state(&["surface", body.name.as_str(), "polar"], "a polar with a speed of sound", allowed);
     }
 }
@@ -121,12 +122,13 @@ fn check_lattice_profiles(
     let name = |surface: &LiftingSurface| bodies.get(surface.body).map_or("", |body| body.name.as_str());
     for surface in surfaces.iter().filter(|surface| !surface.profile.is_thin()) {
         if options.load_rule == LoadRule::Bernoulli && surface.profile.polar.is_some() {
-            let allowed = "a polar with leading_edge_suction = true: the lift and drag of a polar include the suction";
+            let allowed =
+                "a polar only with leading_edge_suction = true, because its lift and drag include the suction force";
             checker.refuse_state(&["surface", name(surface), "polar"], "a polar without suction", allowed);
         }
         if options.speed_of_sound_m_s.is_some() && surface.profile.polar.is_none() {
-            let allowed =
-                "a thin plate with speed_of_sound_m_s, or the coefficients at the Mach number without this key";
+            let allowed = "with speed_of_sound_m_s only a thin plate; for other profile coefficients omit speed_of_sound_m_s and \
+                 give the coefficients at the actual Mach number";
             checker.refuse_state(&["surface", name(surface)], "a profile with a speed of sound", allowed);
         }
     }
@@ -168,7 +170,7 @@ fn check_rotor(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[Bo
         });
     if !fits {
         let allowed = "for every section of every surface its place and the index of its polar";
-        checker.refuse_state(&["surface"], "blades that do not fit their surfaces", allowed);
+        checker.refuse_state(&["surface"], "blade sections that do not match the surfaces", allowed);
     }
     if let Some(polar) = options.polars.iter().position(|polar| !is_full_circle(&polar.rows)) {
         checker.refuse_state(&["polar"], format!("polar {polar}"), "polars from -pi to pi");
@@ -197,7 +199,8 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
     if let Some(other) = surfaces.iter().find(|surface| surface.body < bodies.len() && !turns(surface.body)) {
         let found =
             format!("{}, which is not attached to the hub {}", bodies[other.body].name, bodies[options.hub_body].name);
-        let allowed = "surfaces on the blades of one rotor, all on its hub: a machine has one rotor; simulate another one as a machine of its own";
+        let allowed = "only surfaces on the blades of one hub: a machine has one rotor; simulate a second rotor as a \
+                       separate machine";
         checker.refuse_state(&["surface"], found, allowed);
         return;
     }
@@ -236,7 +239,7 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
         let (name, first) = (&bodies[*body].name, &bodies[first.body].name);
         let found = format!("{name} {:.1} deg from {first} about the shaft", angle_rad.to_degrees());
         let allowed = format!(
-            "blades spaced evenly about the shaft, {:.1} deg apart as there are {}: is one missing, or an angle wrong?",
+            "blades evenly spaced about the shaft, {:.1} deg apart for {} blades: is one missing, or is an angle wrong?",
             apart_rad.to_degrees(),
             angles.len()
         );
@@ -256,8 +259,8 @@ fn check_lifting_line(line: &LiftingLineOptions, surfaces: &[LiftingSurface], bo
     }
     let polar = surfaces.iter().find(|surface| surface.profile.polar.is_some());
     if let Some(body) = polar.and_then(|surface| bodies.get(surface.body)) {
-        let allowed = "lift_slope_1_rad with a tip loss: the lifting line needs a lift that is linear in the downwash; \
-                       or strips without tip loss";
+        let allowed = "lift_slope_1_rad with a tip loss, because the lifting line needs a lift that is linear in the \
+                       downwash; or strips without tip loss";
         checker.refuse_state(&["surface", body.name.as_str(), "polar"], "a polar with a tip loss", allowed);
     }
 }
@@ -373,7 +376,7 @@ fn check_gust(gust: &Gust, checker: &mut Checker) {
             let finite = (1..=100_000).contains(&rows.len()) && rows.iter().flatten().copied().all(is_finite);
             if !(finite && rows.windows(2).all(|pair| pair[0][0] < pair[1][0])) {
                 let distances: Vec<f64> = rows.iter().map(|row| row[0]).collect();
-                let allowed = "1 to 100000 rows (distance in m, share) of finite numbers with distances ascending";
+                let allowed = "1 to 100000 rows [distance in m, fraction] of finite numbers with ascending distances";
                 checker.refuse(&place("table"), format!("distances {}", array_text(&distances)), allowed);
             }
         }

@@ -54,7 +54,7 @@ pub(super) fn gauge(gauge: &Gauge, bodies: &[Body], checker: &mut Checker) {
         return;
     }
     if !has_outline(law) {
-        let allowed = "a body whose section states half_width_m and half_height_m";
+        let allowed = "a body whose section has half_width_m and half_height_m";
         checker.refuse(&["gauge", name, "body"], format!("{:?}", body.name), allowed);
         return;
     }
@@ -121,7 +121,7 @@ pub(super) fn closure(closure: &Closure, bodies: &[Body], checker: &mut Checker)
         let Some(body) = body_at(&["loop", name, "bodies"], index, bodies, checker) else { return false };
         if !(0.0..=body.length_m).contains(&position_m) {
             let length = shortest(body.length_m);
-            let allowed = format!("lengths up to those of the bodies; {:?} is {length} m long", body.name);
+            let allowed = format!("positions from 0 to the length of each body; {:?} is {length} m long", body.name);
             let positions = closure.places.map(|(_, position_m)| position_m);
             checker.refuse(&["loop", name, "positions_m"], array_text(&positions), allowed);
             holds = false;
@@ -129,7 +129,7 @@ pub(super) fn closure(closure: &Closure, bodies: &[Body], checker: &mut Checker)
     }
     if holds && closure.places[0] == closure.places[1] {
         let positions = closure.places.map(|(_, position_m)| position_m);
-        let allowed = "two different sections: one is joined to itself";
+        let allowed = "two different points; this one is joined to itself";
         checker.refuse(&["loop", name, "positions_m"], array_text(&positions), allowed);
         holds = false;
     }
@@ -156,15 +156,15 @@ pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
             checker.refuse_state(
                 &["loop", &closure.name],
                 format!(
-                    "a gap of {:.6} m, from one point to the other [{:.6}, {:.6}, {:.6}],",
+                    "a gap of {:.6} m, from the first point to the second [{:.6}, {:.6}, {:.6}],",
                     gap.norm(),
                     gap.x,
                     gap.y,
                     gap.z
                 ),
                 format!(
-                    "points that coincide in the unstrained machine at its start angles to {} m, {START_GAP} of the \
-                     longer body",
+                    "points that coincide in the unstrained machine at its start angles within {} m, {START_GAP} of \
+                     the length of the longer body",
                     shortest(limit_m)
                 ),
             );

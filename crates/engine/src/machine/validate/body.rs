@@ -22,7 +22,7 @@ pub(crate) const MAXIMUM_SECTION_STATIONS: usize = 1000;
 pub(super) fn check(body: &Body, checker: &mut Checker) {
     let name = body.name.as_str();
     if name == "root" {
-        let allowed = "another name: \"root\" is what the wing is fixed to";
+        let allowed = "another name: \"root\" is reserved for the frame that carries the wing";
         checker.refuse_state(&["body", name], "the name \"root\"", allowed);
     }
     if body.is_rigid() {
@@ -35,12 +35,12 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
     checker.number(&["body", name, "stiffness_damping_s"], body.stiffness_damping_s, Range::AtLeast(0.0));
     let shares = body.stiffness_damping_factors.as_slice();
     if !shares.iter().all(|share| is_finite(*share) && *share >= 0.0) {
-        let allowed = format!("{} finite shares >= 0, of {}", shares.len(), joined_words());
+        let allowed = format!("{} finite factors >= 0, of {}", shares.len(), joined_words());
         checker.refuse(&["body", name, "stiffness_damping_factors"], array_text(shares), allowed);
     }
     let shares = &body.shear_damping_factors;
     if !shares.iter().all(|share| is_finite(*share) && *share >= 0.0) {
-        let allowed = "2 finite shares >= 0, of both shears";
+        let allowed = "2 finite factors >= 0, for shear in y and in z";
         checker.refuse(&["body", name, "shear_damping_factors"], array_text(shares), allowed);
     }
     if !long {
@@ -255,7 +255,7 @@ fn natural_strain(body: &Body, meshed: bool, checker: &mut Checker) {
         return;
     }
     let place = ["body", name, "natural_strain"];
-    let allowed = format!("curvatures of a magnitude < {limit:.4} 1/m: half a turn per element");
+    let allowed = format!("curvatures of a magnitude < {limit:.4} 1/m, which is half a revolution per element");
     if strain.0.iter().all(Profile::is_constant) {
         let values: Vec<f64> = strain.0[CURVATURES].iter().map(|curvature| curvature.at(0.0)).collect();
         checker.refuse(&place, array_text(&values), allowed);

@@ -46,7 +46,7 @@ pub(super) fn check(joint: &Joint, checker: &mut Checker) {
     let turned = joint.mount.transpose() * joint.mount - Matrix3::identity();
     let proper = turned.amax() <= 1e-9 && joint.mount.determinant() > 0.0;
     if !(proper && joint.mount.iter().copied().all(is_finite)) {
-        checker.refuse_state(&["joint", name, "mount"], "a matrix that is no rotation", "a rotation matrix");
+        checker.refuse_state(&["joint", name, "mount"], "a matrix that is not a rotation", "a rotation matrix");
         return;
     }
     if let Some((travel, own)) = joint.kind.one_freedom() {
@@ -75,7 +75,7 @@ fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &m
     let rate_key = travel.words("start_rate_rad_s");
     let rate = checker.number(&["joint", name, &rate_key], joint.start_rate_rad_s, Range::Finite);
     if rate && joint.start_rate_rad_s != 0.0 && (joint.motion != JointMotion::Free || !joint.release) {
-        let allowed = "a rate of 0 rad/s where the joint is locked, prescribed or not released at the start";
+        let allowed = "a rate of 0 rad/s if the joint is locked, prescribed or not released at the start";
         checker.refuse(&["joint", name, &rate_key], shortest(joint.start_rate_rad_s), travel.words(allowed));
     }
     if let JointMotion::Prescribed(motion) = &joint.motion {
@@ -136,17 +136,13 @@ fn check_motor(name: &str, travel: Travel, motor: &Motor, checker: &mut Checker)
     let place = ["joint", name, "motor", "gear_ratio"];
     match motor.gear_ratio {
         Some(ratio) if travel == Travel::Translation => {
-            checker.refuse(
-                &place,
-                shortest(ratio),
-                "no gear ratio on a joint that slides: only rotors feel their carrier turn",
-            );
+            checker.refuse(&place, shortest(ratio), "no gear_ratio on a prismatic joint");
         }
         Some(ratio) if !(1e-6..=1e6).contains(&ratio.abs()) => {
             checker.refuse(
                 &place,
                 shortest(ratio),
-                "a ratio of a magnitude from 1e-6 to 1e6, negative where the motor turns back",
+                "a ratio of a magnitude from 1e-6 to 1e6, negative if the motor turns in the opposite direction",
             );
         }
         _ => {}
@@ -169,7 +165,7 @@ fn check_generator(name: &str, joint: &OneFreedom, law: &GeneratorLaw, checker: 
         let allowed = "1 to 1000 rows [speed in rad/s, torque in N·m] of finite numbers with ascending speeds";
         checker.refuse(&place("rows"), format!("{rows:?}"), allowed);
     } else if law.beyond == Beyond::Power && rows[rows.len() - 1][0] <= 0.0 {
-        let allowed = "a last row at a speed > 0, where it holds its power beyond";
+        let allowed = "a last row at a speed > 0, above which its power is held constant";
         checker.refuse(&place("rows"), format!("{rows:?}"), allowed);
     }
     if let Some(gain) = law.square_gain_n_m_s2 {
@@ -199,7 +195,7 @@ fn check_latch(name: &str, travel: Travel, joint: &OneFreedom, latch: &Latch, ch
     }
     let caught = latch.enable && (joint.start_angle_rad - latch.angle_rad).abs() <= latch.capture_rad;
     if latch.kind == LatchKind::Rigid && caught && joint.start_rate_rad_s != 0.0 {
-        let allowed = "a rate of 0 rad/s where a rigid latch is closed at the start; start outside its window, or write \
+        let allowed = "a rate of 0 rad/s if a rigid latch is closed at the start; start outside its capture range, or write \
              enable = false";
         let rate_key = travel.words("start_rate_rad_s");
         checker.refuse(&["joint", name, &rate_key], shortest(joint.start_rate_rad_s), travel.words(allowed));
@@ -256,7 +252,8 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
     checker.array(&place("start_velocity_m_s"), spatial.start_velocity_m_s.as_slice());
     let free = spatial.freedom == SpatialFreedom::Free;
     if free && !matches!(joint.parent, Parent::Root { .. }) {
-        let allowed = "\"root\" where type = \"free\": a body that another one carries is held by that body's joint";
+        let allowed = "\"root\" (a free joint cannot have a body as its parent; use another joint type to attach one \
+                       body to another)";
         checker.refuse(&place("parent"), "a body", allowed);
     }
     if free && (spatial.stiffness_n_m_rad != 0.0 || spatial.damping_n_m_s_rad != 0.0) {
@@ -273,7 +270,7 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
     }
     let second = joint.mount * body_axis;
     if parent_axis.dot(&second).abs() > PARALLEL {
-        let allowed = "an array of 3 finite numbers, in the attitude of mount_rotation not parallel to axis";
+        let allowed = "an array of 3 finite numbers that after mount_rotation is not parallel to axis";
         checker.refuse(&place("body_axis"), array_text(body_axis.as_slice()), allowed);
         return;
     }
@@ -282,7 +279,8 @@ fn check_spatial(name: &str, joint: &Joint, spatial: &Spatial, checker: &mut Che
     let scale = spin.amax();
     if turns && scale > 0.0 && normal.dot(&(spin / scale).normalize()).abs() > ACROSS {
         let [x, y, z] = normal.map(|part| (part * 1e4).round() / 1e4 + 0.0).into();
-        let allowed = format!("rates in rad/s about axis and body_axis only: zero along [{x}, {y}, {z}]");
+        let allowed =
+            format!("rates in rad/s about axis and body_axis only: the component must be zero along [{x}, {y}, {z}]");
         checker.refuse(&place("start_angular_velocity_rad_s"), array_text(spin.as_slice()), allowed);
     }
 }
@@ -302,7 +300,7 @@ pub(crate) fn latch_stiffness_n_m_rad(
     let stiffness = (ratio - 1.0) * own_n_m_rad;
     if own_n_m_rad == 0.0 {
         let allowed =
-            "a ratio where the stiffness of motor and spring is > 0; write stiffness_n_m_rad (N·m/rad) instead";
+            "a ratio only with a motor or a spring of stiffness > 0; write stiffness_n_m_rad (N·m/rad) instead";
         checker.refuse(&place, shortest(ratio), travel.words(allowed));
         return None;
     }

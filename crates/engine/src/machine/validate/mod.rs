@@ -215,7 +215,7 @@ fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
             checker.number(&["solver", "fixed_step_s"], step_s, Range::Above(0.0));
         }
         None if solver.method == Method::Rk4 => {
-            let allowed = "a finite time > 0 s: method = \"rk4\" has no error estimate to choose its steps by";
+            let allowed = "a finite time > 0 s: method = \"rk4\" has no error estimate for choosing steps";
             checker.refuse(&["solver", "fixed_step_s"], "none", allowed);
         }
         None if solver.most_iterations.is_some() => {
@@ -228,13 +228,13 @@ fn solver(solver: &Solver, air: Option<&Air>, checker: &mut Checker) {
     checker.count(&["solver", "most_iterations"], most_iterations, 1, 10);
     // with aerodynamic loads computed once per step, the computing time per step is constant
     if air.is_some_and(|air| air.coupling != Coupling::Staggered) {
-        let allowed = "\"accurate\" for a machine in air, but with coupling = \"staggered\": the iteration of air and structure is not \
-                       bounded";
+        let allowed = "\"accurate\", or coupling = \"staggered\" in [aerodynamics]: otherwise the number of iterations \
+                       between aerodynamics and structure has no limit";
         checker.refuse(&["solver", "mode"], "\"real_time\"", allowed);
     }
     if solver.method != Method::Sdirk2 {
-        let allowed = "\"sdirk2\", or no method, with mode = \"real_time\": with fixed steps the others keep a jump of \
-                       the accelerations ringing in stiff modes";
+        let allowed = "\"sdirk2\", or no method, with mode = \"real_time\": with fixed steps the other methods do not \
+                       damp the vibration of stiff modes after a jump of the accelerations";
         checker.refuse(&["solver", "method"], format!("{:?}", solver.method), allowed);
     }
 }

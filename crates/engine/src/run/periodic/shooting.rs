@@ -270,7 +270,8 @@ impl<'p> Shooting<'p> {
             if quiet(now) != quiet(before) {
                 let name = &machine.bodies[body].joint.name;
                 return Err(self.refused(format!(
-                    "the joint {name} reaches its latch, its end stops or a brake at t = {} s, within the turn; only motions without such \
+                    "the joint {name} reaches its latch, its end stops or a brake at t = {} s, within the revolution; \
+                     only motions without such \
                      events are supported: open the latch or widen the end stops",
                     state.now.time_s
                 )));
@@ -451,9 +452,10 @@ impl<'p> Shooting<'p> {
 
     fn no_contraction(&self, nearest: f64, accuracy: f64) -> PlantError {
         self.refused(format!(
-            "no turn of the shaft is periodic: the smallest difference of {} turns is {nearest:.1e} (rotation in rad, or \
-             displacement over the machine's length), {accuracy:.1e} is required; check for undamped motions, start closer to the \
-             solution, use more steps in a turn, or a larger tolerance",
+            "no periodic revolution of the shaft was found: in {} revolutions the smallest difference between start \
+             and end is {nearest:.1e} (rotation in rad, or displacement divided by the machine's length), \
+             {accuracy:.1e} is required; check for undamped motions, start closer to the solution, use more steps per \
+             revolution, or a larger tolerance",
             self.turns
         ))
     }

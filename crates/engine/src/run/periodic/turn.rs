@@ -61,12 +61,12 @@ impl Turn {
         let speed_rad_s = speed_rad_s.map_or_else(|| own_speed_rad_s(hinge, &name), Ok)?;
         if speed_rad_s == 0.0 || !speed_rad_s.is_finite() || !(TAU / speed_rad_s).is_finite() {
             return Err(format!(
-                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0; at standstill there is a \
-                 static equilibrium instead"
+                "the speed of the shaft {name} is {speed_rad_s} rad/s; allowed are finite speeds other than 0; at \
+                 standstill compute the static equilibrium instead"
             ));
         }
         if !(1..=MAXIMUM_STEPS).contains(&steps) {
-            return Err(format!("{steps} steps in a turn; allowed are 1 to {MAXIMUM_STEPS}"));
+            return Err(format!("{steps} steps per revolution; allowed are 1 to {MAXIMUM_STEPS}"));
         }
         let start_rad = match &hinge.motion {
             JointMotion::Prescribed(Motion::Polynomial(coefficients)) => {
@@ -127,7 +127,8 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
         let joint = &body.joint;
         if joint.kind.spatial().is_some() {
             return Err(format!(
-                "the joint {} is universal, ball or free: its coordinates are no states; build it of revolute and prismatic joints",
+                "the joint {} is universal, ball or free: its coordinates cannot serve as states of the periodic \
+                 motion; replace it by revolute and prismatic joints",
                 joint.name
             ));
         }
@@ -137,7 +138,7 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
                 matches!(motion, Motion::Polynomial(coefficients) if coefficients[1..].iter().all(|c| *c == 0.0));
             if index != shaft && !still {
                 return Err(format!(
-                    "the joint {} moves by a law of time beside the shaft; lock it, or let it go",
+                    "the joint {} has a prescribed motion, which only the shaft may have; lock the joint or release it",
                     joint.name
                 ));
             }
@@ -148,19 +149,20 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
     }
     let Some(air) = &machine.air else { return Ok(()) };
     if let Some(gust) = air.gusts.first() {
-        return Err(format!("the gust {} is not periodic over a turn; remove it from the model", gust.name));
+        return Err(format!("the gust {} is not periodic over a revolution; remove it from the model", gust.name));
     }
     match &air.options {
         AirOptions::Lattice(_) => {
-            Err("the wake of a vortex lattice is not periodic; use model = \"rotor\" or \"strip\"".to_owned())
+            Err("the wake of a vortex lattice is not periodic; use model = \"bem\" or \"strip\"".to_owned())
         }
         AirOptions::Strips(_) => Ok(()),
         AirOptions::Rotor(options) => match options.features.field.as_ref().map(|field| &field.source) {
             Some(Source::Table(table)) if table.rows.len() > 1 => {
-                Err("a wind table over time is not periodic over a turn; give one row, or a profile".to_owned())
+                Err("a wind table over time is not periodic over a revolution; give one row, or a wind profile"
+                    .to_owned())
             }
             Some(Source::Box(_)) => {
-                Err("turbulence is not periodic over a turn; remove [aerodynamics.turbulence] from the model"
+                Err("turbulence is not periodic over a revolution; remove [aerodynamics.turbulence] from the model"
                     .to_owned())
             }
             Some(Source::Steady(_) | Source::Table(_)) | None => Ok(()),

@@ -198,7 +198,7 @@ impl System {
             strips.respond(&at, own.gusts, &mut own.answer);
             let (change_n, size_n) = own.compare(*length_m);
             if !change_n.is_finite() {
-                return Err(refusal(time_s, "its loads are not finite"));
+                return Err(refusal(time_s, "the loads are not finite"));
             }
             // the first guess is arbitrary: its loads and accelerations are not consistent
             found = correction > 0 && change_n <= AGREED * size_n;
@@ -241,8 +241,8 @@ impl System {
         }
         if !found {
             let cause = format!(
-                "accelerations and apparent mass did not converge in {MAXIMUM_CORRECTIONS} corrections; if the air is heavy for the \
-                 structure, write apparent_mass = false"
+                "accelerations and apparent mass did not converge in {MAXIMUM_CORRECTIONS} corrections; if the \
+                 apparent mass is large compared with the mass of the structure, write apparent_mass = false"
             );
             return Err(PlantError::Surroundings { time_s, cause });
         }

@@ -39,8 +39,8 @@ fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
     // in degrees, as in the model file, without the round-off of the conversion
     let degrees = [*lower_rad, *upper_rad].map(|rad| (rad.to_degrees() * 1e6).round() / 1e6);
     let cause = format!(
-        "aero.control_surface.{name}.angle_command puts flap {name} at {angle_rad} rad; allowed: from {lower_rad:.6} to {upper_rad:.6} rad, \
-         its lower_deg = {} and upper_deg = {}",
+        "aero.control_surface.{name}.angle_command moves flap {name} to {angle_rad} rad; allowed: from {lower_rad:.6} \
+         to {upper_rad:.6} rad (lower_deg = {}, upper_deg = {})",
         degrees[0], degrees[1]
     );
     Err(PlantError::Surroundings { time_s, cause })

@@ -31,8 +31,8 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
         NoCirculation::Sonic(sonic) => {
             let body = &machine.bodies[air.surfaces[sonic.surface].body].name;
             let cause = format!(
-                "strip {} of body {body} meets the air at Mach {:.3}; Prandtl and Glauert's rule (speed_of_sound_m_s) \
-                 holds only below Mach 1, before shocks form; lower the speed",
+                "strip {} of body {body} has a relative flow of Mach {:.3}; the Prandtl-Glauert correction \
+                 (speed_of_sound_m_s) is valid only below Mach 1, before shocks form; reduce the speed",
                 sonic.strip + 1,
                 sonic.mach
             );
@@ -41,15 +41,15 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
         NoCirculation::BelowGround(surface) => {
             let body = &machine.bodies[air.surfaces[surface].body].name;
             let cause = format!(
-                "the surface of body {body} reaches below the ground; raise the wing or enlarge ground_distance_m"
+                "the surface of body {body} reaches below the ground; raise the wing or increase ground_distance_m"
             );
             PlantError::Surroundings { time_s, cause }
         }
         NoCirculation::Profile(surface) => {
             let body = &machine.bodies[air.surfaces[surface].body].name;
             let cause = format!(
-                "no circulation satisfies the polars of all strips of body {body}; beyond stall neighbouring strips may have \
-                 several or none: use fewer strips, a polar that falls less steeply, or model = \"strip\""
+                "no circulation satisfies the polars of all strips of body {body}; beyond stall there may be several \
+                 solutions or none: use fewer strips, a polar that falls less steeply, or model = \"strip\""
             );
             PlantError::Surroundings { time_s, cause }
         }

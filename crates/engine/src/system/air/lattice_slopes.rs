@@ -43,8 +43,8 @@ impl System {
         let flow = flow(settings, &self.state, time_s);
         if let Some(gust) = over(settings, motions, &flow) {
             let cause = format!(
-                "gust {gust:?} is over the surfaces at this time, and would be a part of the steady flow; let it arrive later (origin_m, \
-                 start_s), or remove [gust.{gust}]"
+                "gust {gust:?} acts on the surfaces at this time and would be part of the steady flow; delay it \
+                 (origin_m, start_s), or remove [gust.{gust}]"
             );
             return Err(PlantError::Linearization { time_s, cause });
         }

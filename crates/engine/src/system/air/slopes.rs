@@ -208,8 +208,8 @@ impl System {
     fn no_slope(&self, section: usize) -> PlantError {
         let place = &self.stations_of_blades()[section];
         let cause = format!(
-            "the momentum balance of {place} jumps here, between two states of the annulus; choose another wind, pitch or rotor \
-             speed, or write inflow_lag_s, which has no jump"
+            "the momentum balance of {place} is discontinuous at this operating point, between two states of the \
+             annulus; choose another wind, pitch or rotor speed, or write inflow_lag_s, with which it is continuous"
         );
         PlantError::Linearization { time_s: self.state.now.time_s, cause }
     }

@@ -61,7 +61,7 @@ impl System {
         air.read(&history.loads);
         let (change_n, size_n) = air.compare();
         if !change_n.is_finite() {
-            return Err(refusal(time_s, "its loads are not finite"));
+            return Err(refusal(time_s, "the loads are not finite"));
         }
         air.accept();
         history.start_s = time_s;

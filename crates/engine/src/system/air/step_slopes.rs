@@ -161,13 +161,13 @@ impl System {
         let strips = match &air.options {
             AirOptions::Strips(strips) => strips,
             AirOptions::Lattice(_) => return Some(("the vortex lattice", "aerodynamics")),
-            AirOptions::Rotor(_) => return Some(("the air of rotors", "aerodynamics")),
+            AirOptions::Rotor(_) => return Some(("rotor aerodynamics", "aerodynamics")),
         };
         if strips.tip_loss.is_some() {
             return Some(("the lifting line of strips", "aerodynamics.tip_loss"));
         }
         if air.coupling == Coupling::Staggered {
-            return Some(("the staggered coupling of air and structure", "aerodynamics.coupling"));
+            return Some(("the staggered coupling of aerodynamics and structure", "aerodynamics.coupling"));
         }
         let smooth = |gust: &&Gust| matches!(gust.shape, GustShape::OneMinusCosine { .. });
         if let Some(gust) = air.gusts.iter().find(|gust| !smooth(gust)) {
