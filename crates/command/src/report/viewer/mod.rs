@@ -17,21 +17,24 @@ use serde_json::json;
 const PAGE: &str = include_str!("page.html");
 const STYLES: [&str; 2] = [include_str!("vendor/uplot.css"), include_str!("page.css")];
 const LIBRARIES: [&str; 2] = [include_str!("vendor/three.js"), include_str!("vendor/uplot.js")];
-const SCRIPTS: [&str; 15] = [
+const SCRIPTS: [&str; 18] = [
     include_str!("run.js"),
     include_str!("modes.js"),
     include_str!("colours.js"),
     include_str!("stage.js"),
     include_str!("camera.js"),
     include_str!("bodies.js"),
+    include_str!("lift.js"),
     include_str!("air.js"),
     include_str!("marks.js"),
     include_str!("pick.js"),
     include_str!("plots.js"),
+    include_str!("along.js"),
     include_str!("mode_list.js"),
     include_str!("live.js"),
     include_str!("controls.js"),
     include_str!("export.js"),
+    include_str!("address.js"),
     include_str!("page.js"),
 ];
 
@@ -156,7 +159,7 @@ mod tests {
         let written = page("wing", &run, &[other]);
         assert_eq!(run_of_page(&written).unwrap(), run);
         assert!(run_of_page("<!doctype html><html></html>").unwrap_err().contains("is not a page"));
-        let older = written.replacen("\"format\":2", "\"format\":1", 1);
+        let older = written.replacen("\"format\":3", "\"format\":1", 1);
         assert!(run_of_page(&older).unwrap_err().contains("another version"));
         // text that would not stay text in the page with both runs is rejected
         for (from, to) in [("\"name\":\"inner\"", "\"name\":\"<b>\""), ("\"name\":\"inner\"", "\"name\":\"{{runs}}\"")]
