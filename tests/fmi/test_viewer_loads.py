@@ -212,3 +212,54 @@ def changed_share(one, other):
     difference = ImageChops.difference(*(Image.open(io.BytesIO(data)).convert("RGB") for data in (one, other)))
     largest = functools.reduce(ImageChops.lighter, difference.split())
     return sum(largest.histogram()[17:]) / math.prod(largest.size)
+
+
+def test_f378_a_sweep_is_a_fan_with_bands(foldwing, browser, tmp_path):
+    """F-378. Twelve stiffnesses of the motor on one page: every drawn axis ends where its own run says, the bands of the plots are the quantiles of
+    the twelve, one draw call more than without them, less than 10 MB; the box takes lines and bands away.
+    """
+    model, stiffness = ROOT / "examples/models/folding_wing.toml", [0.02 + 0.01 * i for i in range(12)]
+    values = ",".join(f"{value:.2f}" for value in stiffness)
+    page, rows = tmp_path / "fan.html", tmp_path / "sweep.csv"
+    subprocess.run([foldwing, "sweep", model, "--vary", f"fold.stiffness={values}", "-o", rows, "--view", page, "--quiet"], check=True)
+    assert page.stat().st_size < 10_000_000
+    for width, dark in ((1700, False), (390, True)):
+        browser.open(page, width, 1000, dark)
+        settled(browser)
+        assert browser.complaints() == [] and browser.value("document.documentElement.scrollWidth") <= width
+    browser.open(page)
+    assert browser.value("[fan.count, fan.like, fan.labels.length, fan.labels[3][0]]") == [12, 12, 12, "0.05"]
+    runs = []
+    for value in stiffness:
+        csv_file = tmp_path / f"{value:.2f}.csv"
+        subprocess.run([foldwing, "simulate", model, "--set", f"fold.stiffness={value:.2f}", "--csv", csv_file, "--quiet", "--variables", "fold.angle,tip.position.*"], check=True)
+        runs.append({round(float(row["time"]), 6): row for row in records(csv_file)})
+    times = browser.value("fanTimes")
+    for index in (0, 40, 77, len(times) - 1):
+        time_s = round(times[index], 6)
+        own = [float(run[time_s]["fold.angle"]) * 180.0 / math.pi for run in runs]
+        bands = browser.value(f"bandsOf('fold.angle').map(band => band.values[{index}])")
+        assert bands == pytest.approx([quantile(own, fraction) for fraction in (0.0, 0.05, 0.5, 0.95, 1.0)], rel=1e-6, abs=1e-6 * max(map(abs, own)) + 1e-9)
+        for run in (0, 7, 11):
+            tip = browser.value(f"vector(fan.numbers, fanPlace({run}, {index}, fanPoints - 1))")
+            assert tip == pytest.approx([float(runs[run][time_s][f"tip.position.{axis}"]) for axis in "xyz"], abs=1e-6)
+    # the lines go with the time, and are one object
+    browser.value("(seek(main.positionAt(fanTimes[40])), true)")
+    with_fan = picture(browser)
+    calls = browser.value("renderer.info.render.calls")
+    ends = browser.value("Array.from(fanLines.geometry.getAttribute('position').array.slice(-3))")
+    assert ends == pytest.approx(browser.value("vector(fan.numbers, fanPlace(11, 40, fanPoints - 1))"), abs=1e-6)
+    series = browser.value("charts[0].plot.series.length")
+    browser.value("get('fan').click(), true")
+    assert picture(browser) != with_fan
+    assert browser.value("renderer.info.render.calls") == calls - 1
+    assert browser.value("charts[0].plot.series.length") == series - 5
+    assert browser.complaints() == []
+
+
+def quantile(values, fraction):
+    """Value below which a fraction of the values lies, linear between them."""
+    values = sorted(values)
+    place = fraction * (len(values) - 1)
+    before = min(int(place), len(values) - 2)
+    return values[before] + (place - before) * (values[before + 1] - values[before])

@@ -1,4 +1,4 @@
-//! Normal forces of the panels of a lattice, for pictures of the pressure: summed beside the loads and read by nothing that is computed.
+//! Normal forces of the panels of a lattice, for pictures of the pressure: summed beside the loads, and no part of any state.
 
 use crate::aero::biot_savart::LANES;
 use crate::aero::lattice::VortexLattice;
@@ -18,7 +18,7 @@ impl PanelForces {
         Self { normal_n: vec![0.0; panels], of_m2_s: vec![f64::NAN; rings] }
     }
 
-    /// Begins the sum for a circulation that is not settled yet.
+    /// Clears the sum; it has no circulation until [`Self::settle`].
     pub fn clear(&mut self) {
         self.normal_n.fill(0.0);
         self.of_m2_s.fill(f64::NAN);
@@ -41,8 +41,8 @@ impl PanelForces {
 }
 
 impl VortexLattice {
-    /// Normal force in N of a panel of a surface at the end of the step to `state`, from the face that circulation about the span pushes away
-    /// from: steady part and rate of the impulse, without the corrections of profiles. `None` if the last step solved is another.
+    /// Normal force in N of a panel of a surface at the end of the step to `state`, positive along chord times span: steady part and rate of
+    /// the impulse, without the corrections of profiles. `None` if the last solved step is another.
     pub fn panel_force_n(&self, state: &LatticeState, surface: usize, row: usize, strip: usize) -> Option<f64> {
         let panel = self.first_panel[surface] + row * self.bound[surface].strips + strip;
         self.panel_forces.belong_to(&state.circulation_m2_s).then(|| self.panel_forces.normal_n[panel])

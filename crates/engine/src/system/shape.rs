@@ -315,8 +315,8 @@ impl System {
         places_m.iter().map(section).collect()
     }
 
-    /// Places on a beam at distances in m from its inner end, ascending, for [`System::internal_loads`]: the first one is cut outboard of
-    /// what is attached there, the others inboard. None on rigid and modal bodies.
+    /// Places on a beam at distances in m from its inner end, ascending, for [`System::internal_loads`]: the first section is cut outboard
+    /// of masses and loads attached there, the others inboard. None on rigid and modal bodies.
     pub fn load_places(&self, body: usize, places_m: &[f64]) -> Vec<SectionPlace> {
         let model = &self.equations.model;
         if model.bodies[body].elements == 0 {

@@ -105,6 +105,7 @@ function render() {
   updateArrows();
   placePickMark();
   if (live) updatePull();
+  updateFan();
   marks.visible = links.visible = main.shown;
   ground.visible = axes.visible = get("ground").checked;
   sun.castShadow = get("shadow").checked && ground.visible && economy === 0;
@@ -330,11 +331,15 @@ function buildControls() {
   for (const [name, { title }] of Object.entries(SURFACE_FIELDS)) get("surface-field").add(new Option(title, name));
   get("surface-field").value = Object.keys(SURFACE_FIELDS).find(name => SURFACE_FIELDS[name] === surfaceField);
   get("wake-label").hidden = !about.wakes.length;
+  get("fan-label").hidden = !fan;
+  get("fan").addEventListener("change", () => { charts.forEach(chart => chart.build()); get("fan-scale").hidden = !get("fan").checked; changed(); });
   if (!filmType) Object.assign(get("save-film"), { disabled: true, title: "This browser records no WebM" });
   const left = [];
   if (modal && modal.states.length < modal.found) left.push(`${modal.states.length} of ${modal.found} states are on this page`);
   if (!modal && !live && main.count < about.recorded) left.push(`${main.count} of ${about.recorded} points in time are drawn`);
   if (!live && about.signalRows < about.points) left.push(`plots have ${about.signalRows} of ${about.points} points`);
+  if (fan && fan.like < fan.count) left.push(`${fan.count - fan.like} of ${fan.count} runs failed or are unlike this one, and are left out`);
+  if (fan && fan.labels.length < fan.like) left.push(`${fan.labels.length} of ${fan.like} runs are drawn, and the bands are those of all`);
   for (const table of tables) if (table.rows < table.recorded) left.push(`${table.label} has ${table.rows} of ${table.recorded} rows`);
   get("thinned").hidden = !left.length;
   get("thinned").textContent = `${left.join("; ")}, at equal intervals${modal ? "" : ": peaks between them do not show"}.`;
@@ -379,6 +384,7 @@ function begin() {
   paintInks();
   buildControls();
   addScale("body-scale");
+  buildFan();
   addScale("surface-scale");
   addScale("air-scale");
   // the beginning of a run is shown without plots and values: those of the run before it stay until it is complete

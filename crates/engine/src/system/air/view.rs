@@ -24,8 +24,8 @@ pub struct SurfaceLattice {
 }
 
 impl System {
-    /// Force in N of the air at the edges of the strips, surface by surface, root frame, at the present time: what the strips beside an
-    /// edge exert there. Their sum is the total force of the air on the surfaces. Empty without aerodynamics.
+    /// Force in N of the air at the edges of the strips, surface by surface, root frame, at the present time, as it acts on the structure.
+    /// Their sum is the total force of the air on the surfaces. Empty without aerodynamics.
     pub fn surface_forces_n(&self) -> Vec<Vec<Vector3<f64>>> {
         let Some(air) = &self.air else { return Vec::new() };
         let mut loads = air.section_forces_n(&self.equations).into_iter();
