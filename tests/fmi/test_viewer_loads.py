@@ -215,24 +215,24 @@ def changed_share(one, other):
 
 
 def test_f378_a_sweep_is_a_fan_with_bands(foldwing, browser, tmp_path):
-    """F-378. Twelve stiffnesses of the motor on one page: every drawn axis ends where its own run says, the bands of the plots are the quantiles of
+    """F-378. Twelve start angles on one page: every drawn axis ends where its own run says, the bands of the plots are the quantiles of
     the twelve, one draw call more than without them, less than 10 MB; the box takes lines and bands away.
     """
-    model, stiffness = ROOT / "examples/models/folding_wing.toml", [0.02 + 0.01 * i for i in range(12)]
-    values = ",".join(f"{value:.2f}" for value in stiffness)
+    model, angles = ROOT / "examples/models/folding_wing.toml", [1.8 + 0.1 * i for i in range(12)]
+    values = ",".join(f"{value:.2f}" for value in angles)
     page, rows = tmp_path / "fan.html", tmp_path / "sweep.csv"
-    subprocess.run([foldwing, "sweep", model, "--vary", f"fold.stiffness={values}", "-o", rows, "--view", page, "--quiet"], check=True)
+    subprocess.run([foldwing, "sweep", model, "--vary", f"fold.start_angle={values}", "-o", rows, "--view", page, "--quiet"], check=True)
     assert page.stat().st_size < 10_000_000
     for width, dark in ((1700, False), (390, True)):
         browser.open(page, width, 1000, dark)
         settled(browser)
         assert browser.complaints() == [] and browser.value("document.documentElement.scrollWidth") <= width
     browser.open(page)
-    assert browser.value("[fan.count, fan.like, fan.labels.length, fan.labels[3][0]]") == [12, 12, 12, "0.05"]
+    assert browser.value("[fan.count, fan.like, fan.labels.length, fan.labels[3][0]]") == [12, 12, 12, "2.10"]
     runs = []
-    for value in stiffness:
+    for value in angles:
         csv_file = tmp_path / f"{value:.2f}.csv"
-        subprocess.run([foldwing, "simulate", model, "--set", f"fold.stiffness={value:.2f}", "--csv", csv_file, "--quiet", "--variables", "fold.angle,tip.position.*"], check=True)
+        subprocess.run([foldwing, "simulate", model, "--set", f"fold.start_angle={value:.2f}", "--csv", csv_file, "--quiet", "--variables", "fold.angle,tip.position.*"], check=True)
         runs.append({round(float(row["time"]), 6): row for row in records(csv_file)})
     times = browser.value("fanTimes")
     for index in (0, 40, 77, len(times) - 1):

@@ -11,8 +11,10 @@ pub const INTERVALS: u64 = 120;
 const ALONG: usize = 8;
 /// Maximum number of drawn runs.
 const MAXIMUM_DRAWN: usize = 200;
-/// Maximum number of values of all drawn axes: the page stays below 10 MB.
-const MAXIMUM_NUMBERS: usize = 700_000;
+/// Maximum number of values of drawn axes and bands: the page stays below 10 MB.
+const MAXIMUM_NUMBERS: usize = 600_000;
+/// Maximum number of signals with bands, which leave room for axes.
+pub const MAXIMUM_SIGNALS: usize = 800;
 /// Maximum number of values of all signals of all runs, in memory.
 pub const MAXIMUM_VALUES: usize = 60_000_000;
 /// Fractions of the runs below the curves of a band; the first and the last are the extremes.
@@ -95,7 +97,9 @@ impl Fan {
         let alike = |run: &Option<FanRun>| run.as_ref().is_some_and(|run| run.is_like(shown));
         let like: Vec<usize> = (0..self.runs.len()).filter(|i| alike(&self.runs[*i])).collect();
         let run = |i: usize| self.runs[i].as_ref().unwrap_or(shown);
-        let room = (MAXIMUM_NUMBERS / shown.axes_m.len().max(1)).clamp(1, MAXIMUM_DRAWN);
+        let bands = self.signals.len() * shown.times_s.len() * FRACTIONS.len();
+        let room = MAXIMUM_NUMBERS.saturating_sub(bands) / shown.axes_m.len().max(1);
+        let room = room.clamp(1, MAXIMUM_DRAWN);
         let count = like.len().min(room);
         let drawn: Vec<usize> = (0..count).map(|i| like[(like.len() - 1) * i / (count - 1).max(1)]).collect();
         let mut numbers = shown.times_s.clone();

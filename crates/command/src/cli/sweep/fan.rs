@@ -10,7 +10,7 @@ use crate::report::{Recording, number};
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Causality, Interface};
 use foldwing_recording::columns;
-use foldwing_recording::fan::{Fan, FanRun, INTERVALS, MAXIMUM_VALUES};
+use foldwing_recording::fan::{Fan, FanRun, INTERVALS, MAXIMUM_SIGNALS, MAXIMUM_VALUES};
 
 /// Recording of a variant.
 pub(in crate::cli) struct Pictures<'a> {
@@ -74,6 +74,12 @@ impl<'a> FanPage<'a> {
         let given = experiment.outputs.iter().cloned();
         let given: Vec<String> = if experiment.outputs.is_empty() { all().collect() } else { given.collect() };
         let names: Vec<String> = given.into_iter().filter(is_output).collect();
+        if names.len() > MAXIMUM_SIGNALS {
+            return Err(Failure::Usage(format!(
+                "--view: bands of {} variables do not fit into a page, at most {MAXIMUM_SIGNALS}; select fewer by --variables",
+                names.len()
+            )));
+        }
         let count = experiment.plan.count();
         let values = count * names.len() * (INTERVALS as usize + 1);
         if values > MAXIMUM_VALUES {
