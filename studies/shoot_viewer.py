@@ -1,4 +1,4 @@
-"""Takes a picture of the page that plays a run: docs/pictures/viewer.png, the wing in the tunnel with its wake.
+"""Takes a picture of the page that plays a run: docs/pictures/viewer.png, the wing in the tunnel with its wake and its loads.
 
 Usage: shoot_viewer.py --foldwing target/release/foldwing --output docs/pictures; needs Chromium.
 """
@@ -28,7 +28,7 @@ def main():
         page = Path(folder) / "tunnel.html"
         subprocess.run([arguments.foldwing, "simulate", MODEL, "--quiet", "--view", page], check=True)
         browser.open(page, 1400, 860)
-        browser.value(f"seek(main.positionAt({TIME_S})), turn(-0.4, 0.05), zoom(1.25), true")
+        browser.value(f"seek(main.positionAt({TIME_S})), turn(-0.4, 0.05), zoom(1.25), get('along').open = true, true")
         browser.call("Runtime.evaluate", awaitPromise=True,
                      expression="new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
         browser.screenshot(arguments.output / "viewer.png")

@@ -222,6 +222,7 @@ mod tests {
     use super::*;
     use crate::recording::Recording;
     use crate::recording::tests::{recorded, shipped};
+    use foldwing_engine::machine::{InternalLoad, SectionSide};
     use std::sync::Arc;
 
     /// The shipped wing latches once, at the time given by the latch time output.
@@ -269,5 +270,41 @@ mod tests {
         assert_eq!(acting.reactions[0][0], plant.outputs().joint_reactions()[0].force_n);
         assert_eq!(acting.gravity_m_s2, plant.machine().gravity_m_s2);
         assert_eq!((acting.wind_m_s.len(), acting.circulation_m2_s.len()), (0, 0));
+    }
+
+    /// Internal loads along the beams are the outputs at the same places and sides; forces at the edges of the strips sum to the force of
+    /// the air; those of the panels, once the air is steady, to its part across the flat wing.
+    #[test]
+    fn loads_along_the_bodies_are_those_of_the_outputs() {
+        let mut machine = shipped("folding_wing_in_tunnel");
+        let places =
+            [(0, 0.0, SectionSide::Outboard), (0, 0.028_125, SectionSide::Inboard), (1, 0.15, SectionSide::Inboard)];
+        machine.internal_loads = places
+            .map(|(body, position_m, side)| InternalLoad {
+                name: format!("{body} {position_m}"),
+                body,
+                position_m,
+                side,
+            })
+            .to_vec();
+        let mut plant = Plant::new(Arc::new(machine));
+        plant.initialize(0.0).unwrap();
+        let mut recording = Recording::new(&plant, 40, 40);
+        for step in 1..=40 {
+            plant.step(f64::from(step) * 1e-3).unwrap();
+            recording.include(&plant);
+            let (frame, outputs) = (&recording.frames[recording.frames.len() - 1], plant.outputs());
+            for ((body, position_m, _), output) in places.iter().zip(outputs.internal_loads()) {
+                let own = &recording.scene.bodies[*body].places_m;
+                let index = own.iter().position(|place_m| (place_m - position_m).abs() < 1e-12).expect("a section");
+                // the same expressions
+                assert_eq!(frame.loads[*body][index], *output, "{body} {position_m} m at step {step}");
+            }
+            let total: Vector3<f64> = frame.edge_forces_n.iter().flatten().sum();
+            let air = outputs.air_total().force_n;
+            assert!((total - air).norm() < 1e-12 * air.norm().max(1.0), "{total} {air}");
+            let panels = &frame.lattice[1].panel_force_n;
+            assert_eq!((panels.len(), panels[0].len()), (4, 10));
+        }
     }
 }

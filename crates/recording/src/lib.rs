@@ -3,12 +3,14 @@
 //! The command records runs for `--view`, `--plot`, `--vtk`, films and live simulations; the documentation's pages record them in the browser.
 
 pub mod acting;
+pub mod fan;
 pub mod grid;
 pub mod packed;
 pub mod recording;
 pub mod run;
 pub mod signals;
 
+pub use fan::{Fan, FanRun};
 pub use grid::Grid;
 pub use recording::Recording;
 pub use run::Run;

@@ -6,7 +6,7 @@ use crate::signals::Signals;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use foldwing_engine::machine::Travel;
-use foldwing_engine::plant::SurfaceLattice;
+use foldwing_engine::plant::{SectionPlace, SurfaceLattice};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
@@ -17,7 +17,7 @@ pub const MAXIMUM_NUMBERS: usize = 1_200_000;
 const MAXIMUM_NUMBERS_OF_FILM: usize = 40_000_000;
 
 /// Version of the format read by `run.js`; a page of another version cannot be compared.
-pub const FORMAT: u64 = 2;
+pub const FORMAT: u64 = 3;
 
 /// A run as text.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,6 +135,15 @@ pub fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
         let of_one = [acting.stations_m[i], acting.forces_n[i], acting.moments_n_m[i], acting.air_n[i]];
         of_one.into_iter().flat_map(components)
     });
+    let loads =
+        frame.loads.iter().flatten().flat_map(|wrench| [wrench.force_n, wrench.moment_n_m]).flat_map(components);
+    let edge_forces = frame.edge_forces_n.iter().flatten().copied().flat_map(components);
+    // of a state that was restored the forces of the panels are not known
+    let panel_forces = frame.lattice.iter().flat_map(|surface| {
+        let panels = (surface.corner_m.len() - 2) * surface.circulation_m2_s.len();
+        let known = surface.panel_force_n.iter().flatten().copied();
+        known.chain(std::iter::repeat(f64::NAN)).take(panels)
+    });
     let reactions = acting.reactions.iter().flatten().copied().flat_map(components);
     let wind = acting.wind_m_s.iter().copied().flat_map(components);
     scalars
@@ -147,6 +156,9 @@ pub fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
         .chain(components(acting.gravity_m_s2))
         .chain(wind)
         .chain(acting.circulation_m2_s.iter().copied())
+        .chain(loads)
+        .chain(edge_forces)
+        .chain(panel_forces)
         .map(|number| number as f32)
         .collect()
 }
@@ -169,10 +181,11 @@ fn description(
     frames: &[&Frame],
     (begins, rows): (&[usize], &[Vec<usize>]),
 ) -> Value {
-    let body = |body: &BodyScene| {
+    let body = |(body, places): (&BodyScene, &Vec<SectionPlace>)| {
+        let loaded = !places.is_empty();
         json!({
             "name": body.name, "joint": body.joint, "rims": body.rims_m, "places": body.places_m,
-            "stiffness": body.stiffness, "rigid": body.is_rigid, "outlined": body.has_outline, "carrier": body.carrier,
+            "stiffness": body.stiffness, "rigid": body.is_rigid, "loaded": loaded, "outlined": body.has_outline, "carrier": body.carrier,
         })
     };
     let first = frames.first();
@@ -218,7 +231,7 @@ fn description(
         "format": FORMAT,
         "name": scene.name,
         "description": scene.description,
-        "bodies": scene.bodies.iter().map(body).collect::<Vec<_>>(),
+        "bodies": scene.bodies.iter().zip(&scene.load_places).map(body).collect::<Vec<_>>(),
         "joints": scene.joints.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "units": scene.travels.iter().map(|travel| if *travel == Travel::Rotation { "°" } else { " m" }).collect::<Vec<_>>(),
         "coordinates": scene.travels.iter().map(|travel| travel.coordinate()).collect::<Vec<_>>(),
@@ -232,6 +245,9 @@ fn description(
         "winds": acting.map_or(0, |acting| acting.wind_m_s.len()),
         "strips": acting.map_or(0, |acting| acting.circulation_m2_s.len()),
         "wakes": wakes,
+        "edgeForces": first.is_some_and(|frame| !frame.edge_forces_n.is_empty()),
+        "panelForces": first.is_some_and(|frame| !frame.lattice.is_empty()),
+        "rotor": scene.is_rotor,
         "events": events,
         "begins": begins,
         "rows": rows,

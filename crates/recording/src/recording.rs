@@ -2,9 +2,10 @@
 
 use crate::acting::{Acting, HingeScene, MassScene, StationScene, Watch, hinges, masses, stations};
 use foldwing_engine::beam::section::Outline;
+use foldwing_engine::load::Wrench;
 use foldwing_engine::machine::{Machine, Parent, Travel};
 use foldwing_engine::math::strain::STRAINS;
-use foldwing_engine::plant::{EnergyOutputs, Plant, SectionState, SurfaceLattice};
+use foldwing_engine::plant::{EnergyOutputs, Plant, SectionPlace, SectionState, SurfaceLattice};
 use nalgebra::Vector3;
 
 /// Default number of frames of a recording.
@@ -112,6 +113,10 @@ pub struct Scene {
     pub stations: Vec<StationScene>,
     /// Lifting surfaces, in the order of [`Frame::edges_m`].
     pub surfaces: Vec<SurfaceScene>,
+    /// Places of the internal loads per body, at [`BodyScene::places_m`]; none on rigid and modal bodies.
+    pub load_places: Vec<Vec<SectionPlace>>,
+    /// The aerodynamics are those of a rotor.
+    pub is_rotor: bool,
 }
 
 /// Scalars over time.
@@ -144,6 +149,11 @@ pub struct Frame {
     pub time_s: f64,
     /// Sections per body, at the positions of [`BodyScene::places_m`].
     pub sections: Vec<Vec<SectionState>>,
+    /// Force in N and moment in N·m of the part outboard of a section on the part inboard, section frame, per body with
+    /// [`Scene::load_places`].
+    pub loads: Vec<Vec<Wrench>>,
+    /// Force of the air in N at every edge of the strips, per lifting surface.
+    pub edge_forces_n: Vec<Vec<Vector3<f64>>>,
     /// Leading and trailing edge in m per lifting surface, from the inner to the outer strip edge.
     pub edges_m: Vec<Vec<[Vector3<f64>; 2]>>,
     /// Positions of the gauges in m.
@@ -247,6 +257,8 @@ impl Frame {
         let mut frame = Self {
             time_s: outputs.time_s,
             sections,
+            loads: scene.load_places.iter().map(|places| plant.internal_loads(places)).collect(),
+            edge_forces_n: plant.surface_forces_n(),
             edges_m: edges_m(plant),
             gauges_m: scene.gauges.iter().map(gauge).collect(),
             angles_rad: outputs.joints().iter().map(|joint| joint.angle_rad).collect(),
@@ -280,10 +292,13 @@ impl Scene {
     pub fn of(plant: &Plant) -> Self {
         let machine = plant.machine();
         let name = |body: &usize| machine.bodies[*body].name.clone();
+        let bodies: Vec<_> = (0..machine.bodies.len()).map(|body| body_scene(plant, machine, body)).collect();
         Self {
             name: machine.name.clone(),
             description: machine.description.clone(),
-            bodies: (0..machine.bodies.len()).map(|body| body_scene(plant, machine, body)).collect(),
+            load_places: bodies.iter().enumerate().map(|(i, body)| plant.load_places(i, &body.places_m)).collect(),
+            is_rotor: machine.air.as_ref().is_some_and(|air| air.options.is_rotor()),
+            bodies,
             joints: plant.revolute_joints().iter().map(|&i| (machine.bodies[i].joint.name.clone(), i)).collect(),
             travels: machine.bodies.iter().filter_map(|body| Some(body.joint.kind.one_freedom()?.0)).collect(),
             tips: plant.tip_bodies().iter().map(name).collect(),

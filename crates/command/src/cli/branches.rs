@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// File names of the figures.
-const FIGURES: [&str; 5] = ["damping", "frequency", "root_locus", "flutter_map", "campbell"];
+const FIGURES: [&str; 6] = ["damping", "frequency", "root_locus", "flutter_map", "campbell", "damping_and_frequency"];
 /// Columns of the CSV after the parameters.
 const COLUMNS: [&str; 5] = ["mode", "frequency_Hz", "damping_ratio", "eigenvalue_re_1_s", "eigenvalue_im_1_s"];
 
@@ -284,8 +284,7 @@ impl BranchTable<'_> {
             y_label: y_label.to_owned(),
             curves: curves(point),
             marks: marks.to_vec(),
-            equal: false,
-            heat: None,
+            ..Figure::default()
         };
         let hz = |mode: &ModeShape| mode.eigenvalue_1_s.im / std::f64::consts::TAU;
         let locus = Figure {
@@ -294,14 +293,20 @@ impl BranchTable<'_> {
             y_label: "imaginary part (rad/s)".to_owned(),
             curves: curves(&|_, mode| [mode.eigenvalue_1_s.re, mode.eigenvalue_1_s.im]),
             marks: vec![(0.0, String::new())],
-            equal: false,
-            heat: None,
+            ..Figure::default()
         };
-        vec![
-            (FIGURES[0], over("damping ratio", "damping", &|at, mode| [at, mode.damping_ratio])),
-            (FIGURES[1], over("frequency (Hz)", "frequency", &move |at, mode| [at, hz(mode)])),
-            (FIGURES[2], locus),
-        ]
+        let damping = over("damping ratio", "damping", &|at, mode| [at, mode.damping_ratio]);
+        let frequency = over("frequency (Hz)", "frequency", &move |at, mode| [at, hz(mode)]);
+        // one above the other over the same speeds, as papers have them
+        let panels = [("damping", &damping), ("frequency", &frequency)]
+            .map(|(title, figure)| Figure { title: title.to_owned(), ..figure.clone() });
+        let both = Figure {
+            title: format!("{name}: damping and frequency"),
+            panels: panels.into(),
+            columns: 1,
+            ..Figure::default()
+        };
+        vec![(FIGURES[0], damping), (FIGURES[1], frequency), (FIGURES[2], locus), (FIGURES[5], both)]
     }
 }
 

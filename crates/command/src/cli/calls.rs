@@ -330,7 +330,7 @@ impl SweepPlan {
 
     /// Runs a variant and returns its row as texts. Errors are returned in the message column of the row.
     pub fn run(&self, index: usize) -> Vec<String> {
-        std::iter::once(index.to_string()).chain(self.experiment().run(index)).collect()
+        std::iter::once(index.to_string()).chain(self.experiment().run(index, None)).collect()
     }
 
     /// A variant with its start values, not yet initialised.

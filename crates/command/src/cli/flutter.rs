@@ -258,9 +258,7 @@ fn map(name: &str, key: &str, values: &[String], list: &[Flutter]) -> Option<Fig
         x_label: key.to_owned(),
         y_label: "speed (m/s)".to_owned(),
         curves: curves.into_iter().filter(|curve| !curve.points.is_empty()).collect(),
-        marks: Vec::new(),
-        equal: false,
-        heat: None,
+        ..Figure::default()
     })
 }
 

@@ -93,7 +93,7 @@ pub(super) const SWEEP: &str = "\
 Examples:
   foldwing sweep wing.toml --vary fold.start_angle=1:3:21 --vary fold.release=0,1 --output grid.csv
   foldwing sweep wing.toml --vary file:body.inner.elements=2,4,8 --variables tip.position.z -o m.csv
-  foldwing sweep wing.toml --samples samples.csv --output results.csv";
+  foldwing sweep wing.toml --samples samples.csv --output results.csv --view results.html";
 
 pub(super) const LATENCY: &str = "\
 Examples:

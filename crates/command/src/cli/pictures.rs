@@ -43,7 +43,8 @@ pub struct PictureArguments {
 /// Format and size of figures, the same for `simulate` and `run`.
 #[derive(clap::Args, Clone)]
 pub struct SheetArguments {
-    /// Width and height of the figures of `--plot` in pixels of 1/96 inch
+    /// Width and height of the figures of `--plot` in pixels of 1/96 inch; less than 480 wide they are laid out for a column of a paper
+    /// with letters of 8 points: 321x220 is 85 mm wide
     #[arg(long, value_name = "WxH", default_value = "960x600", value_parser = size)]
     pub plot_size: [u32; 2],
     /// Pixels per inch of the PNG files of `--plot`
@@ -82,9 +83,9 @@ impl SheetArguments {
 fn size(text: &str) -> Result<[u32; 2], String> {
     let parsed = text.split_once(['x', 'X']).and_then(|(width, height)| {
         let [width, height]: [u32; 2] = [width.parse().ok()?, height.parse().ok()?];
-        ((480..=6000).contains(&width) && (240..=6000).contains(&height)).then_some([width, height])
+        ((240..=6000).contains(&width) && (160..=6000).contains(&height)).then_some([width, height])
     });
-    parsed.ok_or_else(|| "must be WIDTHxHEIGHT, 480x240 to 6000x6000, such as 960x600".to_owned())
+    parsed.ok_or_else(|| "must be WIDTHxHEIGHT, 240x160 to 6000x6000, such as 960x600".to_owned())
 }
 
 impl PictureArguments {
@@ -168,7 +169,11 @@ impl<'a> Pictures<'a> {
         let Some(recording) = &self.recording else { return Ok(()) };
         let measured: Vec<Measured> = self.companions.iter().filter_map(measured).collect();
         if let Some(folder) = &self.wanted.plot {
-            for (stem, figure) in plots::figures(recording, &measured) {
+            let figures = plots::figures(recording, &measured);
+            if let Some(overview) = plots::overview(&recording.scene.name, &figures) {
+                write_figure(folder, plots::OVERVIEW, &overview, &self.wanted.sheets, outlets)?;
+            }
+            for (stem, figure) in figures {
                 write_figure(folder, stem, &figure, &self.wanted.sheets, outlets)?;
             }
         }
@@ -202,7 +207,7 @@ fn measured(companion: &Companion) -> Option<Measured> {
 pub(super) fn check_figures(folder: &Path, outlets: &Outlets) -> Result<(), Failure> {
     make_folder(folder)?;
     let series = (1..).map(|n| format!("outputs_{n}")).take_while(|name| folder.join(format!("{name}.svg")).exists());
-    for name in plots::NAMES.into_iter().map(str::to_owned).chain(series) {
+    for name in plots::NAMES.into_iter().chain([plots::OVERVIEW]).map(str::to_owned).chain(series) {
         for (_, ending, mark) in FORMATS {
             outlets.check(&folder.join(format!("{name}.{ending}")), &mark)?;
         }

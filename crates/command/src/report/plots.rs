@@ -79,8 +79,7 @@ pub fn figures(recording: &Recording, measured: &[Measured]) -> Vec<Named> {
         y_label: y_label.to_owned(),
         curves,
         marks: marks(recording),
-        equal: false,
-        heat: None,
+        ..Figure::default()
     };
     let of_joints = |travel: Travel, values: &[Vec<f64>], factor: f64, variable: &str| -> Vec<Curve> {
         let joints = scene.joints.iter().zip(&scene.travels).zip(values);
@@ -137,6 +136,42 @@ pub fn figures(recording: &Recording, measured: &[Measured]) -> Vec<Named> {
     NAMES.into_iter().zip(plots).filter(|(_, figure)| !figure.curves.is_empty()).collect()
 }
 
+/// Name of the file of [`overview`].
+pub const OVERVIEW: &str = "overview";
+
+/// Figures of an overview in their order, with the labels of their vertical axes, which have less room there.
+const PANELS: [(&str, &str); 8] = [
+    ("fold_angles", "angle (°)"),
+    ("positions", "position (m)"),
+    ("shapes", ""),
+    ("tips", "position (m)"),
+    ("strains", "strain (10⁻³)"),
+    ("root_moment", "moment (N·m)"),
+    ("air_force", "force (N)"),
+    ("energies", "energy (J)"),
+];
+
+/// Width of an overview and height of a row of it, in user units: 180 mm, the width of a page of two columns.
+const OVERVIEW_SIZE: [u32; 2] = [680, 236];
+
+/// The figures of a run on one sheet with letters of 8 points; `None` if there are none.
+pub fn overview(name: &str, figures: &[Named]) -> Option<Figure> {
+    let panel = |(wanted, y_label): &(&str, &str)| {
+        let (_, figure) = figures.iter().find(|(name, _)| name == wanted)?;
+        let mut panel = figure.clone();
+        panel.title = figure.title.rsplit(": ").next().unwrap_or_default().to_owned();
+        panel.x_label = figure.x_label.replace(", root frame", "");
+        panel.y_label =
+            if y_label.is_empty() { figure.y_label.replace(", root frame", "") } else { (*y_label).to_owned() };
+        Some(panel)
+    };
+    let panels: Vec<Figure> = PANELS.iter().filter_map(panel).collect();
+    let rows = (panels.len() as u32).div_ceil(2);
+    let own_size = Some([OVERVIEW_SIZE[0], 20 + rows * OVERVIEW_SIZE[1]]);
+    let sheet = Figure { title: name.to_owned(), panels, columns: 2, own_size, ..Figure::default() };
+    (rows > 0).then_some(sheet)
+}
+
 type Energy = fn(&EnergyOutputs) -> f64;
 
 /// Energies with their names.
@@ -189,7 +224,7 @@ fn seen(recording: &Recording, what: &str, [across, up]: [usize; 2], curves: Vec
         curves,
         marks: Vec::new(),
         equal: true,
-        heat: None,
+        ..Figure::default()
     }
 }
 
@@ -408,7 +443,9 @@ fn quantity_of(unit: &str) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use super::by_motion;
+    use super::{OVERVIEW_SIZE, by_motion, figures, overview};
+    use crate::report::figure::Sheet;
+    use crate::report::sample_tests::{recorded, shipped};
 
     /// A wing that unfolds early and then stands: the shapes are those of the motion.
     #[test]
@@ -420,5 +457,32 @@ mod tests {
         assert_eq!(by_motion(&[0.0; 16], 9), (0..9).map(|i| 2 * i).collect::<Vec<_>>());
         assert_eq!(by_motion(&[0.5, 0.5], 9), [0, 1, 2]);
         assert_eq!(by_motion(&[], 9), [0]);
+    }
+
+    /// The overview has the important figures of the run in their order, on a sheet of its own size; a mark has its label in each.
+    #[test]
+    fn overviews_have_the_figures_of_the_run() {
+        let recording = recorded(shipped("folding_wing"), 160);
+        let sheet = overview("wing", &figures(&recording, &[])).expect("figures");
+        let titles: Vec<&str> = sheet.panels.iter().map(|panel| panel.title.as_str()).collect();
+        let expected = [
+            "fold angles",
+            "deformed shapes over time",
+            "tips",
+            "strains of the gauges",
+            "moment on the root",
+            "energies",
+        ];
+        assert_eq!(titles, expected);
+        let svg = sheet.svg(Sheet::default()).expect("a sheet");
+        let size = format!("width=\"{}\" height=\"{}\"", OVERVIEW_SIZE[0], 20 + 3 * OVERVIEW_SIZE[1]);
+        assert!(svg.contains(&size) && svg.trim_end().ends_with("</svg>"), "{}", &svg[..200]);
+        assert_eq!(svg.matches("</svg>").count(), 1);
+        assert_eq!(svg.matches("fold latched, ").count(), 4, "each figure over time");
+        // names, titles and axes stay on their panels
+        for title in expected {
+            assert_eq!(svg.matches(title).count(), 1, "{title}");
+        }
+        assert!(overview("nothing", &[]).is_none());
     }
 }

@@ -21,6 +21,7 @@ use crate::aero::lattice_profiles::LatticeProfiles;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
+use crate::aero::panel_forces::PanelForces;
 use crate::aero::rear::rear_way_m;
 use crate::aero::surface::Surface;
 use crate::aero::wake::{FAR_PERIOD, NEAR_ROWS};
@@ -119,6 +120,7 @@ pub struct VortexLattice {
     pub(super) points: Vec<Block>,
     pub(super) velocities: Vec<Block>,
     pub(super) normals: Vec<Block>,
+    pub(super) panel_forces: PanelForces,
     pub(super) arms: Vec<Vec<Arm>>,
     pub(super) system: LinearSystem,
     /// Corners for which the matrix in `system` was built, if it exists.
@@ -213,6 +215,7 @@ impl VortexLattice {
             points: vec![Block::default(); blocks(most_points)],
             velocities: vec![Block::default(); blocks(most_points)],
             normals: vec![Block::default(); blocks(panels)],
+            panel_forces: PanelForces::new(panels, rings),
             system: LinearSystem::new(panels, blocks(panels) * LANES),
             matrix_corner_m: vec![Vector3::zeros(); corners],
             built: false,
@@ -361,7 +364,9 @@ impl VortexLattice {
         loads.clear();
         to.hinges.fill(HingeMoment::default());
         lattice_loads::circulatory(self, motions, flow, to, loads);
-        lattice_loads::impulsive(self, motions, flow, step_s, (from, to), loads);
+        let mut panel_forces = std::mem::take(&mut self.panel_forces);
+        lattice_loads::impulsive(self, motions, flow, step_s, (from, to), loads, Some(&mut panel_forces));
+        self.panel_forces = panel_forces;
         Ok(())
     }
 

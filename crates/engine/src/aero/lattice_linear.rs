@@ -419,7 +419,7 @@ impl VortexLattice {
                 to.circulation_m2_s[ring] = 1.0;
                 to.hinges.fill(HingeMoment::default());
                 loads.clear();
-                lattice_loads::impulsive(self, &about.motions, &about.flow, 1.0, (&from, &mut to), &mut loads);
+                lattice_loads::impulsive(self, &about.motions, &about.flow, 1.0, (&from, &mut to), &mut loads, None);
                 to.circulation_m2_s[ring] = 0.0;
                 in_sections(&about.motions, &loads.impulsive, &mut columns);
                 columns.extend(to.hinges.iter().map(|hinge| hinge.impulsive_n_m));

@@ -7,6 +7,7 @@ use crate::aero::biot_savart::{Block, LANES, Sheet, blocks};
 use crate::aero::flow::{AirPath, Flow};
 use crate::aero::lattice::{LoadRule, VortexLattice};
 use crate::aero::lattice_state::{LatticeState, SheetKind};
+use crate::aero::panel_forces::PanelForces;
 use crate::aero::{AirLoads, split_between};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
@@ -31,6 +32,7 @@ pub(super) fn circulatory(
         LoadRule::KuttaJoukowski => segment_velocity(lattice, flow, state),
     }
     sum(lattice, motions, flow.density_kg_m3, state, loads);
+    lattice.panel_forces.settle(&state.circulation_m2_s);
 }
 
 /// Sums the circulatory loads from the circulations and velocities stored in the lattice.
@@ -45,6 +47,8 @@ pub(super) fn sum(
     let mut segment = 0;
     let flaps = &lattice.flaps;
     let mut hinges = std::mem::take(&mut state.hinges);
+    let mut panel_forces = std::mem::take(&mut lattice.panel_forces);
+    panel_forces.clear();
     for (at, (surface, sheet)) in lattice.surfaces.iter().zip(&lattice.bound).enumerate() {
         let first = surface.sections.start;
         let point_m = |column: usize, place_m: &Vector3<f64>| motions[first + column].point_m(place_m);
@@ -72,6 +76,7 @@ pub(super) fn sum(
                         let velocity = lattice.relative_m_s[ring] + bound_m_s;
                         let force_n = project(velocity, &lead, normal);
                         split_between(&mut loads.circulatory, motions, sections, lead_points, &force_n);
+                        panel_forces.add(panel, -lattice.panel_normal(panel).dot(&force_n));
                         if let Some(flap) = flap {
                             hinges[flap].circulatory_n_m += flaps.moment_n_m(at, strip, &lead_m, &force_n);
                         }
@@ -82,6 +87,7 @@ pub(super) fn sum(
                             let vortex =
                                 share * lattice.bound_filaments.chordwise[sheet.node(row, column)] * chordwise_m;
                             let force_n = project(velocity, &vortex, normal);
+                            panel_forces.add(panel, -lattice.panel_normal(panel).dot(&force_n));
                             let motion = &motions[first + column];
                             let arm_m = motion.rotation * surface.chords[column].at(middle);
                             loads.circulatory[first + column].add_force_at(&arm_m, &force_n);
@@ -95,6 +101,7 @@ pub(super) fn sum(
                         let velocity = lattice.velocities[segment / LANES].get(segment % LANES);
                         let force_n = project(velocity, &lead, None);
                         split_between(&mut loads.circulatory, motions, sections, lead_points, &force_n);
+                        panel_forces.add(panel, -lattice.panel_normal(panel).dot(&force_n));
                         if let Some(flap) = flap {
                             hinges[flap].circulatory_n_m += flaps.moment_n_m(at, strip, &lead_m, &force_n);
                         }
@@ -114,10 +121,14 @@ pub(super) fn sum(
                     loads.circulatory[first + column].add_force_at(&arm_m, &force_n);
                     // one half to each of the adjacent strips
                     for strip in [column.wrapping_sub(1), column] {
+                        let beside = if column == 0 || column == sheet.strips { 1.0 } else { 0.5 };
+                        if strip < sheet.strips {
+                            let of = lattice.first_panel[at] + row * sheet.strips + strip;
+                            panel_forces.add(of, -beside * lattice.panel_normal(of).dot(&force_n));
+                        }
                         if let Some(flap) = flaps.of_strip(at, row, strip, sheet.rows) {
                             let place_m = motions[first + column].position_m + arm_m;
                             let own_n_m = flaps.moment_n_m(at, strip, &place_m, &force_n);
-                            let beside = if column == 0 || column == sheet.strips { 1.0 } else { 0.5 };
                             hinges[flap].circulatory_n_m += beside * own_n_m;
                         }
                     }
@@ -127,6 +138,7 @@ pub(super) fn sum(
         }
     }
     state.hinges = hinges;
+    lattice.panel_forces = panel_forces;
     if lattice.options.load_rule == LoadRule::KuttaJoukowski {
         lattice.join_loads(motions, density, state, loads);
     }
@@ -142,6 +154,7 @@ pub(super) fn impulsive(
     step_s: f64,
     (from, to): (&LatticeState, &mut LatticeState),
     loads: &mut AirLoads,
+    mut panel_forces: Option<&mut PanelForces>,
 ) {
     let path = AirPath::new(flow, step_s);
     for (at, (surface, sheet)) in lattice.surfaces.iter().zip(&lattice.bound).enumerate() {
@@ -156,7 +169,11 @@ pub(super) fn impulsive(
                 let points = [&surface.chords[strip].at(middle), &surface.chords[strip + 1].at(middle)];
                 let force_n = -flow.density_kg_m3 * rate_m2_s2 * area_m2;
                 split_between(&mut loads.impulsive, motions, [first, first + 1], points, &force_n);
-                if let Some(flap) = lattice.flaps.of_panel(lattice.first_panel[at] + row * sheet.strips + strip) {
+                let panel = lattice.first_panel[at] + row * sheet.strips + strip;
+                if let Some(panel_forces) = &mut panel_forces {
+                    panel_forces.add(panel, -lattice.panel_normal(panel).dot(&force_n));
+                }
+                if let Some(flap) = lattice.flaps.of_panel(panel) {
                     let point_m = 0.5 * (motions[first].point_m(points[0]) + motions[first + 1].point_m(points[1]));
                     to.hinges[flap].impulsive_n_m += lattice.flaps.moment_n_m(at, strip, &point_m, &force_n);
                 }

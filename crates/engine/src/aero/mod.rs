@@ -27,6 +27,7 @@ pub mod linear_system;
 pub(crate) mod memory;
 mod model;
 pub mod near_sheets;
+mod panel_forces;
 pub mod polar;
 pub mod random;
 pub mod rear;

@@ -16,7 +16,7 @@ use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::{Matrix3, Vector3};
 
 /// A section of a beam for internal loads.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SectionPlace {
     /// Position of the section.
     station: Station,
@@ -29,7 +29,7 @@ pub struct SectionPlace {
 }
 
 /// An element cut at a section.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 struct Cut {
     /// Inner node of the element, or of the half of a pair.
     inner_node: usize,

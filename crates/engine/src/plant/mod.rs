@@ -2,6 +2,7 @@
 //! [`crate::gradient`].
 
 pub use crate::gradient::{Gradient, GradientError, InputColumn, InputRows, Parameter, RunResult, Tape};
+pub use crate::multibody::internal_load::SectionPlace;
 pub use crate::run::{
     Floquet, FloquetMode, Harmonic, Latency, NearbyMotion, Pauses, PeriodicMotion, Plant, Reached, SAMPLES, Seen,
     Settled, Turn,

@@ -2,9 +2,10 @@
 
 use crate::beam::element::ElementKind;
 use crate::beam::recovery::axial_row;
-use crate::load::LoadFrame;
+use crate::load::{LoadFrame, Wrench};
 use crate::math::so3::rotation_vector;
 use crate::math::strain::{NAMES, STRAINS, Strain};
+use crate::multibody::internal_load::SectionPlace;
 use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::{Body, Station};
 use crate::multibody::tangent::Tangent;
@@ -313,6 +314,31 @@ impl System {
             }
         };
         places_m.iter().map(section).collect()
+    }
+
+    /// Places on a beam at distances in m from its inner end, ascending, for [`System::internal_loads`]: the first section is cut outboard
+    /// of masses and loads attached there, the others inboard. None on rigid and modal bodies.
+    pub fn load_places(&self, body: usize, places_m: &[f64]) -> Vec<SectionPlace> {
+        let model = &self.equations.model;
+        if model.bodies[body].elements == 0 {
+            return Vec::new();
+        }
+        let factors = &self.parameters().bodies()[body];
+        let law = self.machine.bodies[body].section.scaled(factors.mass_factor, factors.stiffness_factor);
+        let place = |(index, place_m): (usize, &f64)| {
+            let side = if index == 0 { gauge::Side::Outboard } else { gauge::Side::Inboard };
+            SectionPlace::new(model, &law, body, *place_m, side)
+        };
+        places_m.iter().enumerate().map(place).collect()
+    }
+
+    /// Internal loads at places: force in N and moment in N·m of the part outboard of a section on the part inboard, in the frame of the
+    /// section, at the present time; all outputs must have been evaluated. NOTATION eqs. (G5), (G6).
+    pub fn internal_loads(&self, places: &[SectionPlace]) -> Vec<Wrench> {
+        let (equations, now) = (&self.equations, &self.state.now);
+        let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
+        let loads: &[Wrench] = if equations.loaded { &equations.stations } else { &[] };
+        places.iter().map(|place| place.load(&equations.model, &equations.work, motion, loads)).collect()
     }
 
     /// Sections at the mesh boundaries of every body, inner end first, at the present time.

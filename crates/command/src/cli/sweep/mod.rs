@@ -1,5 +1,6 @@
 //! `foldwing sweep`: many variants of one model on several threads, a row for each; an interrupted sweep can be resumed.
 
+mod fan;
 mod journal;
 mod plan;
 mod variant;
@@ -14,6 +15,7 @@ use crate::cli::progress::Progress;
 use crate::cli::simulate::read_inputs;
 use crate::cli::{Failure, print, read_model, version};
 use clap::builder::NonEmptyStringValueParser;
+use fan::{FanPage, Pictures};
 use foldwing_fmi::interface::Interface;
 use journal::Journal;
 use serde_json::json;
@@ -39,6 +41,10 @@ pub struct Arguments {
     /// CSV file for the results, one row for each variant; `OUT.csv.sweep` next to it keeps finished rows
     #[arg(short = 'o', long = "output", value_name = "OUT.csv")]
     out: PathBuf,
+    /// HTML page with all variants: the one in the middle as by `simulate --view`, the others as lines, and bands of their values in the
+    /// plots; rows taken over from an earlier run are simulated again
+    #[arg(long, value_name = "OUT.html")]
+    view: Option<PathBuf>,
     /// Variables whose final values are written: names or patterns (`fold.*`), separated by commas; may be repeated
     #[arg(long = "variables", value_name = "NAME")]
     outputs: Vec<String>,
@@ -119,11 +125,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let read = [Some(&arguments.model), arguments.samples.as_ref(), arguments.inputs.as_ref()];
     let mut outlets = Outlets::new(false, read.into_iter().flatten().map(PathBuf::as_path));
     let place = outlets.place(&arguments.out, Mark::table(columns.iter().map(String::as_str)))?;
+    let view = outlets.place_if(arguments.view.as_deref(), Mark::PAGE)?;
+    let mut page = arguments.view.as_ref().map(|_| FanPage::new(&experiment)).transpose()?;
     let taken_over = journal.done();
-    march(&experiment, &mut journal, arguments.threads.unwrap_or(0).into())?;
+    march(&experiment, &mut journal, page.as_mut(), arguments.threads.unwrap_or(0).into())?;
 
     let (bytes, failed) = journal.results(&columns)?;
     place.fill_durably(&bytes)?;
+    page.map(|page| page.write(view)).transpose()?;
     let (count, elapsed_s) = (plan.count(), clock.elapsed().as_secs_f64());
     if !arguments.quiet {
         if !arguments.json {
@@ -150,33 +159,46 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Runs the variants without a row. Each free thread runs the next one; rows are recorded as they are finished.
-fn march(experiment: &Experiment, journal: &mut Journal, threads: usize) -> Result<(), Failure> {
+fn march(
+    experiment: &Experiment,
+    journal: &mut Journal,
+    page: Option<&mut FanPage>,
+    threads: usize,
+) -> Result<(), Failure> {
     let missing = journal.missing();
+    // a page needs the runs of all
+    let left: Vec<usize> = if page.is_some() { (0..experiment.plan.count()).collect() } else { missing.clone() };
+    let drawing = page.as_ref().map(|page| (page.names(), page.shown()));
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
         .map_err(|error| Failure::Files(format!("--threads {threads}: the threads cannot be started: {error}")))?;
-    let taken_over = journal.done();
-    let progress = Progress::of("variants that are left", missing.len() as u64);
-    let shared = Mutex::new((journal, progress, None));
+    let progress = Progress::of("variants that are left", left.len() as u64);
+    let shared = Mutex::new((journal, progress, None, page, 0));
     let next = AtomicUsize::new(0);
     // not a parallel iterator: a thread that waits for the threads of a vortex lattice would start another variant on top of its stack, and
     // so on
     pool.broadcast(|_| {
-        while let Some(&index) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let row = experiment.run(index);
+        while let Some(&index) = left.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let mut pictures = drawing.as_ref().map(|(names, shown)| Pictures::new(names, index == *shown));
+            let row = experiment.run(index, pictures.as_mut());
             let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
-            let (journal, progress, failure) = &mut *shared;
-            if failure.is_none() {
+            let (journal, progress, failure, page, done) = &mut *shared;
+            if failure.is_none() && missing.contains(&index) {
                 *failure = journal.append(index, &row).err();
+            }
+            if let (Some(page), Some(pictures)) = (page.as_deref_mut(), pictures) {
+                let (run, whole) = pictures.parts();
+                page.keep(index, run, whole);
             }
             if failure.is_some() {
                 return;
             }
-            progress.at((journal.done() - taken_over) as u64);
+            *done += 1;
+            progress.at(*done);
         }
     });
-    let (_, _, failure) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (_, _, failure, _, _) = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
     failure.map_or(Ok(()), Err)
 }
 

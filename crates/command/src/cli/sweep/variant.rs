@@ -1,9 +1,10 @@
 //! One variant of a sweep: model, run and row.
 
 use crate::cli::Failure;
-use crate::cli::grid::{GridArguments, grid_of};
+use crate::cli::grid::{Grid, GridArguments, grid_of};
 use crate::cli::settings::{apply_setting, plant_with};
 use crate::cli::simulate::feed;
+use crate::cli::sweep::fan::Pictures;
 use crate::cli::sweep::plan::{Plan, file_path};
 use crate::report::{InputTable, cell};
 use foldwing_engine::machine::Machine;
@@ -226,11 +227,11 @@ impl Experiment<'_> {
         changed_machine((&self.file, self.text), place, changes)
     }
 
-    /// Runs a variant; returns its cells without the number. Errors are in the message column of the row.
-    pub fn run(&self, index: usize) -> Vec<String> {
+    /// Runs a variant; returns its cells without the number. Errors are in the message column of the row. `pictures` records the run.
+    pub fn run(&self, index: usize, pictures: Option<&mut Pictures>) -> Vec<String> {
         let values = self.plan.variant(index);
         let cells = catch_unwind(AssertUnwindSafe(|| match self.prepare(index, &values) {
-            Ok((plant, interface)) => self.simulate(plant, &interface),
+            Ok((plant, interface)) => self.simulate(plant, &interface, pictures),
             Err(failure) => self.without_result(&failure.to_string()),
         }));
         let cells = cells.unwrap_or_else(|_| self.without_result("internal error: the variant panicked"));
@@ -246,13 +247,18 @@ impl Experiment<'_> {
         cells
     }
 
-    fn simulate(&self, mut plant: Plant, interface: &Interface) -> Vec<String> {
+    fn simulate(&self, mut plant: Plant, interface: &Interface, mut pictures: Option<&mut Pictures>) -> Vec<String> {
         let mut measures = Measures {
             first_latch_time_s: vec![None; plant.revolute_joints().len()],
             peaks: vec![0.0; plant.machine().gauges.len()],
         };
-        plant.watch(OutputSet::GAUGES);
-        let outcome = self.march(&mut plant, interface, &mut measures);
+        if pictures.is_none() {
+            plant.watch(OutputSet::GAUGES);
+        }
+        let outcome = self.march(&mut plant, interface, &mut measures, pictures.as_deref_mut());
+        if let Some(pictures) = pictures {
+            pictures.finish(outcome.is_ok());
+        }
         plant.provide(OutputSet::ALL);
         let (status, message) = match outcome {
             Ok(()) => ("done", String::new()),
@@ -281,18 +287,30 @@ impl Experiment<'_> {
         cells
     }
 
-    fn march(&self, plant: &mut Plant, interface: &Interface, measures: &mut Measures) -> Result<(), Failure> {
+    fn march(
+        &self,
+        plant: &mut Plant,
+        interface: &Interface,
+        measures: &mut Measures,
+        mut pictures: Option<&mut Pictures>,
+    ) -> Result<(), Failure> {
+        let mut include = |plant: &Plant, grid: &Grid| {
+            measures.include(plant);
+            if let Some(pictures) = &mut pictures {
+                pictures.include(plant, interface, grid.steps);
+            }
+        };
         let experiment = &plant.machine().experiment;
         let (start_s, stop_s) = (experiment.start_time_s, experiment.stop_time_s);
         let grid = grid_of(self.grid, start_s, stop_s, experiment.step_s)?;
         let failed = |error: foldwing_engine::plant::PlantError| Failure::Simulation(error.to_string());
         feed(self.inputs, interface, plant, grid.start_s)?;
         plant.initialize(grid.start_s).map_err(failed)?;
-        measures.include(plant);
+        include(plant, &grid);
         for point in 1..=grid.steps {
             feed(self.inputs, interface, plant, grid.time_s(point - 1))?;
             let outcome = plant.step(grid.time_s(point));
-            measures.include(plant);
+            include(plant, &grid);
             outcome.map_err(failed)?;
         }
         Ok(())

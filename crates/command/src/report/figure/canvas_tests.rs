@@ -46,7 +46,7 @@ fn figure(equal: bool) -> Figure {
     curves[4].points.truncate(1);
     let marks = vec![(2.5, "latched".to_owned()), (7.0, "released".to_owned())];
     let [x_label, y_label] = ["time (s)", "height (m)"].map(str::to_owned);
-    Figure { title: "Heights".to_owned(), x_label, y_label, curves, marks, equal, heat: None }
+    Figure { title: "Heights".to_owned(), x_label, y_label, curves, marks, equal, ..Figure::default() }
 }
 
 /// Elements of an SVG: names, attributes and text.

@@ -6,20 +6,22 @@
 mod canvas;
 mod ends;
 mod heat;
+mod layout;
+mod names;
 mod page;
 mod pixels;
 mod thin;
 
 use canvas::Backend;
-use ends::spread;
 pub use heat::Heat;
+use layout::Layout;
 use pixels::Pixels;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::{
     Cartesian2d, ChartBuilder, ChartContext, Circle, Color, DashedLineSeries, DrawingArea, DrawingAreaErrorKind,
-    DrawingBackend, FontStyle, IntoDrawingArea, IntoFont, LineSeries, PathElement, RGBColor, SVGBackend, ShapeStyle,
-    TextStyle, WHITE,
+    DrawingBackend, FontStyle, IntoDrawingArea, IntoFont, LineSeries, RGBColor, SVGBackend, ShapeStyle, TextStyle,
+    WHITE,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
@@ -30,18 +32,10 @@ pub(super) use {canvas::outline, pixels::signed};
 const UNIT: u32 = 10;
 /// Width and height of a figure in user units (pixels at scale 1).
 pub const SIZE: [u32; 2] = [960, 600];
-/// Room for the legend at the right, in user units.
-const LEGEND: u32 = 190;
-/// Room for labels at the left and below, in user units.
-const LABELS: [u32; 2] = [78, 56];
 /// Free border in user units.
 const BORDER: u32 = 14;
 /// Height of the title's line in user units.
 const TITLE: u32 = 40;
-/// Height of a name's line at the end of a curve, in user units.
-const NAME_LINE: u32 = 17;
-/// Width of a letter of a mark's label, in tenths of a user unit.
-const MARK_LETTER: u32 = 72;
 /// Longer names are shortened in their middle.
 const LONGEST_NAME: usize = 24;
 
@@ -111,6 +105,12 @@ pub struct Figure {
     pub equal: bool,
     /// Cells instead of curves and axes.
     pub heat: Option<Heat>,
+    /// Other figures on one sheet instead of a chart, row by row, and the number of columns.
+    pub panels: Vec<Figure>,
+    /// Number of columns of `panels`; 0 for one.
+    pub columns: u32,
+    /// Width and height in user units of a sheet with a size of its own, whatever is asked for.
+    pub own_size: Option<[u32; 2]>,
 }
 
 /// Size and resolution of the files of a figure.
@@ -142,6 +142,7 @@ impl Figure {
     /// # Errors
     /// `plotters` cannot draw it.
     pub fn svg(&self, sheet: Sheet) -> Result<String, FigureError> {
+        let sheet = self.sheet(sheet);
         let size = sheet.size.map(|length| length * UNIT);
         let mut text = String::new();
         self.draw(sheet, &SVGBackend::with_string(&mut text, (size[0], size[1])).into_drawing_area())?;
@@ -156,44 +157,64 @@ impl Figure {
     /// # Errors
     /// `plotters` cannot draw it.
     pub fn png(&self, sheet: Sheet) -> Result<Vec<u8>, FigureError> {
+        let sheet = self.sheet(sheet);
         let mut pixels = Pixels::new(sheet.size, UNIT, sheet.scale);
         self.draw(sheet, &Backend::new(&mut pixels, FONT_FILE).into_drawing_area())?;
         Ok(pixels.png())
     }
 
+    /// The sheet of this figure where another is asked for: panels below each other are two thirds as high as a figure, in a column as
+    /// high.
+    fn sheet(&self, asked: Sheet) -> Sheet {
+        let rows = (self.panels.len() as u32).div_ceil(self.columns.max(1)).max(1);
+        let [width, height] = asked.size;
+        let stacked = [width, if rows > 1 && width >= layout::COLUMN { height * 2 * rows / 3 } else { height * rows }];
+        Sheet { size: self.own_size.unwrap_or(stacked), ..asked }
+    }
+
     fn draw<B: DrawingBackend>(&self, sheet: Sheet, area: &DrawingArea<B, Shift>) -> Result<(), FigureError> {
         // `plotters` measures text with a registered font
         let _ = plotters::style::register_font(FONT, FontStyle::Normal, FONT_FILE);
-        self.chart(sheet.size, area)
+        area.fill(&WHITE)
+            .and_then(|()| self.chart(sheet.size, area))
+            .and_then(|()| area.present())
             .map_err(|error| FigureError { title: self.title.clone(), cause: error.to_string() })
     }
 
     fn chart<B: DrawingBackend>(&self, size: [u32; 2], area: &DrawingArea<B, Shift>) -> Drawn<B> {
-        area.fill(&WHITE)?;
-        let title = style(17, &INK, HPos::Left, VPos::Center);
-        area.draw_text(&self.title, &title, at(LABELS[0] + BORDER, BORDER + 10))?;
-        if let Some(heat) = &self.heat {
-            heat.cells(size, area)?;
-            return area.present();
+        let layout = Layout::of(size, self);
+        let title = style(layout.heading, &INK, HPos::Left, VPos::Center);
+        area.draw_text(&self.title, &title, at(layout.left, layout.border + layout.title / 4))?;
+        if !self.panels.is_empty() {
+            for (i, (corner, part)) in self.places(size, &layout).take(self.panels.len()).enumerate() {
+                let [from, sides] = [corner, part].map(|[x, y]| at(x, y));
+                let part_area = area.clone().shrink(from, (sides.0 as u32, sides.1 as u32));
+                self.panel(i, part[0] < layout::COLUMN).chart(part, &part_area)?;
+            }
+            return Ok(());
         }
-        let (plot, legend) = area.split_horizontally((size[0] - LEGEND) * UNIT);
+        if let Some(heat) = &self.heat {
+            return heat.cells(size, area);
+        }
+        let (plot, legend) = area.split_horizontally((size[0] - layout.names) * UNIT);
         let [x, y] = self.ranges(size);
         let mut chart = ChartBuilder::on(&plot)
-            .margin(BORDER * UNIT)
-            .margin_top((BORDER + TITLE) * UNIT)
-            .x_label_area_size(LABELS[1] * UNIT)
-            .y_label_area_size(LABELS[0] * UNIT)
+            .margin(layout.border * UNIT)
+            .margin_top((layout.border + layout.top()) * UNIT)
+            .margin_right(layout.right * UNIT)
+            .x_label_area_size(layout.labels[1] * UNIT)
+            .y_label_area_size(layout.labels[0] * UNIT)
             .build_cartesian_2d(x.clone(), y.clone())?;
-        let turned = style(14, &INK, HPos::Center, VPos::Center);
+        let turned = style(layout.axis, &INK, HPos::Center, VPos::Center);
         chart
             .configure_mesh()
             .max_light_lines(0)
             .bold_line_style(line(GRID, 1.0))
             .axis_style(line(FAINT, 1.0))
-            .set_all_tick_mark_size(5 * UNIT)
-            .x_labels(8)
-            .y_labels(8)
-            .label_style(style(13, &INK, HPos::Center, VPos::Center))
+            .set_all_tick_mark_size(layout.tick * UNIT)
+            .x_labels(layout.ticks[0])
+            .y_labels(layout.ticks[1])
+            .label_style(style(layout.text, &INK, HPos::Center, VPos::Center))
             .axis_desc_style(turned)
             .x_label_formatter(&|value| tidy(*value, &x))
             .y_label_formatter(&|value| tidy(*value, &y))
@@ -204,93 +225,32 @@ impl Figure {
         for curve in &self.curves {
             draw_curve(&mut chart, curve, &x)?;
         }
-        if self.equal {
-            self.draw_legend(size, &legend)?;
+        if layout.names == 0 {
+            self.draw_rows(&layout, size, area)
+        } else if self.equal {
+            self.draw_legend(size, &legend)
         } else {
-            self.draw_names(size, area, &chart)?;
+            self.draw_names(size, area, &chart)
         }
-        area.present()
     }
 
-    /// Dashed lines at the marks, with labels above the chart that do not overlap; labels without space are omitted.
-    fn draw_marks<B: DrawingBackend>(
-        &self,
-        size: [u32; 2],
-        area: &DrawingArea<B, Shift>,
-        chart: &mut Chart<'_, B>,
-        y: &Range<f64>,
-    ) -> Drawn<B> {
-        let mut labels = Vec::new();
-        for (x, label) in &self.marks {
-            let ends = [(*x, y.start), (*x, y.end)];
-            chart.draw_series(DashedLineSeries::new(ends, 6 * UNIT, 4 * UNIT, line(FAINT, 1.2)))?;
-            let (pixel, _) = chart.backend_coord(&ends[1]);
-            labels.push((f64::from(pixel), pixel, label));
+    /// A panel; in a column, one below another with the same names has none.
+    fn panel(&self, index: usize, narrow: bool) -> Figure {
+        let mut panel = self.panels[index].clone();
+        let names = |figure: &Figure| figure.curves.iter().map(|curve| curve.name.clone()).collect::<Vec<_>>();
+        if narrow && self.columns == 1 && index > 0 && names(&panel) == names(&self.panels[0]) {
+            panel.curves.iter_mut().for_each(|curve| curve.name.clear());
         }
-        let longest = labels.iter().map(|(_, _, label)| label.chars().count()).max().unwrap_or_default();
-        let wide = f64::from(MARK_LETTER) * longest as f64;
-        let range = [f64::from(BORDER * UNIT), f64::from((size[0] - BORDER) * UNIT)];
-        labels.truncate(((range[1] - range[0]) / wide.max(1.0)) as usize);
-        spread(&mut labels, wide, [range[0] + 0.5 * wide, range[1] - 0.5 * wide]);
-        for (place, _, label) in labels {
-            let label_style = style(12, &FAINT, HPos::Center, VPos::Center);
-            area.draw_text(label, &label_style, (place as i32, at(0, BORDER + TITLE - 8).1))?;
-        }
-        Ok(())
+        panel
     }
 
-    /// The name of every curve at its end, in its colour, without overlap.
-    fn draw_names<B: DrawingBackend>(
-        &self,
-        size: [u32; 2],
-        area: &DrawingArea<B, Shift>,
-        chart: &Chart<'_, B>,
-    ) -> Drawn<B> {
-        let last = |curve: &&Curve| curve.points.iter().rfind(|point| point.iter().all(|c| c.is_finite())).copied();
-        let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
-        let mut ends: Vec<(f64, i32, &Curve)> = named
-            .filter_map(|curve| {
-                let [x, y] = last(&curve)?;
-                let (_, pixel) = chart.backend_coord(&(x, y));
-                Some((f64::from(pixel), pixel, curve))
-            })
-            .collect();
-        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (top, bottom) = (f64::from((BORDER + TITLE) * UNIT), f64::from((size[1] - BORDER) * UNIT));
-        let apart = f64::from(NAME_LINE * UNIT).min((bottom - top) / ends.len().max(1) as f64);
-        spread(&mut ends, apart, [top, bottom]);
-        let left = (size[0] - LEGEND - BORDER) * UNIT;
-        for (y, end, curve) in &ends {
-            let (from, to) = ((left + 3 * UNIT) as i32, (left + 15 * UNIT) as i32);
-            area.draw(&PathElement::new(vec![(from, *end), (to, *y as i32)], line(colour(curve), 0.9)))?;
-            let ink = colour(curve);
-            let text = style(13, &INK, HPos::Left, VPos::Center).color(&ink);
-            area.draw_text(&short(&curve.name), &text, (to + (4 * UNIT) as i32, *y as i32))?;
-        }
-        Ok(())
-    }
-
-    fn draw_legend<B: DrawingBackend>(&self, size: [u32; 2], area: &DrawingArea<B, Shift>) -> Drawn<B> {
-        let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
-        for (row, curve) in named.enumerate() {
-            let y = BORDER + TITLE + 12 + 22 * row as u32;
-            if y + 22 > size[1] {
-                break; // a figure of so many curves is read from its file, not from its legend
-            }
-            let stroke = line(colour(curve), 2.2);
-            match curve.look {
-                _ if curve.points.len() == 1 => area.draw(&Circle::new(at(14, y), 4 * UNIT, colour(curve).filled()))?,
-                Look::Dots => area.draw(&Circle::new(at(14, y), 3 * UNIT, colour(curve).filled()))?,
-                Look::Dashed => {
-                    area.draw(&PathElement::new(vec![at(2, y), at(11, y)], stroke))?;
-                    area.draw(&PathElement::new(vec![at(17, y), at(26, y)], stroke))?;
-                }
-                Look::Line => area.draw(&PathElement::new(vec![at(2, y), at(26, y)], stroke))?,
-            }
-            let text = style(13, &INK, HPos::Left, VPos::Center);
-            area.draw_text(&short(&curve.name), &text, at(34, y))?;
-        }
-        Ok(())
+    /// Corners and sizes of the panels below the title, in user units.
+    fn places(&self, size: [u32; 2], layout: &Layout) -> impl Iterator<Item = ([u32; 2], [u32; 2])> {
+        let columns = self.columns.max(1);
+        let rows = (self.panels.len() as u32).div_ceil(columns).max(1);
+        let head = if self.title.is_empty() { 0 } else { layout.border + layout.title / 2 };
+        let part = [size[0] / columns, (size[1] - head) / rows];
+        (0..).map(move |i| ([i % columns * part[0], head + i / columns * part[1]], part))
     }
 
     /// Ranges of the axes: all points with a margin, never empty, with equal scales if requested.
@@ -318,9 +278,10 @@ impl Figure {
             [middle, half]
         });
         if self.equal {
+            let layout = Layout::of(size, self);
             let sides = [
-                f64::from(size[0] - LEGEND - LABELS[0] - 2 * BORDER),
-                f64::from(size[1] - LABELS[1] - TITLE - 2 * BORDER),
+                f64::from(size[0] - layout.names - layout.labels[0] - layout.border - layout.right),
+                f64::from(size[1] - layout.labels[1] - layout.top() - 2 * layout.border),
             ];
             let scale = (spans[0][1] / sides[0]).max(spans[1][1] / sides[1]);
             spans = [0, 1].map(|axis| [spans[axis][0], scale * sides[axis]]);
@@ -454,8 +415,8 @@ mod tests {
     #[test]
     fn equal_scales_are_equal() {
         let [x, y] = Figure { equal: true, ..figure(vec![[0.0, 0.0], [1.0, 0.01]]) }.ranges(SIZE);
-        let sides =
-            [SIZE[0] - LEGEND - LABELS[0] - 2 * BORDER, SIZE[1] - LABELS[1] - TITLE - 2 * BORDER].map(f64::from);
+        let Layout { names, labels, border, title, .. } = layout::WIDE;
+        let sides = [SIZE[0] - names - labels[0] - 2 * border, SIZE[1] - labels[1] - title - 2 * border].map(f64::from);
         let scales = [(x.end - x.start) / sides[0], (y.end - y.start) / sides[1]];
         assert!((scales[0] / scales[1] - 1.0).abs() < 1e-12, "{scales:?}");
     }

@@ -17,6 +17,7 @@ impl Figure {
     /// # Errors
     /// `plotters` cannot draw it.
     pub fn pdf(&self, sheet: Sheet) -> Result<Vec<u8>, FigureError> {
+        let sheet = self.sheet(sheet);
         let mut page = Page::new(sheet.size);
         self.draw(sheet, &Backend::new(&mut page, FONT_FILE).into_drawing_area())?;
         Ok(page.pdf(&self.title))

@@ -29,6 +29,10 @@ pub(super) struct About {
     pub surfaces: Vec<Surface>,
     pub winds: usize,
     pub strips: usize,
+    #[serde(rename = "edgeForces")]
+    edge_forces: bool,
+    #[serde(rename = "panelForces")]
+    panel_forces: bool,
     wakes: Vec<usize>,
     begins: Vec<usize>,
     rows: Vec<Vec<usize>>,
@@ -40,6 +44,7 @@ pub(super) struct Body {
     pub rims: Vec<Vec<[f64; 2]>>,
     pub places: Vec<f64>,
     pub rigid: bool,
+    loaded: bool,
     carrier: Option<IgnoredAny>,
 }
 
@@ -166,6 +171,14 @@ impl Layout {
         let gravity = take(3);
         let winds = take(3 * about.winds);
         let strips = take(about.strips);
+        // internal loads and forces of the air, which films do not show
+        take(about.bodies.iter().filter(|body| body.loaded).map(|body| 6 * body.rims.len()).sum());
+        if about.edge_forces {
+            take(about.surfaces.iter().map(|surface| 3 * surface.columns).sum());
+        }
+        if about.panel_forces {
+            take(about.surfaces.iter().map(|surface| surface.panels * (surface.columns - 1)).sum());
+        }
         let length = take(0);
         Self { latched, strains, gauges, bodies, surfaces, gravity, winds, strips, length }
     }

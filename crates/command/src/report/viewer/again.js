@@ -1,7 +1,7 @@
 
 // ---- a page that shows one run after another: what the reader has set stays ----------------------------------------------
 
-const KEPT_LISTS = ["field", "speed", "follow"];
+const KEPT_LISTS = ["field", "surface-field", "speed", "follow"];
 const keptBoxes = () => [...document.querySelectorAll("#display input[type=checkbox], #repeat")];
 
 function keptNow() {
@@ -21,6 +21,7 @@ function keep(kept) {
   for (const box of keptBoxes()) if (box.id in kept.boxes) box.checked = kept.boxes[box.id];
   for (const id of KEPT_LISTS) if ([...get(id).options].some(option => option.value === kept.lists[id])) get(id).value = kept.lists[id];
   field = FIELDS[get("field").value];
+  surfaceField = SURFACE_FIELDS[get("surface-field").value];
   get("display").open = kept.open;
   document.querySelector("main > aside").scrollTop = kept.scrolled;
   const { azimuth, elevation, flat, target, distance } = kept.camera;

@@ -1,9 +1,7 @@
 
 // ---- lifting surfaces with their lattice, and the wake ---------------------------------------------------------------
 
-const colouredStrips = () => get("circulation").checked && about.strips > 0;
-
-// Quadrilaterals with corners of their own, so that each has its colour.
+// Quadrilaterals with corners of their own, so that each has its colour, or one at each corner.
 function quads(count, material) {
   const geometry = new THREE.BufferGeometry(), faces = [];
   for (const name of ["position", "normal", "color"]) geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(12 * count), 3));
@@ -17,10 +15,11 @@ function setQuad(geometry, q, corners, rgb) {
   const [position, normal, colour] = ["position", "normal", "color"].map(name => geometry.getAttribute(name).array);
   const across = unit(cross(plus(corners[2], corners[0], -1), plus(corners[3], corners[1], -1)));
   corners.forEach((corner, k) => {
+    const own = Array.isArray(rgb[0]) ? rgb[k] : rgb;
     for (let c = 0; c < 3; c++) {
       position[12 * q + 3 * k + c] = corner[c];
       normal[12 * q + 3 * k + c] = across[c];
-      colour[12 * q + 3 * k + c] = rgb[c];
+      colour[12 * q + 3 * k + c] = own[c];
     }
   });
 }
@@ -35,10 +34,12 @@ class SurfaceShape {
     this.run = run;
     this.index = index;
     this.surface = run.about.surfaces[index];
-    this.firstStrip = run.about.surfaces.slice(0, index).reduce((sum, surface) => sum + surface.columns - 1, 0);
+    this.firstStrip = firstStripOf(run, index);
+    // panels are painted one by one where their pressures are known
+    this.rows = run === main && about.panelForces ? Math.max(1, this.surface.panels) : 1;
     const ghost = { color: runInk(run), transparent: true, opacity: 0.3, depthWrite: false, side: THREE.DoubleSide };
     const own = { vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
-    this.mesh = quads(this.surface.columns - 1, new THREE.MeshLambertMaterial(run === main ? own : ghost));
+    this.mesh = quads((this.surface.columns - 1) * this.rows, new THREE.MeshLambertMaterial(run === main ? own : ghost));
     this.mesh.castShadow = run === main;
     this.mesh.userData = { body: this.surface.body, describe: hit => this.describe(hit) };
     this.lattice = lines(new THREE.LineBasicMaterial({ transparent: true, opacity: run === main ? 0.55 : 0.25 }));
@@ -48,13 +49,27 @@ class SurfaceShape {
   circulation(strip) { return this.run.present[this.run.layout.strips + this.firstStrip + strip]; }
 
   update() {
-    const { surface, run } = this, plain = new THREE.Color(inks.surface).toArray(), rgb = [0, 0, 0];
+    const { surface, run, rows, index } = this, plain = new THREE.Color(inks.surface).toArray();
+    const painted = run === main && surfaceField.of, most = painted ? surfaceRange() : 1;
+    const rgbOf = (strip, row, column) => {
+      const value = surfaceField.of(run, index, strip, row, column), rgb = [0, 0, 0];
+      if (!Number.isFinite(value)) return plain;
+      tint(surfaceField.map, share(value, most), rgb, 0);
+      return rgb;
+    };
+    // the lift belongs to the edges of the strips, between which it fades; all other fields to strips or panels
+    const fades = surfaceField === SURFACE_FIELDS.lift;
+    let ends = null;
     for (let c = 0; c + 1 < surface.columns; c++) {
-      if (run === main && colouredStrips()) tint(WAKE_MAP, share(this.circulation(c), circulationRange()), rgb, 0);
-      const corners = [this.corner(c, 0), this.corner(c + 1, 0), this.corner(c + 1, 1), this.corner(c, 1)];
-      setQuad(this.mesh.geometry, c, corners, run === main && colouredStrips() ? rgb : plain);
+      if (painted && fades) ends = [ends ? ends[1] : rgbOf(c, 0, c), rgbOf(c, 0, c + 1)];
+      const [a, b, d, e] = [this.corner(c, 0), this.corner(c + 1, 0), this.corner(c + 1, 1), this.corner(c, 1)];
+      for (let row = 0; row < rows; row++) {
+        const [front, back] = [row / rows, (row + 1) / rows];
+        const rgb = !painted ? plain : fades ? [ends[0], ends[1], ends[1], ends[0]] : rgbOf(c, row, c);
+        setQuad(this.mesh.geometry, c * rows + row, [mix(a, e, front), mix(b, d, front), mix(b, d, back), mix(a, e, back)], rgb);
+      }
     }
-    sendQuads(this.mesh.geometry, surface.columns - 1);
+    sendQuads(this.mesh.geometry, (surface.columns - 1) * rows);
     if (run === main) {
       const glass = get("glass").checked, { material } = this.mesh;
       if (material.transparent !== glass) {
@@ -73,8 +88,8 @@ class SurfaceShape {
   }
 
   describe(hit) {
-    const strip = Math.floor(hit.faceIndex / 2), at = [hit.point.x, hit.point.y, hit.point.z];
-    const { run, surface } = this, body = run.about.bodies[surface.body].name;
+    const strip = Math.floor(hit.faceIndex / (2 * this.rows)), at = [hit.point.x, hit.point.y, hit.point.z];
+    const { run, surface, index } = this, body = run.about.bodies[surface.body].name;
     const [inner, outer] = [0, 1].map(i => mix(this.corner(strip + i, 0), this.corner(strip + i, 1), 0.5)), way = plus(outer, inner, -1);
     const along = Math.max(0, Math.min(1, dot(plus(at, inner, -1), way) / Math.max(dot(way, way), 1e-30)));
     const edge = e => mix(this.corner(strip, e), this.corner(strip + 1, e), along), chord = plus(edge(1), edge(0), -1);
@@ -87,6 +102,11 @@ class SurfaceShape {
         ["chord there", `${figures(Math.hypot(...plus(edge(1), edge(0), -1)))} m`],
       ];
       if (run.about.strips) found.push(["circulation", `${figures(this.circulation(strip))} m²/s`]);
+      if (!modal && run.about.edgeForces) found.push(["lift per span", `${figures(mix([liftAt(run, index, strip)], [liftAt(run, index, strip + 1)], along)[0])} N/m`]);
+      if (!modal && run.about.panelForces) {
+        const row = Math.min(surface.panels - 1, Math.floor(across * surface.panels));
+        found.push(["pressure jump", `${figures(pressureAt(run, index, strip, row))} Pa`]);
+      }
       return found;
     };
     return { title: `surface of ${body}`, rows, place };

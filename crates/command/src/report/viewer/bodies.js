@@ -92,6 +92,12 @@ class BodyShape {
 
 const three = vector => vector.map(value => figures(value, 4)).join(", ");
 
+// Internal force and moment between two sections.
+function insideRows(run, body, index, part) {
+  const [force, moment] = [0, 3].map(from => mix(run.load(body, index).slice(from, from + 3), run.load(body, index + 1).slice(from, from + 3), part));
+  return [["internal force", `${three(force)} N (N, Vy, Vz)`], ["internal moment", `${three(moment)} N·m (Mx, My, Mz)`]];
+}
+
 // A place on a body as people read it; found anew at every time.
 function bodyPlace(run, body, index, part, point) {
   const about = run.about.bodies[body];
@@ -106,9 +112,10 @@ function bodyPlace(run, body, index, part, point) {
       ["strain", `${compact(1e6 * strainAt(s.measures, point), digitsFor(1e6 * largest(FIELDS.strain), 4))} µm/m`],
       ["curvature", `${three(s.measures.slice(2))} 1/m (κy, κz)`],
       ["elastic moment", `${three(load.slice(1))} N·m (Mx, My, Mz)`],
+      ...(about.loaded ? insideRows(run, body, index, part) : []),
     ];
     // a mode has no velocities and loads at an amplitude that is only drawn
-    if (modal) return found.filter(([name]) => !["velocity", "elastic moment"].includes(name));
+    if (modal) return found.filter(([name]) => !["velocity", "elastic moment", "internal force", "internal moment"].includes(name));
     const loads = run.about.stations.map((station, i) => [i, station]).filter(([, station]) => station.body === body);
     if (loads.length) {
       const away = i => Math.hypot(...plus(vector(run.present, run.layout.stations + PER_STATION * i), s.at, -1));
@@ -120,5 +127,7 @@ function bodyPlace(run, body, index, part, point) {
     return found;
   };
   const title = run === main ? about.name : `${about.name} (${run.label})`;
-  return { title, rows, place: () => pointOf(now(), point) };
+  const place = about.places.length > 1 ? about.places[index] + part * (about.places[index + 1] - about.places[index]) : 0;
+  const key = run === main ? `body:${about.name},${Number(place.toPrecision(6))}` : null;
+  return { title, rows, place: () => pointOf(now(), point), key, on: run === main ? { body, place } : null };
 }

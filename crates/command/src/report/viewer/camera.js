@@ -6,12 +6,13 @@ const VIEWS = {
   iso: [-1.05, 0.42], front: [-Math.PI / 2, 0], side: [0, 0], top: [-Math.PI / 2, Math.PI / 2],
 };
 const HALF_VIEW = Math.tan(15 * Math.PI / 180); // of the shorter side, perspective
-const camera = { azimuth: 0, elevation: 0, target: [0, 0, 0], distance: 1, axes: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], flat: false };
+const camera = { azimuth: 0, elevation: 0, target: [0, 0, 0], distance: 1, axes: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], flat: false, preset: null };
 const lenses = { deep: new THREE.PerspectiveCamera(30, 1, 0.01, 100), flat: new THREE.OrthographicCamera(-1, 1, 1, -1, 0.01, 100) };
 const lens = () => (camera.flat ? lenses.flat : lenses.deep);
 
 function look(name) {
   [camera.azimuth, camera.elevation] = VIEWS[name];
+  camera.preset = name;
   // what is followed fills the view where it is, not its whole path
   frameAll(get("follow").value === "machine" ? machinePoints() : extents.points);
 }
@@ -109,6 +110,7 @@ function follow() {
 const pixelsPerMetre = () => Math.min(canvas.clientWidth, canvas.clientHeight) / (2 * HALF_VIEW * camera.distance);
 
 function turn(dx, dy) {
+  camera.preset = null;
   camera.azimuth -= dx;
   camera.elevation += dy;
   aim();
@@ -116,10 +118,12 @@ function turn(dx, dy) {
 // Moves the target by pixels of the page.
 function move(dx, dy) {
   const step = 1 / pixelsPerMetre();
+  camera.preset = null;
   camera.target = plus(plus(camera.target, camera.axes[0], -dx * step), camera.axes[1], dy * step);
   aim();
 }
 function zoom(factor) {
+  camera.preset = null;
   camera.distance = Math.max(0.005 * extents.wing, Math.min(60 * extents.size, camera.distance * factor));
   aim();
 }

@@ -4,6 +4,8 @@
 const DIVERGING = [[5, 48, 97], [67, 147, 195], [240, 240, 240], [244, 135, 75], [127, 30, 8]];
 const WAKE_MAP = [[94, 60, 153], [178, 171, 210], [236, 236, 240], [253, 190, 110], [222, 104, 20]];
 const RISING = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+// Of lift and pressure, told from the strain of bodies and the circulation of wakes.
+const LIFT_MAP = [[0, 92, 82], [98, 182, 170], [240, 240, 240], [222, 184, 110], [140, 82, 12]];
 const RUN_INKS = ["#0b62a4", "#d55e00", "#8a4fb0", "#008060", "#a07800"];
 
 const runInk = run => run.ink || RUN_INKS[run.index % RUN_INKS.length];
@@ -25,6 +27,12 @@ function elasticLoad(run, body, index, measures) {
 }
 const strainAt = (measures, [y, z]) => measures[0] + z * measures[2] - y * measures[3];
 
+// Internal loads of a section, in the order of the numbers.
+const LOADS = [
+  { key: "axial", title: "axial force N (N)" }, { key: "shear_y", title: "shear force Vy (N)" }, { key: "shear_z", title: "shear force Vz (N)" },
+  { key: "torsion", title: "torsion Mx (N·m)" }, { key: "bending_y", title: "bending moment My (N·m)" }, { key: "bending_z", title: "bending moment Mz (N·m)" },
+];
+
 // What bodies are coloured by: value at a section and a point of it. Strain measures of a mode are those of the mode alone.
 const FIELDS = {
   ...(modal && { amplitude: { title: "displacement amplitude (m)", rising: true, value: (run, b, i) => amplitudes[b][i] } }),
@@ -36,6 +44,8 @@ const FIELDS = {
     moment_x: { title: "elastic torsion Mx (N·m)", value: (run, b, i, s) => elasticLoad(run, b, i, s.measures)[1] },
     moment_y: { title: "elastic moment My (N·m)", value: (run, b, i, s) => elasticLoad(run, b, i, s.measures)[2] },
     moment_z: { title: "elastic moment Mz (N·m)", value: (run, b, i, s) => elasticLoad(run, b, i, s.measures)[3] },
+    ...(about.bodies.some(body => body.loaded) && Object.fromEntries(LOADS.map(({ key, title }, k) =>
+      [key, { title, value: (run, b, i) => (run.load(b, i) || [])[k] ?? 0, at: (run, b, i, frame) => (run.load(b, i, frame) || [])[k] ?? 0 }]))),
     speed: { title: "speed of the axis (m/s)", rising: true, value: (run, b, i, s) => Math.hypot(...s.v) },
   }),
   none: { title: "no field" },
@@ -50,7 +60,7 @@ function largest(wanted) {
     let most = 0;
     for (let frame = 0; frame < main.count; frame++) about.bodies.forEach((body, b) => body.rims.forEach((rim, i) => {
       const s = main.section(b, i, frame);
-      for (const point of wanted === FIELDS.strain ? rim : [rim[0]]) most = Math.max(most, Math.abs(wanted.value(main, b, i, s, point)));
+      for (const point of wanted === FIELDS.strain ? rim : [rim[0]]) most = Math.max(most, Math.abs(wanted.at ? wanted.at(main, b, i, frame) : wanted.value(main, b, i, s, point)));
     }));
     if (wanted === FIELDS.strain) about.gauges.forEach((_, g) => {
       for (let frame = 0; frame < main.count; frame++) most = Math.max(most, Math.abs(main.valueAt(frame, main.layout.strains + g)));
@@ -72,9 +82,9 @@ let largestCirculation = (() => {
 })();
 
 // Ends of the scales: what was typed, else the largest of the run.
-const ranges = { body: null, circulation: null };
+const ranges = { body: null, surface: null };
 const bodyRange = () => ranges.body === null ? largest(field) : ranges.body / (field.factor || 1);
-const circulationRange = () => ranges.circulation === null ? largestCirculation || 1 : ranges.circulation;
+const circulationRange = () => (ranges.surface !== null && surfaceField === SURFACE_FIELDS.circulation ? ranges.surface : largestCirculation || 1);
 // Whether there is anything of a field to paint: round-off is nothing, as of the strain of modal bodies, which have none.
 const NOTHING = new Map([[FIELDS.strain, 1e-7]]);
 const painted = wanted => Boolean(wanted.value) && largest(wanted) > (NOTHING.get(wanted) || 1e-9);

@@ -22,7 +22,7 @@ function sizeAt(body) {
 
 const hingeMarks = about.hinges.map(hinge => {
   const { half, radius } = sizeAt(hinge.body);
-  const describe = () => ({ title: `joint ${hinge.name}`, rows: () => hingeRows(hinge), place: () => main.section(hinge.body, 0).at });
+  const describe = () => ({ title: `joint ${hinge.name}`, key: `joint:${hinge.name}`, rows: () => hingeRows(hinge), place: () => main.section(hinge.body, 0).at });
   const shape = hinge.kind === "revolute" ? new THREE.CylinderGeometry(radius, radius, 2 * half, 20)
     : hinge.kind === "prismatic" ? new THREE.CylinderGeometry(1.4 * radius, 1.4 * radius, 2 * half, 4) : new THREE.SphereGeometry(1.6 * radius, 20, 12);
   const mesh = markMesh(shape, "#5b6773", describe);
@@ -43,6 +43,7 @@ function hingeRows(hinge) {
 
 const gaugeMarks = about.gauges.map((gauge, i) => markMesh(new THREE.SphereGeometry(0.008 * WIDTH, 20, 12), "#ffffff", () => ({
   title: `gauge ${gauge.name}`,
+  key: `gauge:${gauge.name}`,
   rows: () => [
     ["strain", `${microstrain(main.present[main.layout.strains + i])} µm/m`],
     ["place", `${figures(gauge.place)} m from the inner end of ${about.bodies[gauge.body].name}`],
@@ -57,6 +58,7 @@ const massMarks = about.masses.map(mass => {
   const radius = Math.max(0.006 * WIDTH, Math.min(0.03 * WIDTH, Math.cbrt(mass.kg / (7800 * 4.19))));
   return markMesh(new THREE.SphereGeometry(radius, 24, 16), "#9a7b4f", () => ({
     title: `mass ${mass.name}`,
+    key: `mass:${mass.name}`,
     rows: () => [["mass", `${figures(mass.kg)} kg`], ["at", `${massPlace(main, mass).map(c => compact(c, digitsFor(extents.size, 5))).join(", ")} m`]],
     place: () => massPlace(main, mass),
   }));

@@ -17,21 +17,25 @@ use serde_json::json;
 const PAGE: &str = include_str!("page.html");
 const STYLES: [&str; 2] = [include_str!("vendor/uplot.css"), include_str!("page.css")];
 const LIBRARIES: [&str; 2] = [include_str!("vendor/three.js"), include_str!("vendor/uplot.js")];
-const SCRIPTS: [&str; 15] = [
+const SCRIPTS: [&str; 19] = [
     include_str!("run.js"),
     include_str!("modes.js"),
     include_str!("colours.js"),
     include_str!("stage.js"),
     include_str!("camera.js"),
     include_str!("bodies.js"),
+    include_str!("lift.js"),
     include_str!("air.js"),
     include_str!("marks.js"),
     include_str!("pick.js"),
+    include_str!("fan.js"),
     include_str!("plots.js"),
+    include_str!("along.js"),
     include_str!("mode_list.js"),
     include_str!("live.js"),
     include_str!("controls.js"),
     include_str!("export.js"),
+    include_str!("address.js"),
     include_str!("page.js"),
 ];
 
@@ -45,6 +49,11 @@ const NUMBERS_BEGIN: &str = "<script type=\"text/plain\" class=\"numbers\">";
 
 /// Beginning of the element with the description of modes.
 const MODES_BEGIN: &str = "<script type=\"application/json\" class=\"modes\">";
+/// Beginning of the element with the description of the runs of a sweep.
+const FAN_BEGINS: &str = "<script type=\"application/json\" class=\"fan\">";
+/// Beginning of the element with the numbers of the runs of a sweep.
+const SPREAD_BEGINS: &str = "<script type=\"text/plain\" class=\"spread\">";
+
 /// Beginning of the element with the numbers of modes.
 const MOTIONS_BEGIN: &str = "<script type=\"text/plain\" class=\"motions\">";
 
@@ -57,6 +66,12 @@ pub fn page(name: &str, run: &PackedRun, companions: &[Companion]) -> String {
 pub fn page_of_modes(name: &str, modes: &PackedModes) -> String {
     let motions = element(MODES_BEGIN, &modes.description) + &element(MOTIONS_BEGIN, &modes.numbers);
     filled(name, elements(&modes.states) + &motions, &[])
+}
+
+/// The page as HTML with the other runs of a sweep.
+pub fn page_of_fan(name: &str, run: &PackedRun, fan: &PackedRun) -> String {
+    let others = element(FAN_BEGINS, &fan.description) + &element(SPREAD_BEGINS, &fan.numbers);
+    filled(name, elements(run) + &others, &[])
 }
 
 fn elements(run: &PackedRun) -> String {
@@ -156,7 +171,7 @@ mod tests {
         let written = page("wing", &run, &[other]);
         assert_eq!(run_of_page(&written).unwrap(), run);
         assert!(run_of_page("<!doctype html><html></html>").unwrap_err().contains("is not a page"));
-        let older = written.replacen("\"format\":2", "\"format\":1", 1);
+        let older = written.replacen("\"format\":3", "\"format\":1", 1);
         assert!(run_of_page(&older).unwrap_err().contains("another version"));
         // text that would not stay text in the page with both runs is rejected
         for (from, to) in [("\"name\":\"inner\"", "\"name\":\"<b>\""), ("\"name\":\"inner\"", "\"name\":\"{{runs}}\"")]

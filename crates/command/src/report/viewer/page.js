@@ -55,9 +55,15 @@ function setScales() {
   body.hidden = !painted(field) || about.bodies.every(one => one.rigid);
   const text = value => (Math.abs(most) < 1e-2 ? figures(value, 2) : compact(value, digitsFor(most, modal ? 2 : 3)));
   setScale(body, field.title, field.rising ? RISING : DIVERGING, field.rising ? [0, most / 2, most] : [-most, 0, most], text);
-  const air = get("air-scale"), range = circulationRange();
-  air.hidden = !largestCirculation || !(colouredStrips() || (about.wakes.length && get("wake").checked));
+  const air = get("air-scale"), range = circulationRange(), ofWake = about.wakes.length && get("wake").checked;
+  const circulates = surfaceField === SURFACE_FIELDS.circulation;
+  air.hidden = !largestCirculation || !(circulates || ofWake);
   setScale(air, "circulation (m²/s)", WAKE_MAP, [-range, 0, range], value => compact(value, digitsFor(range, 2)));
+  const surface = get("surface-scale");
+  surface.hidden = circulates || !surfaceField.of;
+  if (surface.hidden) return;
+  const reach = surfaceRange();
+  setScale(surface, surfaceField.title, surfaceField.map, [-reach, 0, reach], value => (Math.abs(reach) < 1e-2 ? figures(value, 2) : compact(value, digitsFor(reach, 3))));
 }
 
 // A round length near a sixth of the stage.
@@ -99,6 +105,7 @@ function render() {
   updateArrows();
   placePickMark();
   if (live) updatePull();
+  updateFan();
   marks.visible = links.visible = main.shown;
   ground.visible = axes.visible = get("ground").checked;
   sun.castShadow = get("shadow").checked && ground.visible && economy === 0;
@@ -120,6 +127,8 @@ function show() {
     if (mark) mark.style.background = swatch();
   }
   if (live) refreshCharts(); else for (const chart of charts) chart.keep();
+  showAlong();
+  noteAddress();
   showPicked();
   showHover();
 }
@@ -178,6 +187,7 @@ function setTheme() {
   document.documentElement.dataset.dark = String(chosenDark === null ? systemDark.matches : chosenDark);
   readInks();
   charts.forEach(chart => chart.build());
+  buildAlongCharts();
   buildModePlots();
   changed();
 }
@@ -207,7 +217,7 @@ function setFollow(name) {
   if (followed) { const shift = plus(followed, camera.target, -1); camera.target = plus(camera.target, shift); }
   changed();
 }
-function frameNow() { frameAll(presentPoints()); changed(); }
+function frameNow() { camera.preset = null; frameAll(presentPoints()); changed(); }
 const savePicture = async () => save(await pictureBlob(), ".png");
 async function saveFilm() {
   say("filming: the run plays once");
@@ -253,7 +263,7 @@ function listen() {
   click("save-table", () => save(new Blob([tableText()], { type: "text/csv" }), ".csv"));
   if (live) listenLive(); else get("time").addEventListener("input", event => { play(false); seek(Number(event.target.value)); });
   for (const id of ["wake", "trace", "joints", "gauges", "lattice", "glass", "ground", "shadow"]) get(id).addEventListener("change", () => { setScales(); changed(); });
-  get("circulation").addEventListener("change", () => { setScales(); changed(); });
+  get("surface-field").addEventListener("change", event => { surfaceField = SURFACE_FIELDS[event.target.value]; ranges.surface = null; get("surface-range").value = ""; setScales(); changed(); });
   get("follow").addEventListener("change", event => setFollow(event.target.value));
   get("field").addEventListener("change", event => { field = FIELDS[event.target.value]; ranges.body = null; get("range").value = ""; setScales(); changed(); });
   const number = (id, key) => get(id).addEventListener("input", event => {
@@ -263,7 +273,7 @@ function listen() {
     changed();
   });
   number("range", "body");
-  number("circulation-range", "circulation");
+  number("surface-range", "surface");
   for (const button of document.querySelectorAll("[data-view]")) button.addEventListener("click", () => setView(button.dataset.view));
   get("open").addEventListener("change", event => { if (event.target.files[0]) openTable(event.target.files[0]); event.target.value = ""; });
   document.addEventListener("dragover", event => event.preventDefault(), listening);
@@ -318,13 +328,18 @@ function buildControls() {
   }
   const hasAir = about.surfaces.length > 0;
   for (const element of document.querySelectorAll(".airy")) element.hidden = !hasAir;
-  for (const id of ["circulation", "circulation-range"]) get(id).parentElement.hidden = !about.strips;
+  for (const [name, { title }] of Object.entries(SURFACE_FIELDS)) get("surface-field").add(new Option(title, name));
+  get("surface-field").value = Object.keys(SURFACE_FIELDS).find(name => SURFACE_FIELDS[name] === surfaceField);
   get("wake-label").hidden = !about.wakes.length;
+  get("fan-label").hidden = !fan;
+  get("fan").addEventListener("change", () => { charts.forEach(chart => chart.build()); get("fan-scale").hidden = !get("fan").checked; changed(); });
   if (!filmType) Object.assign(get("save-film"), { disabled: true, title: "This browser records no WebM" });
   const left = [];
   if (modal && modal.states.length < modal.found) left.push(`${modal.states.length} of ${modal.found} states are on this page`);
   if (!modal && !live && main.count < about.recorded) left.push(`${main.count} of ${about.recorded} points in time are drawn`);
   if (!live && about.signalRows < about.points) left.push(`plots have ${about.signalRows} of ${about.points} points`);
+  if (fan && fan.like < fan.count) left.push(`${fan.count - fan.like} of ${fan.count} runs failed or are unlike this one, and are left out`);
+  if (fan && fan.labels.length < fan.like) left.push(`${fan.labels.length} of ${fan.like} runs are drawn, and the bands are those of all`);
   for (const table of tables) if (table.rows < table.recorded) left.push(`${table.label} has ${table.rows} of ${table.recorded} rows`);
   get("thinned").hidden = !left.length;
   get("thinned").textContent = `${left.join("; ")}, at equal intervals${modal ? "" : ": peaks between them do not show"}.`;
@@ -369,12 +384,14 @@ function begin() {
   paintInks();
   buildControls();
   addScale("body-scale");
+  buildFan();
+  addScale("surface-scale");
   addScale("air-scale");
   // the beginning of a run is shown without plots and values: those of the run before it stay until it is complete
   if (!again || again.done) {
     buildTable();
     if (live) buildLive();
-    if (modal) buildModes(); else buildPlots();
+    if (modal) buildModes(); else { buildPlots(); buildAlong(); }
   }
   listRuns();
   listen();
@@ -382,7 +399,7 @@ function begin() {
   get("missing").hidden = renderer !== null;
   get("stage").classList.toggle("without", renderer === null);
   if (live ? about.hinges.some(hinge => hinge.kind === "spatial") : fliesAway()) setFollow("machine");
-  if (!again?.kept) { look("iso"); show(); }
+  if (!again?.kept) { look("iso"); startAddress(); show(); }
   if (live) { connect(); showRunning(); showPace(); }
   if (modal && !matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);
 }

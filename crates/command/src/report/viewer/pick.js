@@ -49,11 +49,24 @@ function showHover() {
 
 // A click keeps what it hits among the readings; a click beside everything lets it go.
 function pick(x, y) {
-  picked = under(x, y);
+  choose(under(x, y));
+}
+function choose(thing) {
+  picked = thing;
   if (!picked && get("follow").value === "picked") get("follow").value = "nothing";
   get("follow").querySelector("[value=picked]").disabled = !picked;
   followed = followPoint();
+  for (const { plot } of along.charts) plot.redraw();
   changed();
+}
+
+// The section of a body at a distance from its inner end, on the axis.
+function sectionPicked(body, place) {
+  const { places } = about.bodies[body];
+  if (places.length === 1) return bodyPlace(main, body, 0, 0, [0, 0]);
+  let i = 0;
+  while (i + 2 < places.length && places[i + 1] < place) i++;
+  return bodyPlace(main, body, i, Math.max(0, Math.min(1, (place - places[i]) / (places[i + 1] - places[i]))), [0, 0]);
 }
 function showPicked() {
   get("picked").hidden = !picked;

@@ -92,8 +92,9 @@ class Chart {
       return chip;
     }));
     const found = this.names.flatMap((name, n) => sourcesOf(name).map(source => ({ ...source, name, ink: seriesInk(n) })));
+    const bands = this.names.flatMap((name, n) => bandsOf(name).map(band => ({ ...band, ink: seriesInk(n) })));
     const units = [...new Set(this.names.map(name => signals.get(name).unit))];
-    const data = live ? this.recent() : found.length ? uPlot.join(found.map(source => [source.time, source.values])) : [[]];
+    const data = live ? this.recent() : found.length ? uPlot.join([...found, ...bands].map(source => [source.time, source.values])) : [[]];
     const text = inks.text, faint = inks.faint;
     const axis = { stroke: faint, grid: { stroke: inks.grid, width: 1 }, ticks: { stroke: inks.grid, width: 1 }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 18 };
     const series = source => ({
@@ -111,7 +112,8 @@ class Chart {
         ...axis, scale: unit, side: i ? 1 : 3, size: (plot, ticks) => 22 + 7 * Math.max(5, ...(ticks || []).map(tick => tick.length)), label: unit === "–" ? "value (–)" : `${quantity(this.names.filter(name => signals.get(name).unit === unit))} (${unit})`,
         grid: { ...axis.grid, show: i === 0 }, values: ticked,
       }))],
-      series: [{ label: "t", value: (plot, value) => (value === null ? "–" : `${compact(plot.cursor.left >= 0 ? value : main.timeAt(main.position), 4)} s`) }, ...found.map(series)],
+      series: [{ label: "t", value: (plot, value) => (value === null ? "–" : `${compact(plot.cursor.left >= 0 ? value : main.timeAt(main.position), 4)} s`) }, ...found.map(series), ...bands.map(bandSeries)],
+      bands: bandFills(found.length, bands),
       legend: { live: true, markers: { width: 2 } },
       cursor: { drag: { x: true, y: false, dist: 5 }, sync: { key: "foldwing", setSeries: false }, points: { size: 6 } },
       hooks: {
@@ -163,6 +165,20 @@ class Chart {
     line.style.transform = `translateX(${left}px)`;
     if (!plot.cursor.left || plot.cursor.left < 0) plot.setLegend({ idx: indexAt(plot.data[0], time) }, false);
   }
+}
+
+// Of the runs of a sweep: the median dashed, the others as edges of areas, without a line in the legend.
+const bandSeries = ({ label, name, ink, fraction }) => ({
+  label, scale: signals.get(name).unit, stroke: fraction === 0.5 ? ink : `${ink}60`, width: fraction === 0.5 ? 1 : 0.6, dash: fraction === 0.5 ? [2, 3] : undefined,
+  spanGaps: true, points: { show: false }, class: "extreme",
+});
+// Areas between the curves at the same distance from the median.
+function bandFills(found, bands) {
+  const per = fan ? fan.fractions.length : 1, fills = [];
+  for (let first = 0; first < bands.length; first += per) for (let k = 0; k < per >> 1; k++) {
+    fills.push({ series: [found + first + per - k, found + first + k + 1], fill: `${bands[first].ink}${k ? "30" : "18"}` });
+  }
+  return fills;
 }
 
 // What the names of an axis have in common: `fold.angle` and `tip_fold.angle` are angles.

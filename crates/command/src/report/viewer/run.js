@@ -11,7 +11,7 @@ function numbersOf(text) {
   return Float32Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
 }
 
-const PER_SECTION = 16, PER_STATION = 12;
+const PER_SECTION = 16, PER_STATION = 12, PER_LOAD = 6;
 
 // Where things stand in the part of a frame that has the same length in all frames.
 function layoutOf(about) {
@@ -28,6 +28,9 @@ function layoutOf(about) {
   found.gravity = take(3);
   found.winds = take(3 * about.winds);
   found.strips = take(about.strips);
+  found.loads = about.bodies.map(body => (body.loaded ? take(PER_LOAD * body.rims.length) : null));
+  found.edgeForces = about.edgeForces ? about.surfaces.map(surface => take(3 * surface.columns)) : null;
+  found.panelForces = about.panelForces ? about.surfaces.map(surface => take(surface.panels * (surface.columns - 1))) : null;
   found.length = next;
   return found;
 }
@@ -86,6 +89,15 @@ class Run {
       at: vector(list, place), y: unit(vector(list, place + 3)), z: unit(vector(list, place + 6)), v: vector(list, place + 9),
       measures: [list[place + 12], list[place + 13], list[place + 14], list[place + 15]],
     };
+  }
+
+  // Internal force (axial, shear y, shear z) and moment (torsion, bending y, bending z) of a section of a beam, in its frame, now or at a
+  // frame; `null` for other bodies.
+  load(body, index, frame) {
+    if (this.layout.loads[body] === null) return null;
+    const list = frame === undefined ? this.present : this.numbers;
+    const place = (frame === undefined ? 0 : this.about.begins[frame]) + this.layout.loads[body] + PER_LOAD * index;
+    return Array.from(list.subarray(place, place + PER_LOAD));
   }
 
   // Wake of a frame: places of the first node and the first circulation in `numbers`, rows and columns, per surface.

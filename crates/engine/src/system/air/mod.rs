@@ -297,6 +297,12 @@ impl AirCoupling {
         }
     }
 
+    /// Force in N of the air per section, root frame; the sections must have been observed, as by [`Self::report`].
+    pub fn section_forces_n(&self, equations: &Equations) -> Vec<Vector3<f64>> {
+        let loads = &equations.stations[equations.load_stations..];
+        self.motions.iter().zip(loads).map(|(motion, load)| motion.rotation * load.force_n).collect()
+    }
+
     /// Appends the sections of the surfaces to a model, after its load stations.
     pub fn add_sections(machine: &machine::Machine, model: &mut Model) {
         for surface in machine.air.iter().flat_map(|air| &air.surfaces) {

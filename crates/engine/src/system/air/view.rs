@@ -14,6 +14,9 @@ pub struct SurfaceLattice {
     pub corner_m: Vec<Vec<Vector3<f64>>>,
     /// Circulation of the strips at the trailing edge in m²/s, about the span from the inner to the outer end.
     pub circulation_m2_s: Vec<f64>,
+    /// Normal force of the panels in N, positive along chord times span: steady part and rate of the impulse, without the corrections of
+    /// profiles; rows from the leading edge. Empty if the last step solved is another, as after a state is restored.
+    pub panel_force_n: Vec<Vec<f64>>,
     /// Nodes of the wake in m: rows from the trailing edge, columns from the inner section; a single row before the first shedding.
     pub wake_node_m: Vec<Vec<Vector3<f64>>>,
     /// Circulation of the wake's rings in m²/s: rows from the trailing edge.
@@ -21,6 +24,14 @@ pub struct SurfaceLattice {
 }
 
 impl System {
+    /// Force in N of the air at the edges of the strips, surface by surface, root frame, at the present time, as it acts on the structure.
+    /// Their sum is the total force of the air on the surfaces. Empty without aerodynamics.
+    pub fn surface_forces_n(&self) -> Vec<Vec<Vector3<f64>>> {
+        let Some(air) = &self.air else { return Vec::new() };
+        let mut loads = air.section_forces_n(&self.equations).into_iter();
+        air.settings.surfaces.iter().map(|surface| loads.by_ref().take(surface.positions_m.len()).collect()).collect()
+    }
+
     /// End time in s of the aerodynamic step that contains the present time, with the vortex lattice at that time, surface by surface;
     /// `None` without a lattice or before initialisation.
     pub fn lattice(&self) -> Option<(f64, Vec<SurfaceLattice>)> {
@@ -35,6 +46,11 @@ impl System {
                     .collect(),
                 circulation_m2_s: (0..columns - 1)
                     .map(|strip| lattice.strip_circulation(state, index, strip))
+                    .collect(),
+                panel_force_n: (0..surface.chord_panels)
+                    .map_while(|row| {
+                        (0..columns - 1).map(|strip| lattice.panel_force_n(state, index, row, strip)).collect()
+                    })
                     .collect(),
                 wake_node_m: (0..=state.wake_rows)
                     .map(|row| (0..columns).map(|column| lattice.wake_node_m(state, index, row, column)).collect())
