@@ -1,4 +1,4 @@
-//! The command in scripts: exit codes, messages, files.
+//! The command as used in scripts: exit codes, messages, files.
 
 use crate::library;
 use std::path::{Path, PathBuf};
@@ -51,7 +51,7 @@ fn version_names_the_build() {
     assert!(text.contains(std::env::consts::ARCH), "{text}");
 }
 
-/// `--profile` writes the counts of the summary and times that fit together; it changes no result.
+/// `--profile` writes the counts of the summary, and consistent times; it does not change results.
 #[test]
 fn timing_says_what_a_run_costs() {
     let folder = scratch();
@@ -72,12 +72,12 @@ fn timing_says_what_a_run_costs() {
     assert!((number("step_us") * number("steps") * 1e-6 / number("steps_s") - 1.0).abs() < 1e-9, "{timing}");
     let wall_s = number("initialization_s") + number("steps_s") + number("rows_s");
     if cfg!(any(target_os = "linux", target_os = "macos")) {
-        // one thread: no more than the time on the clock, but for what lies between the clocks' readings
+        // one thread: no more than the wall-clock time, apart from the interval between the readings of the clocks
         assert!((1e-6..1.1 * wall_s + 1e-3).contains(&number("processor_s")), "{timing}");
     }
 }
 
-/// `--strains` writes one line per end of an element with the largest strain of the run, no less than any gauge saw.
+/// `--strains` writes one line per end of an element with the largest strain of the run, which is at least that of any gauge.
 #[test]
 fn strains_are_reported_per_section() {
     let folder = scratch();
@@ -111,7 +111,7 @@ fn the_lattice_is_written_at_chosen_times() {
     for (surface, name) in written[1]["surfaces"].as_array().unwrap().iter().zip(["inner", "outer"]) {
         assert_eq!(surface["body"], name);
         let size = |key: &str| (surface[key].as_array().unwrap().len(), surface[key][0].as_array().unwrap().len());
-        // eight steps of 1.25 ms have shed a row each, before that of the established flow
+        // eight steps of 1.25 ms have each shed a row, in front of those of the steady flow
         assert_eq!((size("corner_m"), size("wake_node_m")), ((6, 11), (10, 11)));
         assert_eq!(size("wake_circulation_m2_s"), (9, 10));
         assert_eq!(surface["corner_m"][5], surface["wake_node_m"][0], "the wake starts at the last corners");
@@ -122,7 +122,7 @@ fn the_lattice_is_written_at_chosen_times() {
     refuses(&on_model("simulate", &["--csv", "-", "--lattice", path]), 2, "--lattice-at");
 }
 
-/// Each exit code that `--help` documents, with a message that names the cause.
+/// Each exit code documented in `--help`, with a message that gives the cause.
 #[test]
 fn exit_codes_tell_causes_apart() {
     let folder = scratch();
@@ -154,7 +154,7 @@ fn exit_codes_tell_causes_apart() {
     assert!(!Path::new(&path("x.fmu")).exists(), "a refused package leaves no file");
 }
 
-/// The default simulation latches; the CSV holds the outputs on the communication grid.
+/// The default simulation latches; the CSV contains the outputs at the communication points.
 #[test]
 fn simulation_writes_the_deployment() {
     let csv = succeeds(&on_model("simulate", &["--csv", "-", "--step", "1e-3"]));
@@ -164,7 +164,7 @@ fn simulation_writes_the_deployment() {
     assert!((latch_s - 0.1222).abs() < 0.005 * 0.1222, "latch at {latch_s} s");
 }
 
-/// A latch that is closed at the start has not "not latched", and a joint without one needs no word about it.
+/// A latch that is closed at the start is not reported as "not latched", and a joint without a latch is not mentioned.
 #[test]
 fn summary_knows_what_a_latch_did() {
     let folder = scratch();
@@ -187,7 +187,7 @@ fn summary_knows_what_a_latch_did() {
     assert!(text.contains("fold: did not latch, angle"), "{text}");
 }
 
-/// A run that fails reports time and cause, and keeps the rows up to then.
+/// A run that fails reports time and cause, and keeps the rows written until then.
 #[test]
 fn failed_simulation_keeps_its_rows() {
     let settings = ["solver.min_step=0.01", "solver.max_step=0.02", "solver.tolerance=1e-9"];
@@ -198,7 +198,7 @@ fn failed_simulation_keeps_its_rows() {
     assert!(column(&csv, "time").is_sorted_by(|a, b| a < b) && csv.lines().count() >= 2, "{csv}");
 }
 
-/// A last step that does not fit is shortened, a start alone moves the experiment.
+/// A last step that does not fit is shortened; a start time alone shifts the experiment.
 #[test]
 fn grid_ends_at_the_stop_time() {
     let csv = succeeds(&on_model(
@@ -210,7 +210,7 @@ fn grid_ends_at_the_stop_time() {
     assert_eq!(column(&moved, "time").last(), Some(&1.4));
 }
 
-/// Inputs from a file act: a wing that is never released stays folded; errors name file, line and column.
+/// Inputs from a file are applied: a wing that is never released stays folded; errors give file, line and column.
 #[test]
 fn inputs_come_from_a_file() {
     let folder = scratch();
@@ -239,7 +239,7 @@ fn inputs_come_from_a_file() {
     refuses(&run("time,fold.comand\n0,0\n"), 1, "did you mean `fold.angle_command`");
 }
 
-/// `check --json` is JSON with the data that scripts need; the text has the same.
+/// `check --json` is JSON with the data for scripts; the text contains the same.
 #[test]
 fn check_says_what_was_understood() {
     let json: serde_json::Value = serde_json::from_str(&succeeds(&on_model("check", &["--json"]))).unwrap();
@@ -251,10 +251,10 @@ fn check_says_what_was_understood() {
     }
 }
 
-/// Every kind of joint in our form and in the conventional one: Otsuka et al., Table 2, and eq. (13).
+/// Numbers of variables of every kind of joint in Foldwing and in the conventional method: Otsuka et al., Table 2, and eq. (13).
 ///
-/// The table prints 33 as the sum of 12 and 11 for the revolute joint, and with it 97 % where eq. (13) gives 96 %. It
-/// has no clamped and no free joint.
+/// For the revolute joint the table prints 33 as the sum of 12 and 11, and therefore 97 % where eq. (13) gives 96 %. It has no clamped and
+/// no free joint.
 #[test]
 fn check_counts_joint_variables_as_table_2() {
     let folder = scratch();
@@ -278,7 +278,7 @@ fn check_counts_joint_variables_as_table_2() {
     std::fs::write(&path, text).unwrap();
     let path = path.to_str().unwrap();
     let json: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&["check", path, "--json"]))).unwrap();
-    // ours N_J, N_L; conventional N_J, N_L; printed reduction rate in per cent
+    // here N_J, N_L; conventional N_J, N_L; printed reduction rate in per cent
     let expected = [
         ([0, 0, 12, 12], None),
         ([1, 0, 12, 11], Some(96.0)),
@@ -299,7 +299,7 @@ fn check_counts_joint_variables_as_table_2() {
         assert!((rate - ((c + d) - (a + b)) / (c + d)).abs() < 1e-12, "{kind}: {rate}");
         assert!(rate_percent.is_none_or(|percent| (100.0 * rate).round() == percent), "{kind}: {rate}");
     }
-    // eight strains of each linear element, and 0 + 1 + 2 + 3 + 6 of the joints
+    // eight strains per linear element, and 0 + 1 + 2 + 3 + 6 of the joints
     assert_eq!(json["degrees_of_freedom"], 5 * 8 + 12);
     let text = succeeds(&foldwing(&["check", path, "--unknowns"]));
     for line in [
@@ -319,16 +319,15 @@ fn schema_is_json() {
     assert!(schema.is_object());
 }
 
-/// The description alone can be printed, and nothing depends on where the command runs.
+/// The description can be printed without running anything, and does not depend on the current folder.
 #[test]
 fn description_can_be_printed() {
     let text = succeeds(&on_model("package", &["--description-only"]));
     assert!(text.starts_with("<?xml") && text.contains("modelName=\"FoldingWing\""), "{text}");
 }
 
-/// `static` prints a shape for people and JSON for programs. The wing at rest weighs what `check` says; the joint stays
-/// where the stopper holds it, and turns until its spring balances its motor, or its latch catches it, where it is
-/// released.
+/// `static` prints a shape for users and JSON for programs. The weight of the wing in equilibrium is that of `check`; a locked joint stays
+/// at its angle; a released one rotates until its spring balances its motor, or its latch catches it.
 #[test]
 fn static_brings_the_wing_to_rest() {
     let json = |arguments: &[&str]| -> serde_json::Value {
@@ -339,7 +338,7 @@ fn static_brings_the_wing_to_rest() {
     let force = held["root"]["force_N"][0].as_f64().unwrap();
     assert!((force + 0.06305 * 9.8).abs() < 1e-9, "{force}");
     assert_eq!(held["bodies"][1]["sections"].as_array().unwrap().len(), 5, "the mesh boundaries of four pairs");
-    // released it unfolds, and its latch catches it on the way: 1e4 k θ + T = moment of the weight, none when it hangs
+    // released it unfolds, and its latch catches it on the way: 1e4 k θ + T = moment of the weight, zero when it hangs
     let latched = json(&[]);
     assert_eq!(latched["joints"][0]["latched"], true);
     let angle = latched["joints"][0]["angle_rad"].as_f64().unwrap();
@@ -359,8 +358,8 @@ fn static_brings_the_wing_to_rest() {
     refuses(&loose, 3, "joint \"fold\"");
 }
 
-/// A linkage with its motor held: `check` names its loops, `static` finds the equilibrium in which they carry the rocker's
-/// and the coupler's share of the weight, one half each.
+/// A linkage with its motor locked: `check` lists its loops, `static` finds the equilibrium in which they carry one half each of the weight
+/// of rocker and coupler.
 #[test]
 fn closed_loops_are_shown() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models/four_bar.toml");
@@ -379,12 +378,12 @@ fn closed_loops_are_shown() {
     }
     let text = succeeds(&foldwing(&["static", path, "--set", "motor.release=0"]));
     assert!(text.contains("\nloop back: gap "), "{text}");
-    // a motor that is free turns the crank without end; what the search finds then is no linkage any more
+    // a free motor rotates the crank without end; the search then ends in a state with an open loop
     refuses(&foldwing(&["static", path]), 3, "is open by");
 }
 
-/// `modes` orders frequencies, with the exact first one of the straight cantilever where the wing is held unfolded
-/// (without the joint's mass the 0.3 m plate has 5.0589 Hz; with it less), and refuses unknown settings.
+/// `modes` orders frequencies, with the exact first one of the straight cantilever if the wing is locked unfolded (without the joint's mass
+/// the 0.3 m plate has 5.0589 Hz; with it less), and rejects unknown settings.
 #[test]
 fn modes_lists_frequencies() {
     let straight = ["--state", "undeformed", "--set", "fold.start_angle=0", "--set", "fold.release=0"];
@@ -402,7 +401,7 @@ fn modes_lists_frequencies() {
     refuses(&on_model("modes", &["--set", "gravity.q=1"]), 2, "did you mean `gravity.");
 }
 
-/// `linearize` writes both kinds of file, at each kind of state; names select rows, and mistakes are reported.
+/// `linearize` writes both kinds of file, at each kind of state; names select variables, and mistakes are reported.
 #[test]
 fn linearize_writes_json_and_npz() {
     let folder = scratch();
@@ -446,8 +445,8 @@ fn linearize_writes_json_and_npz() {
     refuses(&on_model("linearize", &["--inputs", "fold.release", "-o", &file]), 2, "no real input is named");
 }
 
-/// Linear models of machines with a vortex lattice hold its loads constant: every output states it, and wind, whose columns would be 0, is
-/// not available as an input.
+/// Linear models of machines with a vortex lattice hold its loads constant: every output reports this, and wind, whose columns would be 0,
+/// is not available as an input.
 #[test]
 fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
     let folder = scratch();
@@ -481,7 +480,7 @@ fn linear_models_and_modes_of_a_lattice_are_without_air_and_say_so() {
 }
 
 /// With `--lattice` linear models and modes include the vortex lattice, in discrete time: wind and a travelling gust are inputs, the file
-/// has the step, balanced truncation keeps the responses, and a model without a lattice is an error that names it.
+/// contains the step, balanced truncation preserves the responses, and a model without a lattice is an error that names it.
 #[test]
 fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let folder = scratch();
@@ -518,7 +517,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let mut bytes = Vec::new();
     std::io::Read::read_to_end(&mut archive.by_name("step_s.npy").unwrap(), &mut bytes).unwrap();
     assert!(bytes.ends_with(&0.0025f64.to_le_bytes()));
-    // for a band: in it the error is the one that is stated, at frequencies in between too
+    // for a frequency band: inside it the error is the reported one, also between the sampled frequencies
     succeeds(&linearize("band.json", &["--reduce", "6", "--max-frequency", "20"]));
     let band = read("band.json");
     let answers = [&whole, &band].map(|model| answers_to_20_hz(model, 0.0025));
@@ -536,7 +535,7 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     std::fs::write(path("free.toml"), free).unwrap();
     let refused = foldwing(&["linearize", &path("free.toml"), "--lattice", "-o", &path("z.json")]);
     refuses(&refused, 3, "a free wake has no steady shape; write free_wake = false");
-    // one cure, not that of a flow without a solution
+    // one remedy, not the one for a flow without a solution
     assert!(!String::from_utf8_lossy(&refused.stderr).contains("aerodynamics.step_s"));
     refuses(&on_model("linearize", &["--lattice", "-o", &path("z.json")]), 3, "only a vortex lattice");
     let bare = succeeds(&foldwing(&["modes", &model, "--count", "2"]));
@@ -548,12 +547,12 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["stability"]["with_air_of_lattice"], true);
     refuses(&foldwing(&["modes", &model, "--lattice", "--state", "undeformed"]), 2, "use --state equilibrium");
-    // more states than memory holds
+    // more states than fit into memory
     let long = small.replace("wake_rows = 10", "wake_rows = 2000");
     std::fs::write(path("long.toml"), long).unwrap();
     let refused = foldwing(&["linearize", &path("long.toml"), "--lattice", "-o", &path("z.json")]);
     refuses(&refused, 3, "at most 8000 states are allowed: use fewer wake_rows");
-    // a gust that blows on the wing would be a part of the steady flow
+    // a gust that already acts on the wing would be part of the steady flow
     let gust = "[gust.early]\nshape = \"sharp_edge\"\nvelocity_m_s = [0.0, 0.0, 0.1]\n";
     for (origin_m, is_refused) in [("[0.0, 0.0, 0.0]", true), ("[0.0, 1.0, 0.0]", false)] {
         std::fs::write(path("gust.toml"), format!("{small}\n{gust}origin_m = {origin_m}\n")).unwrap();
@@ -568,8 +567,8 @@ fn linear_models_modes_and_flutter_of_a_lattice_are_in_discrete_time() {
     assert!(flutter.contains("neither flutter nor divergence up to 20 m/s"), "{flutter}");
 }
 
-/// `check` counts the shapes of modal bodies, not the cells of their sums: the turbine of the paper has 16 freedoms, 13 of
-/// shapes and three of joints.
+/// `check` counts the shapes of modal bodies, not the cells of their sums: the turbine of the paper has 16 degrees of freedom, 13 of shapes
+/// and three of joints.
 #[test]
 fn check_counts_the_shapes_of_modal_bodies() {
     let path = "examples/turbine/nrel_5mw.toml";
@@ -584,7 +583,7 @@ fn check_counts_the_shapes_of_modal_bodies() {
     assert!(text.contains("16 degrees of freedom") && text.contains(", 4 shapes,"), "{text}");
 }
 
-/// With strips the air is in linear models and modes: wind and a gust are inputs, lags are states, flutter is found.
+/// With strips, linear models and modes include aerodynamics: wind and a gust are inputs, lag states are states, flutter is found.
 #[test]
 fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     let folder = scratch();
@@ -653,7 +652,7 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     assert!(folder.path().join("p/root_locus.svg").exists());
 }
 
-/// Mode shapes: a page and VTK files, of modes, of flutter and of a rotor; what cannot be drawn is refused with its cause, before anything
+/// Mode shapes: a page and VTK files, for modes, flutter and a rotor; what cannot be drawn is rejected with its cause, before anything is
 /// is written.
 #[test]
 fn mode_shapes_have_pages_and_vtk_files() {
@@ -696,7 +695,7 @@ fn mode_shapes_have_pages_and_vtk_files() {
     refuses(&foldwing(&["modes", &goland, "--count", "3", "--vtk", &vtk]), 4, "run.pvd");
 }
 
-/// Each library goes to the platform that its header names; a wrong name, kind or repetition is refused by its place.
+/// Each library is assigned to the platform in its header; a wrong name or kind, or a repetition, is rejected with its position.
 #[test]
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 fn libraries_of_several_platforms_make_one_fmu() {
@@ -730,7 +729,8 @@ fn libraries_of_several_platforms_make_one_fmu() {
     assert!(!Path::new(&path("x.fmu")).exists(), "a refused package leaves no file");
 }
 
-/// `latency` steps a real-time model, prints both clocks and counts; its turbulence is seeded, so its counts repeat.
+/// `latency` steps a real-time model, prints wall-clock and processor time and counts; its turbulence is seeded, so its counts are
+/// reproducible.
 #[test]
 fn latency_is_measured() {
     let folder = scratch();
@@ -752,9 +752,9 @@ fn latency_is_measured() {
     refuses(&run(&["--turbulence=-1"]), 2, "--turbulence -1: must be a finite number and at least 0");
 }
 
-/// A rod on a free hinge, started upright: `static` finds the hanging state and reports it, `--branch path` keeps the upright one and
-/// reports it as unstable; `modes` prints the real pole in 1/s, marked, without frequency and damping ratio (it printed `damping -1.000000`
-/// and a frequency).
+/// A rod on a free hinge, started upright: `static` finds the hanging state and reports this, `--branch path` keeps the upright state and
+/// reports it as unstable; `modes` prints the real pole in 1/s, marked, without frequency and damping ratio (it used to print `damping
+/// -1.000000` and a frequency).
 #[test]
 fn modes_prints_real_poles_and_static_the_stable_state() {
     let folder = scratch();
@@ -781,7 +781,7 @@ fn modes_prints_real_poles_and_static_the_stable_state() {
     assert!(table.contains("Path of equilibria"), "{table}");
 }
 
-/// A bar on a ball joint of a loop, without gravity, has no equilibrium: the message has the free motion and the joint.
+/// A bar on a ball joint of a loop, without gravity, has no unique equilibrium: the message gives the free motion and the joint.
 #[test]
 fn a_body_that_a_loop_leaves_a_motion_is_told() {
     let folder = scratch();
@@ -809,13 +809,13 @@ fn a_body_that_a_loop_leaves_a_motion_is_told() {
     );
 }
 
-/// Trim: the wing carries its own weight in the wind that is found, which other commands then take.
+/// Trim: in the wind found, the lift of the wing balances its weight; other commands accept this wind.
 #[test]
 fn trim_finds_the_wind_that_carries_the_wing() {
     let flared = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");
     let call = ["trim", flared, "--solve-for", "wind.velocity.z", "--target", "root.force.z=0", "--json"];
     let found: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&call))).unwrap();
-    // 17.6 N are on the root before
+    // before, the load on the root is 17.6 N
     assert!(found["balances"]["root.force.z"].as_f64().unwrap().abs() <= 17.7e-9, "{found}");
     let wind_m_s = found["free"]["wind.velocity.z"].as_f64().unwrap();
     assert!(wind_m_s < -0.1, "the wing flies nose up: {found}");
@@ -854,13 +854,13 @@ fn trim_finds_the_wind_that_carries_the_wing() {
     let twice = ["--target", "root.force.z=0", "--target", "root.force.z=1"];
     let free = ["trim", flared, "--solve-for", "wind.velocity.z", "--solve-for", "wind.velocity.y"];
     refuses(&foldwing(&[&free[..], &twice[..]].concat()), 2, "--target root.force.z: is named twice");
-    // the drive has no spring that a command could move
+    // the motor has no spring that a command could move
     let nothing = foldwing(&["trim", flared, "--solve-for", "fold.angle_command", "--target", "root.force.z=0"]);
     refuses(&nothing, 3, "the targets do not depend independently");
 }
 
 /// Trim of a free aircraft: three free values balance six loads, and every command accepts the resulting settings; modes have names.
-/// Loads that remain are named.
+/// Remaining loads are listed.
 #[test]
 fn trim_balances_a_free_aircraft() {
     let aircraft = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/flight/folding_aircraft.toml");
@@ -888,12 +888,12 @@ fn trim_balances_a_free_aircraft() {
         settings.iter().flat_map(|(name, value)| ["--set".to_owned(), format!("{name}={value}")]).collect();
     let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
     let modes = succeeds(&foldwing(&[&["modes", aircraft, "--count", "12"][..], &settings].concat()));
-    // the roll subsidence is mostly lag states, so it is left out
+    // the roll subsidence consists mostly of lag states, so it is excluded
     for name in ["spiral", "phugoid", "dutch roll", "short period"] {
         assert!(modes.contains(&format!("{name}: ")), "{modes}");
     }
     refuses(&foldwing(&["static", aircraft]), 3, "remain on the free joint \"flight\"; trim the machine");
-    // one elevator alone rolls the aircraft
+    // a single elevator rolls the aircraft
     let lame = [
         "trim",
         aircraft,
@@ -941,7 +941,7 @@ fn trim_balances_a_free_aircraft() {
     refuses(&foldwing(&eight), 2, "9 unknowns for 0 targets; 1 to 6 unknowns are needed");
 }
 
-/// Gains of a model in discrete time, as linearize writes it, at 77 frequencies up to 20 Hz.
+/// Frequency response of a discrete-time model, as written by linearize, at 77 frequencies up to 20 Hz.
 fn answers_to_20_hz(model: &serde_json::Value, step_s: f64) -> Vec<nalgebra::DMatrix<nalgebra::Complex<f64>>> {
     let matrix = |name: &str| {
         let rows: Vec<Vec<f64>> = serde_json::from_value(model[name].clone()).unwrap();
@@ -956,8 +956,8 @@ fn answers_to_20_hz(model: &serde_json::Value, step_s: f64) -> Vec<nalgebra::DMa
     (0..77).map(answer).collect()
 }
 
-/// FD-06. A level turn banked by 0.5 rad: all loads on the free joint vanish, the rate is that of gravity and bank, the wings bear the load
-/// factor, and released the aircraft keeps its circle. Turns that cannot be are refused by name.
+/// FD-06. A level turn banked by 0.5 rad: all loads on the free joint vanish, the turn rate follows from gravity and bank, the lift of the
+/// wings corresponds to the load factor, and the released aircraft stays on its circle. Impossible turns are rejected with the cause.
 #[test]
 fn trim_flies_a_steady_turn() {
     let aircraft = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/flight/folding_aircraft.toml");
@@ -995,16 +995,16 @@ fn trim_flies_a_steady_turn() {
     let (bank_rad, speed_m_s) = (0.5f64, 18.0);
     let (found, settings) = trimmed(&[&turn[..], &["--set", "attitude.roll=0.5"]].concat());
     let rate_rad_s = found["free"]["turn.rate"].as_f64().unwrap();
-    // fin and rudder carry a little of the side force, and the nose is 0.04 rad up
+    // fin and rudder carry a small part of the side force, and the nose is 0.04 rad up
     let level_rad_s = 9.81 * bank_rad.tan() / speed_m_s;
     assert!((rate_rad_s / level_rad_s - 1.0).abs() < 5e-3, "{rate_rad_s} {level_rad_s}");
     let share = strain(&settings) / strain(&trimmed(&straight).1);
     println!(
         "turn at {rate_rad_s} rad/s, {level_rad_s} by bank and gravity; strains {share} of those in straight flight"
     );
-    // spars bend less than their load: lift moves inwards on wings that are bent
+    // spar bending grows less than the load: on bent wings the lift moves inboard
     assert!((share * bank_rad.cos() - 1.0).abs() < 0.03, "{share}");
-    // the same turn by its rate, to the left
+    // the same turn specified by its rate, to the left
     let mirrored = [&straight[..], &lateral, &["--solve-for", "attitude.roll", "--set"]].concat();
     let other = trimmed(&[&mirrored[..], &[&format!("turn.rate={}", -rate_rad_s)]].concat()).0;
     assert!((other["free"]["attitude.roll"].as_f64().unwrap() + bank_rad).abs() < 1e-6, "{other}");
@@ -1018,14 +1018,14 @@ fn trim_flies_a_steady_turn() {
     println!("attitude off by {turned_rad:.1e} rad after 4 s");
     // the tolerance of the coupling, 1e-6 of the loads, amplified by the phugoid
     assert!(turned_rad < 1e-4, "{rows}");
-    // the root turns about gravity and moves against the wind, eq. (Q11)
+    // the root rotates about the direction of gravity and moves against the wind, eq. (Q11)
     let vector = |name: &str| {
         nalgebra::Vector3::from_fn(|i, _| found["settings"][format!("{name}.{}", ["x", "y", "z"][i])].as_f64().unwrap())
     };
     let spin = vector("gravity").normalize() * rate_rad_s;
     assert!((vector("root.angular_velocity") - spin).norm() < 1e-12, "{found}");
     assert!((vector("root.acceleration") + spin.cross(&vector("wind.velocity"))).norm() < 1e-12, "{found}");
-    // the same turn about another centre: it goes around in the root frame once a turn, and is no mode of flight
+    // the same turn about another centre: the aircraft moves once around it per revolution in the root frame, which is not a flight mode
     let mut modes = vec!["modes", aircraft, "--count", "6", "--json"];
     modes.extend(settings.iter().map(String::as_str));
     let modes: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&modes))).unwrap();
@@ -1054,8 +1054,8 @@ fn trim_flies_a_steady_turn() {
     refused("a free wake has no steady shape in a turn", &in_lattice);
 }
 
-/// Trim of a control surface: the angle at which the aileron floats, by strips and by the lattice; a balance that no angle within
-/// the limits reaches is refused.
+/// Trim of a control surface: the angle at which the aileron floats, with strips and with the lattice; a balance not reached by any angle
+/// within the limits is an error.
 #[test]
 fn trim_finds_the_angle_at_which_an_aileron_floats() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/aileron/folding_aileron.toml"));
@@ -1069,7 +1069,7 @@ fn trim_finds_the_angle_at_which_an_aileron_floats() {
         let free = ["trim", path, "--solve-for", "aero.control_surface.aileron.angle_command", "--target"];
         let call = [&free[..], &["aero.control_surface.aileron.hinge_moment=0", "--json"]].concat();
         let found: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&call))).unwrap();
-        // 1e-2 N·m are on the hinge at angle 0
+        // the hinge moment at angle 0 is 1e-2 N·m
         assert!(
             found["balances"]["aero.control_surface.aileron.hinge_moment"].as_f64().unwrap().abs() <= 1e-9,
             "{found}"

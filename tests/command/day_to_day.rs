@@ -1,4 +1,4 @@
-//! What every command has in common: JSON, the list of written files, vectors by name; templates and examples.
+//! Common features of all commands: JSON, the list of written files, vectors by name; templates and examples.
 
 use crate::command_line::{foldwing as run, succeeds};
 use crate::library;
@@ -34,7 +34,7 @@ fn refused(output: &Output, code: i32) -> String {
     stderr(output).lines().next().unwrap_or_default().to_owned()
 }
 
-/// Every command that writes files lists them on standard error, and nothing else there is left with `--quiet`.
+/// Every command that writes files lists them on standard error; with `--quiet` standard error is empty.
 #[test]
 fn written_files_are_listed_unless_quiet() {
     let (wing, goland) = (wing(), example("models/goland_wing.toml"));
@@ -90,7 +90,7 @@ fn written_files_are_listed_unless_quiet() {
     }
 }
 
-/// Results without files have the option, too: warnings and notes are left out.
+/// Commands without result files have the option, too: it suppresses warnings and notes.
 #[test]
 fn quiet_leaves_out_warnings() {
     let goland = example("models/goland_wing.toml");
@@ -105,7 +105,7 @@ fn quiet_leaves_out_warnings() {
     assert!(succeeds(&trim).contains("wind.velocity.z = ") && trim.stderr.is_empty());
 }
 
-/// `simulate --json` has the joints and counts of its own table and profile, and the files; standard error stays for people.
+/// `simulate --json` contains the joints and counts of its table and profile, and the files; messages for users go to standard error.
 #[test]
 fn the_summary_of_a_run_is_json() {
     let folder = tempfile::tempdir().unwrap();
@@ -136,7 +136,7 @@ fn the_summary_of_a_run_is_json() {
     assert_eq!(message, "error: --csv -: --json writes to standard output too; name a file for the table");
 }
 
-/// Sweeps, linear models, latency and modes over a quantity in JSON: the numbers of their tables.
+/// JSON of sweeps, linear models, latency and modes as functions of a quantity: the numbers of their tables.
 #[test]
 fn other_results_are_json() {
     let folder = tempfile::tempdir().unwrap();
@@ -199,7 +199,7 @@ fn other_results_are_json() {
     assert!(rows.next().is_none() && modes["ended"].is_null() && modes["over"] == "root.angular_velocity.z");
 }
 
-/// A Campbell diagram in JSON has the names of the motions.
+/// The JSON of a Campbell diagram contains the names of the modes.
 #[test]
 fn a_campbell_diagram_is_json() {
     let turbine = example("turbine/nrel_5mw.toml");
@@ -223,7 +223,7 @@ fn a_campbell_diagram_is_json() {
     assert!((last["frequency_Hz"][1].as_f64().unwrap() - 0.3266).abs() < 1e-3, "{last}");
 }
 
-/// Standard output that nobody reads any more is no error, with JSON either.
+/// A closed standard output is not an error, with JSON either.
 #[test]
 fn a_closed_pipe_ends_json_quietly() {
     let wing = wing();
@@ -242,7 +242,7 @@ fn a_closed_pipe_ends_json_quietly() {
     }
 }
 
-/// The name of a vector chooses and sets all its components, with a unit for all or in SI.
+/// The name of a vector selects and sets all its components, with a unit for all or in SI.
 #[test]
 fn vectors_are_set_and_chosen_by_name() {
     let wing = wing();
@@ -273,7 +273,7 @@ fn vectors_are_set_and_chosen_by_name() {
     assert_eq!(message("gravity=0,0,down"), "error: --set gravity=0,0,down: gravity.z: `down` is not a number");
     assert!(message("tip.position=0,0,0").contains("tip.position.x: "), "an output cannot be set");
     assert!(message("gravity=0,0,inf").contains("must be finite"));
-    // studies of turning rotors and sweeps have settings of their own making
+    // studies of rotating rotors and sweeps have different settings
     let turbine = example("turbine/nrel_5mw.toml");
     let turn = [
         "periodic",
@@ -295,7 +295,8 @@ fn vectors_are_set_and_chosen_by_name() {
     );
 }
 
-/// Every template is a valid model of the file's name whose commands run as printed; nothing is overwritten, and equal parts stay.
+/// Every template is a valid model named after the file, and the commands in it run as printed; nothing is overwritten, and identical files
+/// are kept.
 #[test]
 fn templates_are_models_that_run() {
     for (template, files) in [("wing", 2), ("aircraft", 2), ("turbine", 10), ("tunnel", 2), ("aileron", 2)] {
@@ -313,7 +314,7 @@ fn templates_are_models_that_run() {
         assert!(commands.len() >= 3 && commands[0].starts_with("check my-model.toml"), "{told}");
         for command in commands {
             assert!(text.contains(&format!("#   foldwing {command}")), "{command}");
-            // runs and packages are tried above, and the long ones are shortened
+            // runs and packages are tested above, and the long ones are shortened
             let words: Vec<&str> =
                 command.split("  ").next().unwrap().split(' ').map(|word| word.trim_matches('\'')).collect();
             if ["check", "trim", "flutter"].contains(&words[0]) {
@@ -337,7 +338,7 @@ fn walk(folder: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| if path.is_dir() { walk(&path) } else { vec![path] }).collect()
 }
 
-/// The examples are those of the repository, byte for byte, with what they need; files of the user stay.
+/// The examples are those of the repository, byte for byte, with the files they need; files of the user are kept.
 #[test]
 fn examples_are_listed_and_copied() {
     let list = succeeds(&run(&["examples"]));
@@ -358,7 +359,7 @@ fn examples_are_listed_and_copied() {
         let name = path.strip_prefix(folder.path().join("try")).unwrap();
         assert_eq!(fs::read(path).unwrap(), fs::read(example(name.to_str().unwrap())).unwrap(), "{}", name.display());
     }
-    // all models and scripts of the repository, but no notebooks
+    // all models and scripts of the repository, except notebooks
     let own = walk(Path::new(&example("")));
     let is_copied = |path: &&PathBuf| ["toml", "py"].contains(&path.extension().unwrap_or_default().to_str().unwrap());
     assert_eq!(copied.iter().filter(is_copied).count(), own.iter().filter(is_copied).count());
@@ -377,7 +378,7 @@ fn examples_are_listed_and_copied() {
     assert_eq!(message, "error: no example is named `golan_wing.toml`; did you mean `goland_wing.toml`?");
 }
 
-/// Studies report what is done of how much, and stop where their watch asks for it, with an error of their own.
+/// Studies report their progress, and stop with a specific error when their watch requests it.
 #[test]
 fn studies_report_their_progress_and_stop() {
     use foldwing::plant::Plant;
@@ -388,7 +389,7 @@ fn studies_report_their_progress_and_stop() {
 
     type Call<'a> = &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + 'a);
 
-    /// Runs a study to its end, and again up to the call `stop`; returns its progress.
+    /// Runs a study to its end, and again stopping at the call `stop`; returns its progress.
     #[track_caller]
     fn watched<E: std::fmt::Debug + PartialEq>(
         stop: usize,
@@ -418,7 +419,7 @@ fn studies_report_their_progress_and_stop() {
     let sweep = |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| {
         flutter::sweep_watched(Plant::new(goland.clone()), &options, watch).err()
     };
-    // the last calls are those that refine the speed of flutter
+    // the last calls are from the refinement of the flutter speed
     for stop in [2, 6] {
         let seen = watched(stop, flutter::FlutterError::Stopped, &sweep);
         let speeds: Vec<_> = seen.iter().filter(|(_, total)| *total == Some(4)).map(|(done, _)| *done).collect();
@@ -445,7 +446,7 @@ fn studies_report_their_progress_and_stop() {
     let solve = |watch: &mut dyn FnMut(Progress) -> ControlFlow<()>| {
         trim::solve_watched(Plant::new(tip.clone()), &options, watch).err()
     };
-    // the first equilibrium, one of a difference, and the one of a step
+    // the first equilibrium, one of a difference, and one of a step
     for stop in [1, 3, 4] {
         let seen = watched(stop, trim::TrimError::Stopped, &solve);
         assert!(seen.iter().enumerate().all(|(call, progress)| *progress == (call, None)), "{seen:?}");
@@ -472,7 +473,7 @@ fn studies_report_their_progress_and_stop() {
     assert_eq!(watched(1, periodic::PeriodicError::Stopped, &find).len(), 2);
 }
 
-/// `package`, `new` and `view` list what they wrote as JSON, which is all of standard output.
+/// `package`, `new` and `view` list the files they wrote as JSON, with no other output.
 #[test]
 fn commands_whose_results_are_files_print_json() {
     let folder = tempfile::tempdir().unwrap();

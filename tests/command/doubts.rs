@@ -1,4 +1,4 @@
-//! Doubts about the flow and about suction: of the wind that is set, in the state that is computed.
+//! Warnings about the flow and about suction: for the wind actually set, in the state computed.
 
 use crate::command_line::{foldwing, succeeds};
 
@@ -47,9 +47,9 @@ incidence_deg = {incidence_deg}
 const STRIPS: &str = "model = \"strip\"";
 const LATTICE: &str = "model = \"uvlm\"\nwake_rows = 20";
 const FRONT: &str = "[0.0, -10.0, 0.0]";
-const SPAN: &str = "[10.0, 0.0, 0.0]"; // from root to tip: the other way its apparent mass takes damping from the bending
+const SPAN: &str = "[10.0, 0.0, 0.0]"; // from root to tip: in the opposite direction the apparent mass reduces the damping of bending
 
-/// Standard error of a command on a model, which succeeds, and its JSON if it is asked to print that.
+/// Standard error of a command on a model, which must succeed, and its JSON if requested.
 fn warnings(text: &str, command: &[&str]) -> (String, serde_json::Value) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wing.toml");
@@ -61,7 +61,7 @@ fn warnings(text: &str, command: &[&str]) -> (String, serde_json::Value) {
     (String::from_utf8(output.stderr).unwrap(), serde_json::from_str(&printed).unwrap_or_default())
 }
 
-/// Standard error and exit code of a command on a model, which fails.
+/// Standard error and exit code of a command on a model, which must fail.
 fn failing(text: &str, command: &[&str]) -> (String, i32) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wing.toml");
@@ -77,8 +77,8 @@ const SUCTION: &str = "warning: the lattice has no suction at the leading edge";
 
 const FLUTTER: [&str; 5] = ["flutter", "--wind-m-s", "5:6:2", "--count=2", "--json"];
 
-/// `trim` and `flutter` judged the wind of the file: a wind from behind that was set went without a word, and a wind from the front that
-/// replaced one along the span had a warning.
+/// `trim` and `flutter` used to check the wind of the file: there was no warning for a wind from behind set by an option, and one for a
+/// wind from the front that replaced a spanwise one.
 #[test]
 fn the_wind_that_is_set_counts() {
     let trim = ["trim", "--solve-for", "wind.velocity.z", "--target", "root.force.z=-0.05", "--json"];
@@ -101,8 +101,8 @@ fn the_wind_that_is_set_counts() {
     }
 }
 
-/// The wind of the file along the span: every command has the warning, and of the wind from the front none has it. The lags of strips are
-/// neutral without flow in the plane of the section: `static` had called the wing unstable by 1e-15 1/s.
+/// A spanwise wind in the file: every command prints the warning; for a wind from the front none does. The lag states of strips are neutral
+/// without flow in the plane of the section: `static` used to report the wing as unstable by 1e-15 1/s.
 #[test]
 fn a_wind_along_the_span_has_a_warning() {
     for command in [&["check"][..], &["static"], &FLUTTER] {
@@ -113,7 +113,8 @@ fn a_wind_along_the_span_has_a_warning() {
     }
 }
 
-/// A lattice without suction at incidence: thrust and drag are in doubt. At zero incidence, with suction and on strips they are not.
+/// A lattice without suction at incidence: there is a warning for thrust and drag. At zero incidence, with suction and with strips there is
+/// none.
 #[test]
 fn a_lattice_without_suction_at_incidence_has_a_warning() {
     let with_suction = format!("{LATTICE}\nleading_edge_suction = true");
@@ -125,7 +126,7 @@ fn a_lattice_without_suction_at_incidence_has_a_warning() {
             assert!(!told.contains("suction"), "{command}, {air}, {incidence_deg} deg: {told}");
         }
     }
-    // a trim balances forces: it doubts every lattice without suction, in words and in its JSON
+    // a trim balances forces: it warns for every lattice without suction, in text and JSON
     for (air, doubted) in [(LATTICE, true), (&with_suction, false), (STRIPS, false)] {
         let trim = ["trim", "--solve-for", "wind.velocity.z", "--target", "root.force.z=1", "--json"];
         let (told, json) = warnings(&wing(air, FRONT, 0.0), &trim);
@@ -137,10 +138,10 @@ fn a_lattice_without_suction_at_incidence_has_a_warning() {
 
 const TIP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");
 
-/// A latch that closes at a speed: the free tip folds up with the speed until the latch holds it. One that opens: its weight holds the tip
-/// at a latch until the lift takes it off. The change is where the tip without a latch passes the angle, within a 256th of the interval:
-/// 0.03 m/s, over which the tip turns by up to 0.03 deg. A search for the equilibrium passed the latch with loads of other states, and
-/// found the tip latched at all speeds up to 21 m/s.
+/// A latch that closes at a speed: the free tip folds up with increasing speed until the latch holds it. One that opens: the weight holds
+/// the tip at a latch until the lift raises it. The change is where the tip without a latch passes the angle, within a 256th of the
+/// interval: 0.03 m/s, in which the tip rotates by up to 0.03 deg. The search for the equilibrium used to pass the latch with loads of
+/// other states, and found the tip latched at all speeds up to 21 m/s.
 #[test]
 fn latches_close_and_open_between_speeds() {
     let text = std::fs::read_to_string(TIP).unwrap();
@@ -167,8 +168,8 @@ fn latches_close_and_open_between_speeds() {
     }
 }
 
-/// In air at rest and in the wind, a latch on the far side of the start does not hold the tip where its equilibrium is not: exit code,
-/// angle and torque are those of the machine without the latch.
+/// In still air and in the wind, a latch on the far side of the start does not hold the tip away from its equilibrium: exit code, angle and
+/// torque equal those of the machine without the latch.
 #[test]
 fn a_latch_that_the_equilibrium_does_not_reach_stays_open() {
     let text = std::fs::read_to_string(TIP).unwrap();
@@ -181,7 +182,7 @@ fn a_latch_that_the_equilibrium_does_not_reach_stays_open() {
             let (found, free) = (of(&latched), of(&text));
             assert_eq!(found["latched"], false, "{kind}, {speed_m_s} m/s: {found}");
             let [found, free] = [found, free].map(|joint| joint["angle_rad"].as_f64().unwrap());
-            // the accuracy of the angle of a hinge at rest
+            // the accuracy of a hinge angle in equilibrium
             assert!((found - free).abs() < 1e-7, "{kind}, {speed_m_s} m/s: {found} instead of {free}");
         }
     }
@@ -211,9 +212,9 @@ motor = {{ damping_N_m_s_rad = 0.1 }}
     )
 }
 
-/// Equilibria whose joints are not where they are meant to be went without a word: a latch that stays open, as with a start angle of 0
-/// where the latch is elsewhere, and a hinge that has turned past its own parts. Trim has the warnings of `static`. A latch that cannot
-/// close and a joint that is held have none, nor has a hinge with end stops.
+/// Equilibria with joints at unintended angles used to give no warning: a latch that stays open, for example with a start angle of 0 away
+/// from the latch, and a hinge that has rotated by more than is physically possible. Trim has the warnings of `static`. There is none for a
+/// latch that cannot close, a locked joint, or a hinge with end stops.
 #[test]
 fn joints_that_are_elsewhere_have_a_warning() {
     let latch = "latch = { angle_deg = 120.0, kind = \"rigid\" }";
@@ -224,7 +225,7 @@ fn joints_that_are_elsewhere_have_a_warning() {
         assert!(told.contains(open) && told.contains("with hinge.start_angle = 2.094 rad it is closed"), "{told}");
         assert_eq!(json["doubts"].as_array().map(Vec::len), Some(1), "{json}");
     }
-    // a trim that fails says where the joints of its last equilibrium are
+    // a failed trim reports the joint angles of its last equilibrium
     let without = ["trim", "--solve-for", "gravity.y", "--target", "root.force.x=1"];
     let (text, code) = failing(&pendulum(20.0, latch), &without);
     let place = "last equilibrium: the latch of hinge, at 120 deg, is open in this equilibrium (at 90 deg)";

@@ -1,5 +1,5 @@
-//! Files of a user are safe: what a command reads is never overwritten, nor what a stranger wrote, and an interruption or
-//! a full disk leaves what was there. `docs/decisions/0006-files-of-the-user.md`.
+//! Files of a user are safe: input files of a command are never overwritten, nor files of other origin, and an interruption or a full disk
+//! leaves existing files unchanged. `docs/decisions/0006-files-of-the-user.md`.
 
 use crate::library;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use std::time::Duration;
 const INPUTS: &str = "time,fold.angle_command\n0,0\n0.4,0.1\n";
 const FOREIGN: &[u8] = b"three weeks of measurements\n";
 
-/// A folder with a model, its inputs, and somebody's measurements.
+/// A folder with a model, its inputs, and a file of measurements.
 struct Bench {
     folder: tempfile::TempDir,
 }
@@ -52,7 +52,7 @@ impl Bench {
     }
 }
 
-/// A command up to its output, and the name that its output may have.
+/// Arguments of a command up to its output option, and a file name that the output may have.
 type Case = (&'static [&'static str], &'static str);
 
 /// Every option that names one file to write, of every command.
@@ -129,8 +129,8 @@ const CASES: &[Case] = &[
     ),
 ];
 
-/// The model, its inputs and the library, by their own names, by detours and by links: refused, `--force` or not, and
-/// unchanged to the byte. `simulate wing.toml --csv wing.toml` used to end with exit code 0 and a model that was a table.
+/// The model, its inputs and the library, by their names, by other paths and by links: rejected, with or without `--force`, and unchanged.
+/// `simulate wing.toml --csv wing.toml` used to end with exit code 0 and a model that was a table.
 #[test]
 fn no_command_overwrites_what_it_reads() {
     let bench = Bench::new();
@@ -184,7 +184,7 @@ fn only_results_of_the_same_kind_are_replaced() {
         };
         succeeds(&arguments);
         let first = bench.read(&output);
-        succeeds(&arguments); // its own result
+        succeeds(&arguments); // a result of the same command
         std::fs::write(bench.path(&output), FOREIGN).unwrap();
         let refused = bench.run(&arguments);
         let message = String::from_utf8_lossy(&refused.stderr).into_owned();
@@ -200,7 +200,7 @@ fn only_results_of_the_same_kind_are_replaced() {
     }
 }
 
-/// The same inside the folders of `--plot`, `--vtk` and `--cross-check`: refused before the run, by name.
+/// The same inside the folders of `--plot`, `--vtk` and `--cross-check`: rejected before the run, with the file name.
 #[test]
 fn folders_of_results_are_looked_into() {
     let bench = Bench::new();
@@ -245,8 +245,7 @@ fn tables_of_inputs_are_not_results() {
     assert!(!bench.path("Wing").exists());
 }
 
-/// A file size limit represents a full disk: exit code 4, the old results to the byte, no other file. `/dev/full` does the same for a
-/// stream.
+/// A file size limit represents a full disk: exit code 4, unchanged old results, no other file. `/dev/full` does the same for a stream.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_full_disk_leaves_the_old_results() {
@@ -268,8 +267,7 @@ fn a_full_disk_leaves_the_old_results() {
     assert!(full.status.code() == Some(4), "{}", String::from_utf8_lossy(&full.stderr));
 }
 
-/// A command that can be interrupted however the tests were started: `nohup make test &` ignores SIGINT, and a program that begins so
-/// goes on ignoring it.
+/// A command that can be interrupted however the tests were started: `nohup make test &` ignores SIGINT, and child processes inherit this.
 #[cfg(unix)]
 fn interruptible(command: &mut Command) -> &mut Command {
     use std::os::unix::process::CommandExt;
@@ -287,7 +285,7 @@ fn interruptible(command: &mut Command) -> &mut Command {
     unsafe { command.pre_exec(restore) }
 }
 
-/// Ctrl-C and `kill -9` in the middle of a run leave the old results to the byte. Ctrl-C leaves nothing beside them.
+/// Ctrl-C and `kill -9` in the middle of a run leave the old results unchanged. Ctrl-C leaves no other files next to them.
 #[test]
 #[cfg(unix)]
 fn an_interruption_leaves_the_old_results() {

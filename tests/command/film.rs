@@ -33,7 +33,7 @@ fn word(bytes: &[u8], index: usize) -> u32 {
     u32::from_be_bytes(bytes[4 * index..4 * index + 4].try_into().unwrap())
 }
 
-/// A film of a model and one of its page are the same bytes: same pictures, same length; the summary tells what was chosen.
+/// A film of a model and one of its page have the same bytes: same pictures, same length; the summary gives the settings chosen.
 #[test]
 fn films_of_models_and_pages_agree() {
     let folder = tempfile::tempdir().unwrap();
@@ -53,7 +53,7 @@ fn films_of_models_and_pages_agree() {
     let table = |kind: &'static [u8; 4]| box_of(&file, &[b"moov", b"trak", b"mdia", b"minf", b"stbl", kind]);
     let sizes = table(b"stsz");
     assert_eq!(word(sizes, 2), 121);
-    // the pictures fill the data, each with its length before it
+    // the pictures fill the data, each preceded by its length
     let (data, first) = (box_of(&file, &[b"mdat"]), word(table(b"stco"), 2) as usize);
     let mut at = file.len() - data.len();
     assert_eq!(at, first);
@@ -65,7 +65,8 @@ fn films_of_models_and_pages_agree() {
     assert_eq!(at, file.len());
 }
 
-/// Numbered pictures begin with 1, one per picture; files of other origin stop the command before the run. A film of a part has its times.
+/// Numbered pictures start at 1, one per picture; files of other origin stop the command before the run. A film of a part of the run shows
+/// its times.
 #[test]
 fn pictures_are_numbered() {
     let folder = tempfile::tempdir().unwrap();
@@ -82,7 +83,7 @@ fn pictures_are_numbered() {
     assert!(said.contains("wing_00001.png") && said.contains("--force overwrites it"), "{said}");
 }
 
-/// A run that fails leaves the film up to there, and the failure's exit code.
+/// A run that fails leaves the film up to the failure, and returns the exit code of the failure.
 #[test]
 fn a_failed_run_leaves_its_film() {
     let folder = tempfile::tempdir().unwrap();
@@ -96,7 +97,7 @@ fn a_failed_run_leaves_its_film() {
     assert!(film.starts_with(b"GIF89a") && film.ends_with(b";"));
 }
 
-/// A page takes no settings of a simulation; other pages are refused.
+/// Settings of a simulation are rejected for a page; other kinds of page are rejected.
 #[test]
 fn pages_are_films_as_they_are() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `foldwing fit`: numbers that are known, files, and what is refused.
+//! `foldwing fit`: known parameters, files, and errors.
 
 use crate::command_line::{foldwing, succeeds};
 use std::path::{Path, PathBuf};
@@ -41,8 +41,8 @@ fn failure(words: &[&str]) -> (i32, String) {
     (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
 }
 
-/// GR-26. Two numbers from exact data with gaps and the latch time: the true ones, from 25 and 12 % off. The model file that is written has
-/// the modulus, and with the printed setting it has the measured motion; it is not overwritten a second time.
+/// GR-26. Two parameters from exact data with gaps and the latch time: their true values are found from 25 and 12 % off. The written model
+/// file contains the modulus, and with the printed setting it reproduces the measured motion; it is not overwritten a second time.
 #[test]
 fn numbers_are_identified_and_the_model_is_written() {
     let folder = tempfile::tempdir().unwrap();
@@ -97,7 +97,8 @@ fn numbers_are_identified_and_the_model_is_written() {
     assert!(code == 2 && text.contains("refusing to overwrite an input"), "{text}");
 }
 
-/// GR-27. A bound on the way holds, the text says which directions are not determined, and without convergence there is a warning.
+/// GR-27. A bound reached on the way is kept, the text gives the directions that are not determined, and without convergence there is a
+/// warning.
 #[test]
 fn bounds_hold_and_directions_without_effect_are_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -108,7 +109,7 @@ fn bounds_hold_and_directions_without_effect_are_named() {
     let row = text.lines().find(|line| line.starts_with(DAMPING)).unwrap();
     assert_eq!(row.split_whitespace().nth(2), Some("0.0017"), "{text}");
     assert!(text.contains(&format!("for other commands: --set {DAMPING}=0.0017")), "{text}");
-    // mass and stiffness of the plate are products with its width
+    // mass and stiffness of the plate are proportional to its width
     let by = format!("file:section.plate.width_m,file:section.plate.density_kg_m3,{MODULUS}");
     let output = foldwing(&["fit", WING, data.to_str().unwrap(), "--by", &by, "--max-runs", "2", "--sigma", "1e-3"]);
     let warning = String::from_utf8(output.stderr.clone()).unwrap();
@@ -121,7 +122,7 @@ fn bounds_hold_and_directions_without_effect_are_named() {
     );
 }
 
-/// GR-28. Tables and options that do not fit are errors with place, value and cure.
+/// GR-28. Inconsistent tables and options are errors with location, value and remedy.
 #[test]
 fn tables_and_options_that_do_not_fit_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `foldwing gradient`: the table, names of results and numbers, and what is refused.
+//! `foldwing gradient`: the table, names of results and numbers, and errors.
 
 use crate::command_line::{foldwing, succeeds};
 
@@ -12,8 +12,8 @@ fn json(arguments: &[&str]) -> serde_json::Value {
     serde_json::from_str(&succeeds(&foldwing(&all))).unwrap()
 }
 
-/// The slope of the latch time by the motor's stiffness, of a prototype beside the engine: −2.6455669 s/(N·m/rad) with other steps; the
-/// steps of the run differ in the tolerance, 1e-4. A table has a line per number, with the change per cent.
+/// The derivative of the latch time with respect to the motor's stiffness equals that of an independent prototype, −2.6455669 s/(N·m/rad),
+/// within the effect of different steps at the tolerance of 1e-4. The table has a line per number, with the change per one per cent.
 #[test]
 fn the_latch_time_has_the_slope_of_the_prototype() {
     let text = succeeds(&foldwing(&["gradient", WING, "--of", "fold.latch_time", "--by", "fold.motor_stiffness"]));
@@ -27,8 +27,8 @@ fn the_latch_time_has_the_slope_of_the_prototype() {
     assert!((per_cent - 0.01 * 0.026 * slope).abs() < 1e-5 * per_cent.abs(), "{text}");
 }
 
-/// The strain of largest size is negative: 5.3e-3 in compression at 0.1926 s, behind the latch. Its slope, the only one of the three
-/// results that the run has there, is that of the output at its instant.
+/// The strain of largest magnitude is negative: 5.3e-3 in compression at 0.1926 s, after latching. Its derivative, the only result of the
+/// three available there, is that of the output at this instant.
 #[test]
 fn the_peak_strain_has_a_slope() {
     let by = ["--by", "file:section.plate.youngs_modulus_Pa"];
@@ -46,8 +46,8 @@ fn the_peak_strain_has_a_slope() {
     assert!((slope - known).abs() < 1e-9 * known.abs() && slope > 0.0, "{slope} and {known}");
 }
 
-/// A rectangle's height acts on the bending of this wing in a plane as the modulus does by its cube and the density by its first power:
-/// `h ∂/∂h = 3 E ∂/∂E + ρ ∂/∂ρ` for the tip, but for axial stiffness and rotary inertia of the sections, (h/ℓ)² = 2e-4.
+/// For planar bending, the stiffness varies with the cube of a rectangle's height and the mass linearly: `h ∂/∂h = 3 E ∂/∂E + ρ ∂/∂ρ` for
+/// the tip, apart from the effect of axial stiffness and rotary inertia of the sections, (h/ℓ)² = 2e-4.
 #[test]
 fn numbers_of_a_section_have_the_slopes_of_its_stiffness() {
     let keys = ["height_m", "youngs_modulus_Pa", "density_kg_m3"].map(|key| format!("file:section.plate.{key}"));
@@ -61,9 +61,9 @@ fn numbers_of_a_section_have_the_slopes_of_its_stiffness() {
     }
 }
 
-/// The latch time by a length, whose effect on the motion is no polynomial, against runs with other lengths at a close tolerance: 1e-4 is
-/// more than the error of the latch time over them. Damping of the strains: without it fast axial motions ripple the latch time, by 5e-4 of
-/// the slope over 0.1 %.
+/// The derivative of the latch time with respect to a length, whose effect on the motion is not polynomial, against runs with other lengths
+/// at a tight tolerance: 1e-4 is more than the error of the latch times divided by the differences. The strains are damped: without
+/// damping, fast axial vibrations cause fluctuations of the latch time, 5e-4 of the derivative for a change of 0.1 %.
 #[test]
 fn the_slope_by_a_length_is_that_of_runs_with_other_lengths() {
     let model = std::fs::read_to_string(WING)
@@ -89,8 +89,8 @@ fn the_slope_by_a_length_is_that_of_runs_with_other_lengths() {
     assert!((slope - known).abs() < 1e-4 * known.abs(), "{slope} and {known}");
 }
 
-/// Vectors, patterns, lists and entries of arrays stand for their parts; a damping of zero has a one-sided slope; numbers whose steps would
-/// leave their range on both sides are refused.
+/// Vectors, patterns, lists and entries of arrays represent their parts; a damping of zero has a one-sided derivative; numbers whose steps
+/// would leave their range on both sides are rejected.
 #[test]
 fn results_and_numbers_are_named_like_variables_and_keys() {
     let found = json(&[
@@ -111,7 +111,7 @@ fn results_and_numbers_are_named_like_variables_and_keys() {
     assert_eq!(names("by")[..3], ["x", "y", "z"].map(|axis| format!("load.outer[4].force.{axis}")));
     assert_eq!((&names("by")[3][..], found["by"][3]["value"].as_f64()), ("file:gravity_m_s2.0", Some(-9.8)));
     assert_eq!(found["mode"], "forward");
-    // the wing moves in the plane of x and z: the load along y, and its position, have no part in it
+    // the wing moves in the x–z plane: the load along y, and its position, have no effect
     let slope = |row: usize, column: usize| found["of"][row]["derivatives"][column].as_f64().unwrap();
     assert!(slope(0, 1).abs() < 1e-12 && slope(2, 0).abs() > 1e-3 && slope(0, 2).abs() > 1e-3);
     let found =
@@ -119,7 +119,7 @@ fn results_and_numbers_are_named_like_variables_and_keys() {
     assert!(found["of"][0]["derivatives"][0].as_f64().unwrap() > 0.0, "damping holds the wing back: {found}");
 }
 
-/// Every refusal names the option, the name and the cause.
+/// Every error gives the option, the name and the cause.
 #[test]
 fn what_has_no_gradient_is_refused_by_name() {
     let cases: [(&[&str], &str, i32); 15] = [
@@ -172,8 +172,8 @@ fn what_has_no_gradient_is_refused_by_name() {
     assert!(message.contains("gradients do not cover the vortex lattice (aerodynamics)"), "{message}");
 }
 
-/// The height of the tip of a wing in a gust by the density of the air, an input and a key, against runs with 5 % more and
-/// less: 1e-2 for their curvature and for loads that agree to 1e-4.
+/// Derivatives of the tip height of a wing in a gust with respect to the air density, an input and a key, against runs with 5 % more and
+/// less: 1e-2 allows for nonlinearity and for loads that agree to 1e-4.
 #[test]
 fn a_wing_in_air_has_gradients() {
     let run = |more: &[&str]| -> serde_json::Value {
@@ -190,7 +190,7 @@ fn a_wing_in_air_has_gradients() {
     }
 }
 
-/// Entries of arrays of the model file are keys of a sweep too.
+/// A sweep can also vary entries of arrays of the model file.
 #[test]
 fn a_sweep_varies_an_entry_of_an_array() {
     let folder = tempfile::tempdir().unwrap();
@@ -207,8 +207,8 @@ fn a_sweep_varies_an_entry_of_an_array() {
     assert!(message.contains("3 is not an index of the array, which has 3 entries; indices start at 0"), "{message}");
 }
 
-/// Inputs over time: a value in each row is a number, both values of a jump too. The sum of the slopes by all rows is the slope by the
-/// input itself where it is constant; values after the latch has closed have no effect on its time.
+/// Inputs over time: the value in each row is a number, as are both values of a jump. The sum of the derivatives with respect to all rows
+/// is that with respect to the input, if it is constant; values after the latch has closed have no effect on its time.
 #[test]
 fn values_of_inputs_over_time_are_numbers() {
     let folder = tempfile::tempdir().unwrap();
@@ -225,7 +225,7 @@ fn values_of_inputs_over_time_are_numbers() {
         rows["of"][0]["derivatives"].as_array().unwrap().iter().map(|slope| slope.as_f64().unwrap()).collect();
     let whole = json(&[&of[..], &["--by", "fold.external_torque", "--set", "fold.external_torque=0.01"]].concat());
     let whole = whole["of"][0]["derivatives"][0].as_f64().unwrap();
-    // the steps end at the rows and differ in the tolerance of 1e-4
+    // the steps end at the rows and differ at the tolerance of 1e-4
     assert!((slopes.iter().sum::<f64>() - whole).abs() < 1e-3 * whole.abs(), "{slopes:?} and {whole}");
     assert_eq!(slopes[5], 0.0, "after the latch");
     let one = json(&[&of[..], &["--by", "fold.external_torque@0.05+", "--inputs", table]].concat());
@@ -246,7 +246,7 @@ fn values_of_inputs_over_time_are_numbers() {
     refused("load.outer[4].force.z@0.1", "is not among the inputs over time, fold.external_torque");
 }
 
-/// GR-31. The figure has a cell for each number and result: the change in % for 1 % of the number, of the printed derivatives; and a file
+/// GR-31. The figure has a cell for each number and result: the change in % for 1 % of the number, from the printed derivatives; a file of
 /// of other origin is not overwritten, which is an error before the run.
 #[test]
 fn the_figure_has_relative_slopes() {
@@ -258,7 +258,7 @@ fn the_figure_has_relative_slopes() {
     let slope = found["of"][0]["derivatives"][0].as_f64().unwrap() * 0.026 / found["of"][0]["value"].as_f64().unwrap();
     let svg = std::fs::read_to_string(folder.path().join("gradient.svg")).unwrap();
     assert!(svg.contains(&format!("{slope:.2}").replace('-', "−")), "{slope}: {svg}");
-    // a number or a result of zero has no relative slope: the torque's three cells and the tip's other one
+    // a number or a result of zero has no relative derivative: the torque's three cells and the tip's other one
     assert_eq!(svg.matches("\n–\n").count() + svg.matches(">–<").count(), 4, "{svg}");
     assert!(folder.path().join("gradient.png").exists());
     std::fs::write(folder.path().join("gradient.svg"), "mine").unwrap();

@@ -1,4 +1,4 @@
-//! The command `foldwing` as a shell runs it.
+//! The command `foldwing` as run from a shell.
 
 mod command_line;
 mod day_to_day;
@@ -16,7 +16,7 @@ mod verdicts;
 #[path = "../verification/whole.rs"]
 mod whole;
 
-/// The shared library that Cargo built beside this test.
+/// The shared library that Cargo built next to this test.
 fn library() -> std::path::PathBuf {
     let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     std::env::current_exe().unwrap().with_file_name(name)

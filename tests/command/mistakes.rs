@@ -1,5 +1,5 @@
-//! Mistakes as people make them, in model files and on the command line: each is answered with the place under a caret and
-//! with the cure. What is only implausible is warned of.
+//! Typical mistakes in model files and on the command line: each message marks the location with a caret and gives the remedy. Implausible
+//! input gives a warning.
 
 use std::io::Write;
 use std::path::Path;
@@ -71,7 +71,7 @@ const IN_FILES: &[(&str, &str, &str, &str)] = &[
     ("body = \"inner\"\nposition_m = 0.02", "body = \"wing\"\nposition_m = 0.02", "\"wing\"", "\"inner\" or \"outer\""),
 ];
 
-/// Every mistake in a model file is shown: file, line, the words under the caret, the cure; the exit code is 1.
+/// Every mistake in a model file is shown: file, line, the words at the caret, the remedy; the exit code is 1.
 #[test]
 fn mistakes_in_files_are_shown_with_their_cure() {
     assert!(IN_FILES.len() >= 30);
@@ -93,7 +93,7 @@ fn mistakes_in_files_are_shown_with_their_cure() {
     }
 }
 
-/// Words of the command line, what the caret points at, words of the cure, exit code.
+/// Words of the command line, the text at the caret, words of the remedy, exit code.
 const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["simulat", "wing.toml"], "simulat", "a similar subcommand exists: 'simulate'", 2),
     (&["simulate", "wing.toml", "--variable", "x"], "--variable", "a similar argument exists: '--variables'", 2),
@@ -169,7 +169,7 @@ const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["latency", "wing.toml", "--steps", "0"], "0", "0 must be from 1 to 100000000", 2),
 ];
 
-/// Every mistake on the command line is shown under a caret with its cure.
+/// Every mistake on the command line is shown with a caret and its remedy.
 #[test]
 fn mistakes_on_the_command_line_are_shown_with_their_cure() {
     assert!(ON_THE_COMMAND_LINE.len() >= 30);
@@ -187,7 +187,7 @@ fn mistakes_on_the_command_line_are_shown_with_their_cure() {
     }
 }
 
-/// Lines of tables of inputs are shown as lines of models are.
+/// Lines of input tables are shown like lines of models.
 #[test]
 fn mistakes_in_tables_are_shown() {
     let folder = tempfile::tempdir().unwrap();
@@ -221,7 +221,7 @@ const IMPLAUSIBLE: &[(&str, &str, &str, &str)] = &[
     ("step_s = 5e-4", "step_s = 0.2", "0.2", "milliseconds? write 0.0002"),
 ];
 
-/// The implausible is warned of with its line, by `check` and by `simulate`, and nothing stops; the shipped wing is not.
+/// Implausible input gives a warning with its line, in `check` and `simulate`, without an error; the shipped wing gives none.
 #[test]
 fn the_implausible_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -240,7 +240,7 @@ fn the_implausible_is_warned_of() {
     std::fs::write(folder.path().join("wing.toml"), young).unwrap();
     let output = foldwing(folder.path(), &["simulate", "wing.toml", "--stop", "1e-4"]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("GPa? write 6e10"));
-    // a latch behind the start, seen from where the drive turns the joint
+    // a latch behind the start, relative to the direction in which the motor rotates the joint
     let latch = wing().replace("start_angle_deg = 170.0", "start_angle_deg = 110.0").replacen(
         "angle_deg = 0.0",
         "angle_deg = 130.0",
@@ -259,7 +259,7 @@ fn the_implausible_is_warned_of() {
         let answer = String::from_utf8_lossy(&foldwing(folder.path(), &arguments).stderr).into_owned();
         assert_eq!(answer.contains(never), told, "{more:?}: {answer}");
     }
-    // loads of the air may drive the joint to its latch: neither judges it without them
+    // aerodynamic loads may drive the joint to its latch: without them neither command gives a verdict
     let air = "[aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0.0, -5.0, 0.0]\nstep_s = 1e-3\n[surface.outer]\nbody = \"outer\"\nstrips = 2\n";
     std::fs::write(folder.path().join("wing.toml"), format!("{latch}\n{air}")).unwrap();
     for command in [&["check", "wing.toml"][..], &["simulate", "wing.toml", "--stop", "0.05"]] {
@@ -268,7 +268,7 @@ fn the_implausible_is_warned_of() {
         assert_eq!(output.status.code(), Some(0), "{command:?}: {answer}");
         assert!(!answer.contains("never reached without a command"), "{command:?}: {answer}");
     }
-    // a step far from the motion
+    // a step far from the time scale of the motion
     std::fs::write(
         folder.path().join("wing.toml"),
         wing().replace("stop_time_s = 0.4", "stop_time_s = 40.0").replace("step_s = 5e-4", "step_s = 1.0"),
@@ -294,7 +294,7 @@ fn the_implausible_is_warned_of() {
     );
 }
 
-/// No shipped model is called implausible.
+/// No shipped model is reported as implausible.
 #[test]
 fn shipped_models_are_plausible() {
     let models = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models");
@@ -308,7 +308,7 @@ fn shipped_models_are_plausible() {
     }
 }
 
-/// Standard input is a model or a table where `-` is written, and errors say so.
+/// `-` reads a model or a table from standard input, and errors mention this.
 #[test]
 fn standard_input_is_read() {
     let folder = tempfile::tempdir().unwrap();
@@ -340,7 +340,7 @@ fn standard_input_is_read() {
     );
 }
 
-/// `--variables` takes patterns and lists, and `time` is no column twice.
+/// `--variables` accepts patterns and lists, and the column `time` is not repeated.
 #[test]
 fn outputs_are_chosen_by_patterns() {
     let folder = tempfile::tempdir().unwrap();
@@ -356,7 +356,7 @@ fn outputs_are_chosen_by_patterns() {
     assert!(all.starts_with("time,fold.") && all.split(',').skip(1).all(|name| name.starts_with("fold.")), "{all}");
 }
 
-/// Colours are there where they are forced, and nowhere else; the files that were written are listed.
+/// Colours are used only if forced; the written files are listed.
 #[test]
 fn colours_and_written_files() {
     let folder = tempfile::tempdir().unwrap();
@@ -377,7 +377,7 @@ fn colours_and_written_files() {
     assert!(quiet.stderr.is_empty(), "{}", String::from_utf8_lossy(&quiet.stderr));
 }
 
-/// `compare` distinguishes tables that agree from those that do not, with tolerances by column, and interpolates.
+/// `compare` distinguishes tables that agree from those that do not, with tolerances per column, and interpolates.
 #[test]
 fn tables_are_compared() {
     let folder = tempfile::tempdir().unwrap();
@@ -402,7 +402,7 @@ fn tables_are_compared() {
     assert_eq!((&json["agree"], &json["only_in_first"][0]), (&false.into(), &"only".into()));
 }
 
-/// `view` writes the page of a model and takes pages; every shell has its completions.
+/// `view` writes the page of a model and accepts pages; every shell has completions.
 #[test]
 fn view_and_completions() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,10 +1,10 @@
-//! Rotors as a script studies them: `periodic`, `operating-points`, `modes --vary rotor_speed_rpm`.
+//! Studies of rotors in scripts: `periodic`, `operating-points`, `modes --vary rotor_speed_rpm`.
 
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// The stand of the turbine tests, small and quick: three blades of one flap and one edge shape, pitched by locked joints.
+/// The stand of the turbine tests, small and fast: three blades with one flap and one edge shape, pitched by locked joints.
 const ROTOR: &str = r#"
 name = "Rotor"
 gravity_m_s2 = [0.0, 0.0, 0.0]
@@ -57,7 +57,7 @@ incidence_deg = { table = [[0.0, -20.0], [2.0, -12.0], [5.0, -5.0], [9.5, -1.0]]
 rows = [[-180, 0, 0.5, 0], [-12, -1.1, 0.03, 0], [12, 1.1, 0.03, 0], [180, 0, 0.5, 0]]
 "#;
 
-/// A folder with the rotor in air, and without.
+/// A folder with the rotor, with and without aerodynamics.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("windy.toml"), format!("{ROTOR}{AIR}")).expect("a file");
@@ -93,8 +93,8 @@ fn mean(table: &Value, point: usize, name: &str) -> f64 {
     table["points"][point]["mean"][place].as_f64().expect("a number")
 }
 
-/// Lists go with each other, or value by value; CSV and JSON have the same numbers; the speed of a tip speed ratio is bounded; the
-/// torque that holds the shaft is that of the air.
+/// Lists are combined value by value, or in all combinations; CSV and JSON have the same numbers; the speed for a tip speed ratio is
+/// bounded; the torque that holds the shaft balances the aerodynamic torque.
 #[test]
 fn points_of_a_rotor() {
     let folder = folder();
@@ -110,9 +110,9 @@ fn points_of_a_rotor() {
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
     let column = reader.headers().expect("a header").iter().position(|name| name == "rotor.power.mean").expect("power");
     let powers: Vec<f64> = reader.records().map(|row| row.expect("a row")[column].parse().expect("a number")).collect();
-    // the reader of JSON may lose the last digit
+    // the JSON reader may lose the last digit
     assert!(powers.iter().enumerate().all(|(k, power)| (power / mean(&table, k, "rotor.power") - 1.0).abs() < 1e-14));
-    // the torque that holds the shaft is against that of the air
+    // the torque that holds the shaft is opposite to the aerodynamic torque
     let [torque, holding] = ["rotor.torque", "shaft.holding_torque"].map(|name| mean(&table, 2, name));
     assert!((torque + holding).abs() < 1e-6 * torque.abs(), "{torque} {holding}");
     assert!(
@@ -125,18 +125,18 @@ fn points_of_a_rotor() {
 
     let bounded = json(folder, "operating-points windy.toml --wind-m-s 4,8 --tip-speed-ratio 6 --speed-rpm 40");
     let ratio = mean(&bounded, 0, "rotor.tip_speed_ratio");
-    // of the wind at the bent blades; the given ratio is that of the stiff rotor
+    // for the wind at the bent blades; the given ratio is that of the rigid rotor
     assert!((ratio / 6.0 - 1.0).abs() < 0.02, "{ratio}");
     assert!((bounded["points"][1]["rotor_speed_rpm"].as_f64().expect("a speed") - 40.0).abs() < 1e-12);
 }
 
-/// The pitch and the speed that hold an output, from either side of the last point, and where nothing has to be held or can be.
+/// The pitch and the speed that hold an output, from either side of the last point, and where holding is unnecessary or impossible.
 #[test]
 fn points_that_hold_an_output() {
     let folder = folder();
     let folder = folder.path();
     let free = json(folder, "operating-points windy.toml --wind-m-s 8,10,12 --speed-rpm 40 --pitch-deg 6");
-    // the power at 10 m/s and 6 degrees: at 12 m/s more pitch holds it, at 10 m/s those 6 degrees, at 6 m/s there is less
+    // the power at 10 m/s and 6 degrees: at 12 m/s more pitch holds it, at 10 m/s those 6 degrees, at 6 m/s the power is lower
     let power = mean(&free, 1, "rotor.power");
     assert!(power > 0.0);
     let line = format!(
@@ -158,7 +158,7 @@ fn points_that_hold_an_output() {
     );
     let held = json(folder, &line);
     assert!((held["points"][0]["rotor_speed_rpm"].as_f64().expect("a speed") - 55.0).abs() < 1e-3, "{held:#}");
-    // a row without a state has the cause, the others are kept; alone it is an error
+    // a row without a state contains the cause, the other rows are kept; a single such row is an error
     let line = format!(
         "operating-points windy.toml --wind-m-s 6,14 --speed-rpm 40 --solve-for pitch_deg=0:1 --target rotor.power={power:?}"
     );
@@ -172,8 +172,9 @@ fn points_that_hold_an_output() {
     assert_eq!(output.status.code(), Some(3));
 }
 
-/// Searches book energies only where they are outputs. Over the turn at the end of the search, dissipated energy and work are those of the
-/// motion that `periodic` finds. Tolerances: the ends of the turn are 1e-8 apart, which work feels more than what damping takes.
+/// Searches compute energies only if these are outputs. Over the revolution at the end of the search, dissipated energy and work are those
+/// of the motion found by `periodic`. Tolerances: the ends of the revolution differ by 1e-8, which affects work more than the dissipated
+/// energy.
 #[test]
 fn accounts_of_an_operating_point_are_those_of_its_turn() {
     let folder = folder();
@@ -190,7 +191,7 @@ fn accounts_of_an_operating_point_are_those_of_its_turn() {
     }
 }
 
-/// A pitch that a drive holds is that of a locked joint: start angle and command are both set.
+/// A pitch held by a motor is equivalent to that of a locked joint: start angle and command are both set.
 #[test]
 fn drives_pitch_the_blades_too() {
     let folder = folder();
@@ -213,7 +214,7 @@ fn drives_pitch_the_blades_too() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("no motor holds its pitch angle"));
 }
 
-/// Gravity makes the rotor swing: the table has ranges, and they are those that `periodic` prints.
+/// Gravity causes a periodic variation: the table contains ranges, equal to those printed by `periodic`.
 #[test]
 fn points_that_swing() {
     let folder = folder();
@@ -229,7 +230,7 @@ fn points_that_swing() {
         let place = outputs.iter().position(|own| own["name"] == name).expect(name);
         let range = table["points"][0]["peak_to_peak"][place].as_f64().expect("a range");
         let other = 2.0 * output["half_range"].as_f64().expect("a range");
-        // ends of the turn that agree to 1e-6, and to 1e-8
+        // ends of the revolution that agree to 1e-6, and to 1e-8
         let size = mean(&table, 0, name).abs();
         assert!((range - other).abs() < 1e-3 * other + 1e-6 * size, "{name}: {range} {other}");
         let (own, other) = (mean(&table, 0, name), output["mean"].as_f64().expect("a mean"));
@@ -240,7 +241,7 @@ fn points_that_swing() {
     assert!(text.contains("means | peak to peak") && text.contains("periodic"), "{text}");
 }
 
-/// The command's periodic motion: table, CSV over the turn, modes; its text names the state.
+/// The periodic motion of the command: table, CSV over the revolution, modes; its text describes the state.
 #[test]
 fn a_motion_that_repeats() {
     let folder = folder();
@@ -256,8 +257,8 @@ fn a_motion_that_repeats() {
     assert!(!other.status.success(), "another table is not overwritten");
 }
 
-/// `modes --vary rotor_speed_rpm` takes Floquet's theory by itself under gravity and of a rotor with a heavier blade, with the picture; nearly
-/// without gravity its modes are Coleman's.
+/// `modes --vary rotor_speed_rpm` uses Floquet theory automatically under gravity and for a rotor with a heavier blade, with the picture;
+/// with nearly zero gravity its modes are those by the Coleman transformation.
 #[test]
 fn campbell_diagrams_of_both_kinds() {
     let folder = folder();
@@ -282,7 +283,7 @@ fn campbell_diagrams_of_both_kinds() {
         list
     };
     let (one, other) = (rows("coleman.csv"), rows("floquet.csv"));
-    // the shaft is free in one and held in the other: collective edge modes differ
+    // the shaft is free in one case and its speed prescribed in the other: collective edge modes differ
     let blades = |list: Vec<(f64, f64, f64, String)>| -> Vec<(f64, f64, f64, String)> {
         list.into_iter().filter(|row| row.3.contains("ward") || row.3.contains("flap 1 collective")).collect()
     };
@@ -291,10 +292,10 @@ fn campbell_diagrams_of_both_kinds() {
     for row in &one {
         let same = other.iter().filter(|known| known.0 == row.0 && known.3 == row.3);
         let near = same.map(|known| (known.1 / row.1 - 1.0).abs() + (known.2 - row.2).abs()).fold(f64::MAX, f64::min);
-        // 720 steps of the fourth order
+        // 720 steps of fourth order
         assert!(near < 1e-5, "{row:?} in {other:?}");
     }
-    // one blade heavier: the transformation has no constant coefficients
+    // one blade is heavier: the transformation does not give constant coefficients
     let heavy = format!(
         "{ROTOR}[rigid_body.ball]\nmass_kg = 5.0\ninertia_kg_m2 = [0.1, 0.1, 0.1, 0, 0, 0]\n[joint.ball]\ntype = \"clamped\"\nparent = \"blade1\"\nchild = \"ball\"\n"
     );
@@ -306,8 +307,8 @@ fn campbell_diagrams_of_both_kinds() {
     assert_eq!(output.status.code(), Some(3));
 }
 
-/// Linear models include rotor aerodynamics with the states of dynamic inflow and dynamic stall by name and unit, wind and gusts as inputs,
-/// and the rotor's outputs.
+/// Linear models include rotor aerodynamics: states of dynamic inflow and dynamic stall with name and unit, wind and gusts as inputs, and
+/// the rotor's outputs.
 #[test]
 fn linear_models_are_in_the_air_of_the_rotor() {
     let folder = folder();
@@ -328,7 +329,7 @@ fn linear_models_are_in_the_air_of_the_rotor() {
         let state = states.iter().find(|state| state["name"] == name).unwrap_or_else(|| panic!("{name} in {states:?}"));
         state["unit"].as_str().expect("a unit")
     };
-    // the root carries no load: it has no states
+    // the blade root has no aerodynamic load and so no states
     assert!(states.iter().all(|state| !state["name"].as_str().expect("a name").contains("station[1]")), "{states:?}");
     for (name, expected) in [
         ("inflow_axial", "m/s"),
@@ -342,7 +343,7 @@ fn linear_models_are_in_the_air_of_the_rotor() {
     ] {
         assert_eq!(unit(&format!("blade3.station[4].{name}")), expected);
     }
-    // 3 blades of 4 loaded stations with 8 states, beside 7 freedoms and their rates
+    // 3 blades of 4 loaded stations with 8 states, and 7 degrees of freedom and their rates
     assert_eq!(states.len(), 3 * 4 * 8 + 14);
     let gain = |model: &Value, row: usize, column: usize| model["D"][row][column].as_f64().expect("a number");
     assert_eq!(gain(&model, 0, 0), gain(&model, 0, 1), "a uniform gust is wind");

@@ -1,4 +1,4 @@
-//! Slips on the command line and in files, and answers that leave something out.
+//! Mistakes on the command line and in files, and outputs that used to omit information.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -20,7 +20,7 @@ fn timed(folder: &Path, arguments: &[&str]) -> (Output, Option<f64>) {
     shell.args(["-c", script, env!("CARGO_BIN_EXE_foldwing")]).args(arguments);
     let output = shell.current_dir(folder).output().expect("the shell runs");
     let times = std::fs::read_to_string(folder.join("processor_time")).expect("written by the shell");
-    // user and system of the shell, then of what it ran: 0m1.250s
+    // user and system time of the shell, then of its child: 0m1.250s
     let seconds = |time: &str| -> Option<f64> {
         let (minutes, seconds) = time.trim_end_matches('s').split_once('m')?;
         Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?)
@@ -44,8 +44,8 @@ fn refuses(output: &Output, code: i32, message: &str) {
 }
 
 /// A linear model describes its operating point: in print, as JSON, for NumPy. The released wing's equilibrium is the latched one; the
-/// start is not an equilibrium, as the motor starts to move the wing; a held one hangs at 170 degrees. "128 states at t = 0 s" was the
-/// whole description.
+/// start is not an equilibrium, because the motor starts to move the wing; a locked wing is at 170 degrees. "128 states at t = 0 s" used to
+/// be the whole description.
 #[test]
 fn a_linear_model_says_at_which_state_it_is() {
     let folder = tempfile::tempdir().unwrap();
@@ -88,8 +88,8 @@ fn a_linear_model_says_at_which_state_it_is() {
     assert!(archive.by_name("acting_values.npy").is_ok() && archive.by_name("acting_names.npy").is_ok());
 }
 
-/// A linear model about an unstable state reports it, in print and in every file: a rod of 0.3 m upright on a free hinge falls with
-/// `√(3g/2L)` = 7.0036 1/s, a thin one at rest; unstrained at the start it also starts to deform, which adds 2e-3 to that.
+/// A linear model about an unstable state reports this, in print and in every file: a rod of 0.3 m, upright on a free hinge, falls with
+/// `√(3g/2L)` = 7.0036 1/s, for a thin rod in equilibrium; unstrained at the start it also starts to deform, which adds 2e-3 to that.
 #[test]
 fn a_linear_model_of_an_unstable_state_says_so() {
     let folder = tempfile::tempdir().unwrap();
@@ -129,7 +129,7 @@ fn a_linear_model_of_an_unstable_state_says_so() {
     }
 }
 
-/// Control characters come into a model by escapes; no importer reads a description with them. Line feeds and tabs arrive.
+/// Control characters enter a model by escapes; importers cannot read a description that contains them. Line feeds and tabs are kept.
 #[test]
 fn descriptions_are_such_that_importers_can_read_them() {
     let folder = tempfile::tempdir().unwrap();
@@ -144,7 +144,7 @@ fn descriptions_are_such_that_importers_can_read_them() {
     let refused = "wing.toml:1: key 'description': a text with the control character U+0001 is not allowed";
     refuses(&describe("a\\u0001b"), 1, refused);
     refuses(&describe("a\\u0001b"), 1, "^ allowed: text without control characters except line feeds and tabs");
-    // a small generator of our own: the letters decide, not the order in which they are tried
+    // a small random generator of the test: results depend on the letters, not on the order in which they are tried
     let mut state = 7_u64;
     let mut next = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -175,7 +175,7 @@ fn descriptions_are_such_that_importers_can_read_them() {
     }
 }
 
-/// Slips that used to be answered with less than is known, or late.
+/// Mistakes whose messages used to be incomplete, or late.
 #[test]
 fn slips_are_answered_with_what_is_known() {
     let folder = tempfile::tempdir().unwrap();
@@ -183,10 +183,10 @@ fn slips_are_answered_with_what_is_known() {
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     let run = |arguments: &[&str]| foldwing(folder.path(), &[&["simulate"], arguments].concat());
     let short = |more: &[&str]| run(&[&[WING, "--stop", "1e-3"], more].concat());
-    // nothing but the summary
+    // no output besides the summary
     assert!(succeeds(&short(&[])).is_empty());
     assert!(String::from_utf8_lossy(&short(&[]).stderr).contains("fold: did not latch"));
-    // degrees where they are named
+    // degrees if the unit is given
     let angle = |value: &str| {
         let set = format!("fold.start_angle={value}");
         succeeds(&short(&["--csv", "-", "--variables", "fold.angle", "--set", &set])).lines().nth(1).unwrap().to_owned()
@@ -195,7 +195,7 @@ fn slips_are_answered_with_what_is_known() {
     refuses(&short(&["--set", "fold.start_angle=90 kg"]), 2, "`kg` is not one of its units; allowed: rad and deg");
     refuses(&short(&["--set", "fold.start_angle=110"]), 2, "in degrees write \"110 deg\"");
     refuses(&short(&["--set", "file:solver.tolerance=1e-5"]), 2, "`foldwing sweep --vary`");
-    // inputs that are none
+    // invalid inputs
     std::fs::create_dir(folder.path().join("folder")).unwrap();
     refuses(&short(&["--inputs", "folder"]), 4, "folder: cannot be read");
     write("semicolon.csv", "time;fold.angle_command\n0;0\n");
@@ -211,7 +211,7 @@ fn slips_are_answered_with_what_is_known() {
         3,
         "the largest input is fold.angle_command = 1e300 rad",
     );
-    // model files that are none
+    // invalid model files
     write("x.fmu", "PK\u{3}\u{4} and so on");
     refuses(&run(&["x.fmu"]), 1, "`foldwing run` runs FMUs");
     write("comma.toml", "name = \"X\"\nheight_m = 0,004\n");
@@ -221,7 +221,7 @@ fn slips_are_answered_with_what_is_known() {
     refuses(&run(&["twice.toml"]), 1, "twice.toml:4: not valid TOML: duplicate key: [gauge.root], already on line 2");
     write("key.toml", "name = \"X\"\n[gauge.root]\nbody = \"a\"\nbody = \"b\"\n");
     refuses(&run(&["key.toml"]), 1, "key.toml:4: not valid TOML: duplicate key: body, already on line 3");
-    // many problems are not many times as long
+    // the output for many errors is not many times as long
     let keys: String = (0..100_000).map(|i| format!("nonsense_{i} = 1\n")).collect();
     write("many.toml", &(keys + &text));
     let (output, spent_s) = timed(folder.path(), &["simulate", "many.toml"]);

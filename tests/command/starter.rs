@@ -1,4 +1,4 @@
-//! `foldwing new` and the drawings of `foldwing check`, as a user at a terminal has them.
+//! `foldwing new` and the drawings of `foldwing check`, as on a terminal.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -13,7 +13,7 @@ fn succeeds(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// Exit code and message of a refusal.
+/// Exit code and message of an error.
 fn refusal(output: &Output) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&output.stderr).trim_end().to_owned())
 }
@@ -24,7 +24,7 @@ fn latch_time_s(folder: &Path, model: &str) -> f64 {
     csv.lines().last().unwrap().split(',').nth(1).unwrap().parse().unwrap()
 }
 
-/// The starter is a valid model named after its file, unfolds and latches; the commands that it prints run as printed.
+/// The starter is a valid model named after its file, unfolds and latches; the commands in it run as printed.
 #[test]
 fn the_starter_runs_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
@@ -38,7 +38,7 @@ fn the_starter_runs_as_it_is() {
     let commands: Vec<&str> = told.lines().filter_map(|line| line.trim().strip_prefix("foldwing ")).collect();
     assert_eq!(commands.len(), 4, "{told}");
     for command in commands.iter().filter(|command| !command.starts_with("package")) {
-        // words end where the explanation begins, behind two spaces
+        // words end where the explanation begins, after two spaces
         let words: Vec<&str> = command.split("  ").next().unwrap().split(' ').collect();
         succeeds(&foldwing(folder.path(), &words));
         assert!(text.contains(&format!("#   foldwing {}", words.join(" "))), "{command}");
@@ -69,7 +69,7 @@ fn the_starter_unfolds_in_air() {
     assert!(windy_s > 1.1 * still_s, "latch at {windy_s} s in air, at {still_s} s without");
 }
 
-/// Names of files that look like what they replace, or that no comment should hold as they are.
+/// File names that look like the text they replace, or that cannot be written unchanged in a comment.
 #[test]
 fn the_starter_takes_any_name() {
     for (file, name) in [
@@ -90,7 +90,7 @@ fn the_starter_takes_any_name() {
     }
 }
 
-/// Nothing is overwritten without `--force`; what cannot be written leaves nothing behind.
+/// Nothing is overwritten without `--force`; a file that cannot be written leaves no other files.
 #[test]
 fn the_starter_overwrites_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -123,8 +123,8 @@ fn the_starter_overwrites_nothing() {
     assert_eq!(refusal(&new(&["wing.toml/wing.toml"])).0, Some(4));
 }
 
-/// Every shipped model is drawn within 80 columns of ASCII, with a sign for each kind of joint it has; as SVG with the
-/// names of its joints.
+/// Every shipped model is drawn within 80 columns of ASCII, with a symbol for each kind of joint it has; as SVG with the names of its
+/// joints.
 #[test]
 fn every_model_is_drawn() {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/models");

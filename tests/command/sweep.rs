@@ -54,8 +54,8 @@ fn record_of(out: &Path) -> PathBuf {
 
 const SHORT: [&str; 4] = ["--stop", "0.2", "--step", "2e-3"];
 
-/// K-01. A row of a sweep has what `simulate` with the same settings writes last, to the bit: same binary, same calls.
-/// The peak is the largest magnitude of the column, and the first latch time its last, for it latches once.
+/// K-01. A row of a sweep is bit-identical to the last row of `simulate` with the same settings: same binary, same calls. The peak is the
+/// largest magnitude of the column, and the first latch time is its last value, because it latches once.
 #[test]
 fn k01_rows_are_the_ends_of_simulations() {
     let folder = tempfile::tempdir().unwrap();
@@ -93,7 +93,7 @@ fn k01_rows_are_the_ends_of_simulations() {
     );
 }
 
-/// K-02. Keys of the model file are the file's: the row is that of a file with the key written into it, to the bit.
+/// K-02. Keys of the model file are varied in the file: the row is bit-identical to that of a file that contains the value.
 #[test]
 fn k02_keys_of_the_file_equal_a_changed_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -118,7 +118,7 @@ fn k02_keys_of_the_file_equal_a_changed_file() {
     assert_eq!(tips.len(), 4, "each variant has its own result: {tips:?}");
 }
 
-/// K-03. Threads change no byte: each variant is computed by one thread alone, and rows are sorted.
+/// K-03. The number of threads changes no byte: each variant is computed by one thread, and rows are sorted.
 #[test]
 fn k03_threads_change_no_byte() {
     let folder = tempfile::tempdir().unwrap();
@@ -135,8 +135,8 @@ fn k03_threads_change_no_byte() {
     }
 }
 
-/// K-04. A sweep killed in the middle (SIGKILL: nothing is cleaned up) goes on where it was: the rows it had are not
-/// computed again, a half-written line is, and the results have the bytes of an uninterrupted run.
+/// K-04. A sweep killed in the middle (SIGKILL: nothing is cleaned up) continues where it stopped: existing rows are not computed again, a
+/// half-written row is, and the results have the same bytes as an uninterrupted run.
 #[test]
 fn k04_a_killed_sweep_goes_on() {
     const VARIANTS: usize = 60;
@@ -169,7 +169,7 @@ fn k04_a_killed_sweep_goes_on() {
     let survived = rows();
     assert!((5..VARIANTS).contains(&survived), "{survived} rows: the kill was to be in the middle");
 
-    // a line cut in the middle, as a full disk or a dying machine leaves it
+    // a truncated line, as after a full disk or a crash
     let mut bytes = fs::read(&record).unwrap();
     let end = bytes.iter().rposition(|byte| *byte == b'\n').unwrap();
     bytes.truncate(end - 20);
@@ -180,13 +180,13 @@ fn k04_a_killed_sweep_goes_on() {
     assert_eq!(fs::read_to_string(&killed).unwrap(), fs::read_to_string(&whole).unwrap());
     assert_eq!(rows(), VARIANTS, "no variant has two rows");
 
-    // a finished sweep started again runs nothing, and has the same output
+    // starting a finished sweep again runs nothing, and gives the same output
     let again = succeeds(&mut sweep(&killed, &vary));
     assert!(again.contains("(0 failed, 60 resumed)"), "{again}");
     assert_eq!(fs::read_to_string(&killed).unwrap(), fs::read_to_string(&whole).unwrap());
 }
 
-/// K-05. A changed digit in a kept row is found by its check sum: that row and those behind it are computed again.
+/// K-05. A changed digit in a stored row is detected by its checksum: this row and those after it are computed again.
 #[test]
 fn k05_a_damaged_record_is_computed_again() {
     let folder = tempfile::tempdir().unwrap();
@@ -202,8 +202,8 @@ fn k05_a_damaged_record_is_computed_again() {
     assert_eq!(fs::read_to_string(&out).unwrap(), results);
 }
 
-/// K-06. A changed sweep does not mix with the rows of the old one: it is an error with the differences; results without a record are not
-/// overwritten.
+/// K-06. A changed sweep is not combined with the rows of the old one: it is an error that lists the differences; results without a record
+/// are not overwritten.
 #[test]
 fn k06_a_changed_sweep_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -234,7 +234,7 @@ fn k06_a_changed_sweep_is_refused() {
     assert_eq!(fs::read_to_string(record_of(&out)).unwrap(), "something else\n");
 }
 
-/// K-07. Slips are refused before anything runs, with the key, the value and what is allowed.
+/// K-07. Mistakes are rejected before anything runs, with the key, the value and what is allowed.
 #[test]
 fn k07_slips_are_refused_before_anything_runs() {
     let folder = tempfile::tempdir().unwrap();
@@ -280,8 +280,8 @@ fn k07_slips_are_refused_before_anything_runs() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "only the samples: nothing was begun");
 }
 
-/// K-08. What fails is a row with its message, and the others run: joint variation that the file refuses only together,
-/// and a simulation that cannot go on.
+/// K-08. A failed variant is a row with its message, and the others run: values that the file rejects only in combination, and a simulation
+/// that cannot continue.
 #[test]
 fn k08_failures_are_rows() {
     let folder = tempfile::tempdir().unwrap();
@@ -304,7 +304,7 @@ fn k08_failures_are_rows() {
     assert!(summary.contains(&format!("({failed} failed, 0 resumed)")), "{summary}");
 }
 
-/// K-09. Two processes do not run one sweep at once: the second is refused while the first holds the record.
+/// K-09. Two processes cannot run the same sweep at once: the second one fails while the first holds the record.
 #[test]
 fn k09_one_process_at_a_time() {
     let folder = tempfile::tempdir().unwrap();

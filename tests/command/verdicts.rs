@@ -1,4 +1,4 @@
-//! Verdicts of the commands are about the machine with its air, or are not given.
+//! The commands' verdicts refer to the machine with its aerodynamics, or are omitted.
 
 use crate::command_line::{foldwing, succeeds};
 use crate::whole::is_whole;
@@ -6,8 +6,8 @@ use crate::whole::is_whole;
 const GOLAND: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/goland_wing.toml");
 const TUNNEL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/wind_tunnel/sideslip_wing.toml");
 
-/// Goland's wing with its axis at half the chord, at incidence, diverges below 160 m/s: the answer named only flutter, as the sign of
-/// the stiffness changes where no equilibrium is found. It names what happens, and how far the sweep reached.
+/// Goland's wing with its axis at half the chord, at incidence, diverges below 160 m/s: the command used to report only flutter, because
+/// the sign of the stiffness changes where no equilibrium is found. It reports what happens, and how far the sweep reached.
 #[test]
 fn flutter_names_what_no_speed_stands_for() {
     let folder = tempfile::tempdir().unwrap();
@@ -29,7 +29,8 @@ fn flutter_names_what_no_speed_stands_for() {
     assert_eq!(found["unstable_from_first"], true);
 }
 
-/// A wing swept forward by 30 deg on an elastic axis at the quarter chord, in air without gravity: its bending washes in.
+/// A wing swept forward by 30 deg on an elastic axis at the quarter chord, with aerodynamics and without gravity: its bending increases the
+/// incidence.
 fn swept_wing(air: &str, incidence_deg: f64, [elements, strips]: [usize; 2]) -> String {
     format!(
         r#"
@@ -71,13 +72,13 @@ incidence_deg = {incidence_deg}
     )
 }
 
-/// Elements and strips with which the speed of divergence is known, and half of them and less.
+/// Elements and strips for which the divergence speed is known, and a mesh of half of them or less.
 const FINE: [usize; 2] = [6, 8];
 const COARSE: [usize; 2] = [2, 4];
 const LINE: &str = "model = \"strip\"\ntip_loss = \"lifting_line\"";
 const LATTICE: &str = "model = \"uvlm\"\nwake_rows = 40";
 
-/// A file with a model beside others of the test.
+/// A file with a model next to others of the test.
 fn file(folder: &tempfile::TempDir, name: &str, text: &str) -> String {
     let path = folder.path().join(name);
     std::fs::write(&path, text).unwrap();
@@ -94,7 +95,7 @@ fn tunnel_wing(changes: &[(&str, &str)]) -> String {
     text
 }
 
-/// Exit code and JSON of `static` with the default branch, or its message.
+/// Exit code and JSON of `static` with the default branch, or its error message.
 fn at_rest(arguments: &[&str]) -> Result<serde_json::Value, String> {
     let output = foldwing(&[&["static", "--json"], arguments].concat());
     match output.status.code() {
@@ -103,8 +104,8 @@ fn at_rest(arguments: &[&str]) -> Result<serde_json::Value, String> {
     }
 }
 
-/// `static` judged wings in a lattice under held loads: it called the measured wings unstable, whose modes are stable, and a wing beyond
-/// its divergence stable. Without options its verdict is that of the modes in the air.
+/// `static` used to judge the stability of wings in a lattice with constant loads: it reported the measured wings, whose modes are stable,
+/// as unstable, and a wing beyond its divergence speed as stable. Without options its verdict is that of the aeroelastic modes.
 #[test]
 fn statics_in_a_lattice_judge_the_wing_with_its_air() {
     let folder = tempfile::tempdir().unwrap();
@@ -117,9 +118,9 @@ fn statics_in_a_lattice_judge_the_wing_with_its_air() {
     assert_eq!((&stability["stable"], &stability["with_air_of_lattice"]), (&true.into(), &true.into()), "{stability}");
 }
 
-/// The same of a wing swept forward: it is stable below its speed of divergence, and beyond it, where no path leads to another
-/// equilibrium, an error that names it; the branch `path` gives the state without a verdict. Lifting line and lattice differ in the speed by less
-/// than a tenth.
+/// A forward-swept wing is stable below its divergence speed; beyond it, where no path leads to another equilibrium, there is an error that
+/// names divergence; the branch `path` gives the state without a verdict. The speeds of lifting line and lattice differ by less than a
+/// tenth.
 #[test]
 fn statics_name_divergence_in_every_air() {
     let folder = tempfile::tempdir().unwrap();
@@ -138,7 +139,7 @@ fn statics_name_divergence_in_every_air() {
 }
 
 /// From fold 0 the load path of the measured wing in sideslip, its tip twisted by 9 deg, leads to a saddle beyond 80 deg of fold. The
-/// answer was the saddle, with exit code 0: it is the stable state below it, to which a start at 30 deg leads too.
+/// result used to be the saddle, with exit code 0; now it is the stable state below it, to which a start at 30 deg also leads.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn statics_leave_a_saddle_of_a_free_tip() {
@@ -167,13 +168,13 @@ fn statics_leave_a_saddle_of_a_free_tip() {
         assert_eq!(found["stability"]["left_path"]["unstable_directions"], 1, "{}", found["stability"]);
         assert_eq!((&found["stability"]["stable"], &below["stability"]["stable"]), (&true.into(), &true.into()));
         assert_eq!(below["stability"]["left_path"], serde_json::Value::Null);
-        // both come to rest to 1e-8 rad
+        // both equilibria converge to 1e-8 rad
         assert!((angle_deg(&found) - angle_deg(&below)).abs() < 1e-5, "{} {}", angle_deg(&found), angle_deg(&below));
     }
 }
 
-/// Divergence of a wing under load, at 26.05 m/s without load: at 0.05 deg of incidence the answer named only flutter beyond it, at
-/// 0.3 deg it was "neither flutter nor divergence" up to the last equilibrium. It names the interval in which divergence lies, and how.
+/// Divergence of a wing under load, at 26.05 m/s without load: at 0.05 deg of incidence the command used to report only flutter beyond it,
+/// at 0.3 deg "neither flutter nor divergence" up to the last equilibrium. It reports the interval in which divergence lies, and its kind.
 #[test]
 #[ignore = "long; `make long` runs it"]
 fn flutter_names_the_divergence_of_a_wing_under_load() {
@@ -197,19 +198,19 @@ fn flutter_names_the_divergence_of_a_wing_under_load() {
         let named = changes.iter().any(|change| {
             let at = |end: usize| change["between_m_s"][end].as_f64().unwrap();
             let kind = change["kind"].as_str().unwrap();
-            // a wing under load leaves for another state a little beside that speed: between the speeds of the sweep about it
+            // a wing under load jumps to another state at a slightly different speed: between the speeds of the sweep about it
             ["divergence", "jump", "unstable"].contains(&kind) && at(0) >= 25.0 && at(1) <= 27.5
         });
         assert!(named, "{incidence_deg}: {found}");
-        // if the sweep ends because there is no equilibrium, it is reported
+        // if the sweep ends because there is no equilibrium, this is reported
         assert!(found["covered_m_s"][1] == 30.0 || !found["ended"].is_null(), "{found}");
     }
     let text = sweep(0.3, &[]);
     assert!(!text.contains("neither flutter nor divergence") && text.contains("jumps"), "{text}");
 }
 
-/// The equilibria of a wing under load end where its stiffness vanishes: that speed is one of divergence, and not only in the words of the
-/// end of the sweep. `static` has an equilibrium below it and none above.
+/// The equilibria of a wing under load end where its stiffness vanishes: this speed is reported as a divergence speed, not only in the
+/// message on the end of the sweep. `static` finds an equilibrium below it and none above.
 #[test]
 fn flutter_has_the_speed_at_which_equilibria_end() {
     let folder = tempfile::tempdir().unwrap();
@@ -229,7 +230,7 @@ fn flutter_has_the_speed_at_which_equilibria_end() {
     }
 }
 
-/// A motor that pulls away from its latch is named in wind too, where nothing is said of reaching it.
+/// A motor that drives the joint away from its latch is reported in wind too, where the latch might still be reached.
 #[test]
 fn check_names_a_motor_that_pulls_away_from_the_latch() {
     let folder = tempfile::tempdir().unwrap();
@@ -243,7 +244,7 @@ fn check_names_a_motor_that_pulls_away_from_the_latch() {
     assert!(!wrong.contains("fold2") && !warnings(&text).contains("pull the joint away"), "{wrong}");
 }
 
-/// Wind from behind was taken without a word, and a latch was judged without the wind of the model.
+/// Wind from behind used to be accepted without a warning, and a latch was judged without the wind of the model.
 #[test]
 fn check_doubts_wind_from_behind_and_leaves_the_air_out_by_name() {
     let folder = tempfile::tempdir().unwrap();
@@ -259,7 +260,7 @@ fn check_doubts_wind_from_behind_and_leaves_the_air_out_by_name() {
     assert!(text.contains("do not include the wind of the model") && !text.contains("; reaches"), "{text}");
 }
 
-/// A vector chooses its components; it was refused with one of them proposed.
+/// The name of a vector selects its components; it used to be rejected with a suggestion of one of them.
 #[test]
 fn outputs_take_vectors() {
     let model = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/folding_wing_in_tunnel.toml");

@@ -1,15 +1,15 @@
-//! The rules of `docs/ARCHITECTURE.md`, executable: who may name whom, where `unsafe` stands, what physics may not
-//! do, and that the documents speak of what exists.
+//! The rules of `docs/ARCHITECTURE.md`, executable: allowed imports, the location of `unsafe`, restrictions of the physics modules, and
+//! existence of what the documents mention.
 //!
-//! A failure names the file and the rule. Changing a table here is a design decision: change the same row in
-//! `docs/ARCHITECTURE.md` and say why in the commit.
+//! A failure names the file and the rule. Changing a table here is a design decision: change the same row in `docs/ARCHITECTURE.md` and
+//! give the reason in the commit.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Module → modules that it may name, of its own crate and of others, in the order of `docs/ARCHITECTURE.md`. Rows name earlier rows
-/// only, so there are no cycles.
+/// Module → modules that it may name, of the same crate and of others, in the order of `docs/ARCHITECTURE.md`. Rows name only earlier rows,
+/// so there are no cycles.
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("load", &[]),
@@ -101,21 +101,21 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Folders below `crates` whose crate is one module, and how the table calls it.
+/// Folders below `crates` whose crate is a single module, and the name of this module in the table.
 const CRATES_OF_ONE_MODULE: &[(&str, &str)] =
     &[("file", "config"), ("fmu", "fmu"), ("python", "python"), ("recording", "recording"), ("web", "web")];
 
-/// Modules that the unit tests of every module may name besides: they read the models that ship, build machines and run them.
+/// Modules that the unit tests of every module may also name: they read the shipped models, build machines and run them.
 const OPEN_TO_UNIT_TESTS: &[&str] = &["config", "machine", "run"];
 
-/// Modules below a module that its unit tests name besides: parts of the machines that they build.
+/// Submodules that the unit tests of a module also name: parts of the machines that they build.
 const PARTS_IN_UNIT_TESTS: &[(&str, &[&str])] =
     &[("gradient", &["aero"]), ("run", &["beam"]), ("study", &["aero", "beam"])];
 
-/// Beginnings of unit tests at the end of a file.
+/// Texts that start the unit tests at the end of a file.
 const INLINE_TESTS: &[&str] = &["#[cfg(test)]\nmod tests {", "#[cfg(test)]\npub(super) mod tests {"];
 
-/// Modules that compute: no files, no output, no clock, no environment, no threads, no order left to chance.
+/// Modules that compute: no files, no output, no clock, no environment, no threads, no random order.
 const PHYSICS: &[&str] = &[
     "math",
     "load",
@@ -159,10 +159,10 @@ const NOT_IN_PHYSICS: &[&str] = &[
 /// The only place for `unsafe`.
 const UNSAFE_FOLDER: &str = "crates/fmu/src/";
 
-/// The attribute that keeps the name of a function in a library, and the only other file that may have it: it has no unsafe block.
+/// The attribute that keeps the name of a function in a library, and the only other file that may contain it; it has no unsafe block.
 const NAMED: (&str, &str) = ("crates/web/src/exports.rs", "#[unsafe(no_mangle)]");
 
-/// Lines that a source file may have.
+/// Maximum number of lines of a source file.
 const MAXIMUM_LINES: usize = 500;
 
 /// Files that may be longer, each with its reason.
@@ -175,7 +175,7 @@ const LONGER: &[(&str, &str)] = &[
     ("crates/engine/src/aero/lattice.rs", "the lattice with its scratch: what it computes stands in files of its own"),
 ];
 
-/// Folders at the top: what begins with one of them in a document is a path.
+/// Top-level folders: text in a document that begins with one of them is a path.
 const TOP: &[&str] =
     &[".ci", "benches", "crates", "docs", "examples", "modelDescription", "python", "src", "studies", "tests", "tools"];
 
@@ -185,9 +185,9 @@ fn imports_point_one_way() {
     for source in sources() {
         let text = &source.whole;
         if source.path == "src/lib.rs" {
-            continue; // it re-exports the other crates' modules, all at once
+            continue; // it re-exports the modules of the other crates, all at once
         }
-        // several modules at once would hide from the search below; a crate of one module has none to hide
+        // importing several modules at once would hide them from the search below; a crate of one module has none to hide
         let of_one = CRATES_OF_ONE_MODULE.iter().any(|(_, module)| *module == source.module);
         let forbidden =
             ["foldwing::{", "foldwing_engine::{", "foldwing_fmi::{", "foldwing_study::{", "super::super", "crate::{"];
@@ -229,7 +229,7 @@ fn imports_point_one_way() {
     assert_eq!(used.keys().collect::<Vec<_>>(), allowed.keys().collect::<Vec<_>>(), "rows and modules");
 }
 
-/// Without this a cycle could be written into the table.
+/// Without this check the table could contain a cycle.
 #[test]
 fn every_row_names_earlier_rows_only() {
     for (i, (module, imports)) in MAY_IMPORT.iter().enumerate() {
@@ -320,7 +320,7 @@ fn letters_stand_in_the_legend() {
     assert!(citations > 10, "only {citations} citations of papers found: has their form changed?");
 }
 
-/// An equation that no line of the code cites is either not implemented or not findable from the page.
+/// An equation that is not cited in the code is either not implemented or cannot be found from the page.
 #[test]
 fn numbered_equations_are_cited() {
     let cited: BTreeSet<String> = sources().iter().flat_map(|source| cited(&source.whole)).collect();
@@ -364,7 +364,7 @@ fn paths_in_documents_exist() {
     }
 }
 
-/// Records are numbered without gaps, have one form, and are in the index in order.
+/// Decision records are numbered without gaps, have a common form, and are in the index in order.
 #[test]
 fn decision_records_have_one_form() {
     let folder = root().join("docs/decisions");
@@ -440,7 +440,7 @@ fn examples_in_the_guide_work() {
     assert_eq!(code_blocks(&text, "python"), scripts, "docs/guide/first_scripts.md repeats examples/*_ten_lines.py");
 }
 
-/// The checks above ignore comments and strings; a check that finds nothing would always pass.
+/// The checks above ignore comments and strings; this test ensures that they still find something.
 #[test]
 fn comments_and_strings_are_told_from_code() {
     let text = "let a = 'x'; // unsafe\n/* unsafe /* nested */ unsafe */ let b: &'a str = \"un\\\"safe\";\nlet c = r#\"unsafe\"#;";
@@ -456,18 +456,18 @@ fn comments_and_strings_are_told_from_code() {
 struct Source {
     /// Path from the root, with `/`.
     path: String,
-    /// Module of its crate: first folder below `src`, or the file's name; crates of one module are that module.
+    /// Module of its crate: first folder below `src`, or the file's name; crates of a single module are that module.
     module: String,
-    /// As it stands.
+    /// The unchanged text.
     whole: String,
-    /// Position of the unit tests.
+    /// Position of the unit tests in the text.
     tests_at: usize,
-    /// Without comments and the contents of strings.
+    /// Text without comments and the contents of strings.
     code: String,
 }
 
 impl Source {
-    /// Modules that a part of this file names, of its own crate and of others.
+    /// Modules named in a part of this file, of the same crate and of others.
     fn names(&self, text: &str) -> Vec<String> {
         let mut names = Vec::new();
         for package in ["foldwing_engine::", "foldwing_fmi::", "foldwing_study::", "foldwing_command::", "foldwing::"] {
@@ -567,7 +567,7 @@ fn has_word(text: &str, word: &str) -> bool {
         .any(|(at, _)| !text[..at].ends_with(is_word) && !text[at + word.len()..].starts_with(is_word))
 }
 
-/// Rust text without comments and without what stands inside quotes.
+/// Rust text without comments and without the contents of quotes.
 fn code_of(text: &str) -> String {
     let mut code = String::new();
     let mut rest = text;
@@ -595,7 +595,7 @@ fn code_of(text: &str) -> String {
     code
 }
 
-/// Length of a block comment, which may hold others.
+/// Length of a block comment, which may contain others.
 fn block_comment(text: &str) -> usize {
     let mut depth = 0;
     let mut at = 0;
@@ -614,7 +614,7 @@ fn block_comment(text: &str) -> usize {
 
 /// Length of a quoted text with both quotes.
 fn quoted(text: &str, quote: char) -> usize {
-    let mut escaped = true; // the opening quote does not close
+    let mut escaped = true; // the opening quote does not close the text
     for (at, character) in text.char_indices() {
         if character == quote && !escaped {
             return at + 1;

@@ -1,4 +1,5 @@
-//! The list of planted faults, `tests/mutants/faults.toml`, against the sources: `make mutants` plants them and runs their finders.
+//! The list of faults, `tests/mutants/faults.toml`, against the sources: `make mutants` introduces them and runs the tests that must detect
+//! them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -76,10 +77,10 @@ fn every_edit_matches_the_sources_exactly_once() {
     }
 }
 
-/// Letters of the chapters of NOTATION that equations have.
+/// Letters of the chapters of NOTATION that contain equations.
 const CHAPTERS: &str = "KJSRDLGMACUQTWB";
 
-/// Folders of the sources, and how many faults each needs at least: one for about 400 lines of what computes.
+/// Folders of the sources, and the minimum number of faults for each: one per about 400 lines of computation.
 const FOLDERS: &[(&str, usize)] = &[
     ("crates/engine/src/aero", 40),
     ("crates/engine/src/beam", 10),
@@ -129,7 +130,7 @@ fn every_finder_is_a_test() {
         let mut files = Vec::new();
         let folder = root().join(&folder);
         walk(&folder, &mut files);
-        // a file of a module is named in the path of its tests
+        // a module's file is named in the path of its tests
         let is_of_module = |file: &PathBuf| {
             let within = file.strip_prefix(&folder).expect("below the folder").with_extension("");
             within.iter().filter_map(|part| part.to_str()).all(|part| {

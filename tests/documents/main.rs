@@ -1,4 +1,4 @@
-//! The documents, the pages and descriptions written from the program, and the rules of the house, the list of planted faults.
+//! The documents, the pages and descriptions generated from the program, the rules of the code, and the list of faults.
 
 mod architecture;
 mod faults;

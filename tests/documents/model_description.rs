@@ -1,6 +1,6 @@
-//! Descriptions of the shipped models, byte for byte: a change of the FMU's face is deliberate or a mistake.
+//! Model descriptions of the shipped models, byte for byte: every change of the FMU's interface must be deliberate.
 //!
-//! After a deliberate change, `make bless` rewrites them; the diff then shows what importers will see.
+//! After a deliberate change, `make bless` rewrites them; the diff then shows the changes for importers.
 
 use foldwing::interface::{Interface, guid};
 use foldwing::packaging::{Kinds, model_description};
@@ -25,14 +25,14 @@ fn stems(folder: &Path, extension: &str) -> BTreeSet<OsString> {
         .collect()
 }
 
-/// Every shipped model has a committed description, equal to what is generated, and no other is committed.
+/// Every shipped model has a committed description, equal to the generated one, and there are no others.
 #[test]
 fn committed_descriptions_are_what_is_generated() {
     let models = in_package("examples/models");
     let committed = in_package("modelDescription");
     let bless = std::env::var_os(BLESS).is_some();
     for stem in stems(&models, "toml") {
-        // The GUID hashes the text; line feeds keep it the same on every platform.
+        // The GUID is a hash of the text; line feeds keep it the same on every platform.
         let text = std::fs::read_to_string(models.join(&stem).with_extension("toml")).unwrap();
         let machine = foldwing::config::parse(&text, &stem.to_string_lossy()).unwrap_or_else(|error| panic!("{error}"));
         let interface = Interface::new(&machine);

@@ -1,4 +1,4 @@
-"""A headless Chromium, driven over its own pipe: no package is needed, and nothing listens on the network."""
+"""A headless Chromium, controlled through its pipe: it needs no package and no network port."""
 
 import base64
 import fcntl
@@ -17,11 +17,11 @@ import pytest
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 FLAGS = ["--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-component-update",
          "--disable-sync", "--no-first-run", "--hide-scrollbars", "--disable-dev-shm-usage", "--remote-debugging-pipe"]
-PATIENCE_S = 300.0  # on the clock: other programs may have most of the processors
+PATIENCE_S = 300.0  # wall-clock time: other programs may use most of the processors
 
 
 def chromium():
-    """Path of a Chromium; the test skips where there is none, but not in continuous integration."""
+    """Path of a Chromium; the test is skipped if there is none, except in continuous integration."""
     found = next(filter(None, map(shutil.which, NAMES)), None)
     if found is None:
         reason = f"none of {', '.join(NAMES)} is installed (Debian: apt-get install chromium)"
@@ -32,7 +32,7 @@ def chromium():
 
 
 class Browser:
-    """One browser with one page; events are kept as they come."""
+    """One browser with one page; events are stored in the order of arrival."""
 
     def __init__(self):
         self.profile = tempfile.mkdtemp(prefix="foldwing-browser-")
@@ -41,7 +41,7 @@ class Browser:
         self.inp, their_out = os.pipe()
 
         def take_their_ends():
-            """The protocol needs descriptors 3 and 4; the pipe ends are moved first, as they may have these numbers."""
+            """The protocol needs descriptors 3 and 4; the pipe ends are moved first, because they may have these numbers."""
             ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (their_in, their_out)]
             for number, end in zip((3, 4), ends):
                 os.dup2(end, number)
@@ -78,7 +78,7 @@ class Browser:
         return answer["result"]
 
     def until(self, wanted, what):
-        """The first message that is wanted; those before it are kept among the events."""
+        """The first message that matches; earlier messages are stored among the events."""
         stop = time.monotonic() + PATIENCE_S
         while True:
             while b"\0" in self.rest:
@@ -94,7 +94,7 @@ class Browser:
             self.rest += data
 
     def open(self, path, width=1280, height=900, dark=False):
-        """Loads a file, or an address given as text, at a size of window and a colour scheme; the events of the load replace the earlier
+        """Loads a file, or an address given as text, with a window size and a colour scheme; the events of the load replace the earlier
         ones."""
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.call("Emulation.setEmulatedMedia", features=[scheme])
@@ -104,7 +104,7 @@ class Browser:
         self.until(lambda message: message.get("method") == "Page.loadEventFired", "load")
 
     def value(self, expression):
-        """Value of a JavaScript expression; `None` for one that has none."""
+        """Value of a JavaScript expression; `None` if it has none."""
         result = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
         assert "exceptionDetails" not in result, result
         return result["result"].get("value")

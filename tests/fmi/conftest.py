@@ -1,6 +1,6 @@
 """Fixtures of the FMI tests: the packaged FMUs and instances of them, all through FMPy.
 
-`make pytest` says where things are: FOLDWING is the command, FOLDWING_FMUS the folder with the FMU of every shipped model.
+`make pytest` sets the paths: FOLDWING is the command, FOLDWING_FMUS the folder with the FMU of every shipped model.
 """
 
 import os
@@ -14,14 +14,14 @@ from driving import Fmu
 
 ROOT = Path(__file__).resolve().parents[2]
 MODELS = sorted(path.stem for path in (ROOT / "examples/models").glob("*.toml"))
-# Whether studies run whole, as in `make validate`: `make test` has a short representative of each.
+# Whether studies run in full, as in `make validate`; `make test` runs a short version of each.
 WHOLE = "FOLDWING_WHOLE" in os.environ
 whole = pytest.mark.skipif(not WHOLE, reason="long: `make validate` runs it")
 
 
 class Remembering(lark.Lark):
-    """The parser of variable names that FMPy makes for every FMU that it validates: names that its grammar has accepted are not parsed
-    again, nor those that differ in a number alone, which the grammar cannot tell apart. The same result in a tenth of the time."""
+    """FMPy's parser of variable names with a cache: names already accepted by its grammar are not parsed again, nor names that differ only
+    in a number, which the grammar does not distinguish. The same result in a tenth of the time."""
 
     accepted = set()
 
@@ -48,7 +48,7 @@ class Unpacked(dict):
 
 
 def from_environment(name):
-    """A path that `make pytest` hands over."""
+    """A path set by `make pytest`."""
     if name not in os.environ:
         pytest.exit(f"{name} is not set; run the tests with `make pytest`", returncode=2)
     return Path(os.environ[name])

@@ -1,4 +1,4 @@
-"""FMUs and their instances as the tests drive them: thin names over FMPy, results as exact bits."""
+"""FMUs and their instances for the tests: thin wrappers around FMPy, with results as exact bits."""
 
 import struct
 from contextlib import contextmanager
@@ -71,14 +71,14 @@ class Instance:
     def advance(self, steps, step_s):
         """A number of equal communication steps.
 
-        Counted, not run up to a time: bits only compare between runs that make exactly the same calls.
+        Counted, not run up to a time: results are bit-identical only between runs that make exactly the same calls.
         """
         for _ in range(steps):
             self.step(step_s)
         return self
 
     def bits(self):
-        """Every output, bit for bit: equality of two of these leaves no room for round-off or signed zeros."""
+        """Every output as bits: equality of two of these excludes differences by round-off or signed zeros."""
         reals = [v.valueReference for v in self.fmu.outputs if v.type == "Real"]
         integers = [v.valueReference for v in self.fmu.outputs if v.type == "Integer"]
         booleans = [v.valueReference for v in self.fmu.outputs if v.type == "Boolean"]
@@ -94,7 +94,7 @@ class Instance:
 
 
 def answer_of(process, queue):
-    """Result that a started process puts into its queue, however long it takes; an error if it ends without one."""
+    """Result that a child process puts into its queue, however long it takes; an error if it ends without one."""
     while True:
         alive = process.is_alive()
         try:
@@ -108,7 +108,7 @@ def answer_of(process, queue):
 
 @contextmanager
 def instance(fmu, **arguments):
-    """An instance that is freed whatever happens."""
+    """An instance that is freed in any case."""
     made = Instance(fmu, **arguments)
     try:
         yield made

@@ -1,4 +1,4 @@
-"""A live simulation as a process, and a page of it without a browser: just the web socket."""
+"""A live simulation as a process, and a client of its page without a browser: only the WebSocket."""
 
 import base64
 import contextlib
@@ -14,7 +14,7 @@ from browser import PATIENCE_S
 
 
 class Client:
-    """The socket of a page."""
+    """The WebSocket of a page."""
 
     def __init__(self, address):
         parts = urlparse(address)
@@ -27,14 +27,14 @@ class Client:
         assert head.startswith(b"HTTP/1.1 101 "), head
 
     def until(self, end):
-        """Bytes up to an end."""
+        """Bytes up to a terminator."""
         while end not in self.rest:
             self.rest += self.stream.recv(1 << 16)
         head, self.rest = self.rest.split(end, 1)
         return head
 
     def take(self, count):
-        """So many bytes."""
+        """A number of bytes."""
         while len(self.rest) < count:
             data = self.stream.recv(1 << 20)
             assert data, "the server has ended the connection"
@@ -43,13 +43,13 @@ class Client:
         return taken
 
     def ask(self, **order):
-        """Sends an order, masked as the protocol asks of clients."""
+        """Sends a command, masked as required for clients by the protocol."""
         text, mask = json.dumps(order).encode(), os.urandom(4)
         size = bytes([0x80 | len(text)]) if len(text) < 126 else bytes([0x80 | 126]) + struct.pack(">H", len(text))
         self.stream.sendall(b"\x81" + size + mask + bytes(byte ^ mask[i % 4] for i, byte in enumerate(text)))
 
     def message(self):
-        """The next message: a text as JSON, of a picture the header."""
+        """The next message: a text as JSON, or the header of a picture."""
         first, second = self.take(2)
         length = second & 0x7F
         if length > 125:
@@ -60,7 +60,7 @@ class Client:
         return json.loads(data) if first & 0xF == 1 else {}
 
     def picture(self, wanted=lambda header: True):
-        """The header of the next picture that is wanted."""
+        """The header of the next picture that matches."""
         while True:
             message = self.message()
             if "rows" in message and wanted(message):
@@ -82,7 +82,7 @@ def live(foldwing, model, *options):
 
 
 def farewell(process):
-    """Figures of the last note of a process that ends: simulated, ran, lost, late in s, and the slowest step in ms."""
+    """Values of the final note when a process ends: simulated, ran, lost, late in s, and the slowest step in ms."""
     _, text = process.communicate(timeout=PATIENCE_S)
     last = text.strip().splitlines()[-1]
     words = last.replace(";", "").replace(",", "").split()

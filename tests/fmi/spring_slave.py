@@ -1,4 +1,4 @@
-"""A mass on a spring, of which PythonFMU makes an FMU: one variable of each type."""
+"""A mass on a spring, made into an FMU by PythonFMU: one variable of each type."""
 
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real, String
 
@@ -6,7 +6,7 @@ INNER_STEPS = 10
 
 
 class SpringMass(Fmi2Slave):
-    """Unit mass, semi-implicit Euler with fixed inner steps."""
+    """Unit mass, semi-implicit Euler with fixed internal steps."""
 
     def __init__(self, **arguments):
         super().__init__(**arguments)

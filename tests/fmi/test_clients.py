@@ -1,4 +1,4 @@
-"""The FMU in FMPy's other faces: command, call log, cross-check, notebook, and two FMUs as one SSP system."""
+"""The FMU in FMPy's other interfaces: command, call log, cross-check, notebook, and two FMUs as one SSP system."""
 
 import csv
 import re
@@ -26,7 +26,7 @@ def fmpy(*arguments, cwd=None):
 
 
 def in_turn(fmu, steps, step_s):
-    """Two wings through plain calls: both step, then the latch of the left one becomes the release of the right one.
+    """Two wings through direct calls: both step, then the latch of the left one releases the right one.
 
     Rows of (left angle, left latch time, right angle, right latch time) after each step.
     """
@@ -49,7 +49,7 @@ def in_turn(fmu, steps, step_s):
 
 
 def test_f110_command_validates_without_a_finding(wing):
-    """F-110. `fmpy validate` finds no problem and reports it in one line; the same check of every shipped FMU is F-01."""
+    """F-110. `fmpy validate` finds no problem and reports it in one line; F-01 does this for every shipped FMU."""
     assert fmpy("validate", wing.path).strip() == "No problems found."
 
 
@@ -63,7 +63,7 @@ def test_f111_command_shows_what_the_description_says(wing):
 
 
 def test_f112_command_simulates_and_logs_every_call(wing, tmp_path):
-    """F-112. `fmpy simulate` latches as the API does, bit for bit; its call log shows the standard's order of calls."""
+    """F-112. `fmpy simulate` gives results bit-identical to the API; its call log has the standard's order of calls."""
     out = tmp_path / "out.csv"
     names = ["fold.angle", "fold.latch_time"]
     text = fmpy(
@@ -86,7 +86,7 @@ def test_f112_command_simulates_and_logs_every_call(wing, tmp_path):
 
 
 def test_f113_call_logger_sees_what_the_command_prints(wing):
-    """F-113. The same log through the API: one line per call, with the values that were set."""
+    """F-113. The same log through the API: one line per call, with the values set."""
     lines = []
     simulate_fmu(
         wing.path, stop_time=0.01, output_interval=1e-3, start_values={"fold.angle_command": 0.25}, validate=False,
@@ -99,8 +99,8 @@ def test_f113_call_logger_sees_what_the_command_prints(wing):
 def test_f114_cross_check_accepts_the_fmu(wing, tmp_path):
     """F-114. FMPy's check of cross-check submissions (file sizes, description, options, reference) finds nothing.
 
-    The reference is the FMU's own result through FMPy: what is checked is that the FMU makes a complete submission. A
-    reference with a column that is no variable is found.
+    The reference is the FMU's own result through FMPy: the check is that the submission is complete. A reference with a column that is not
+    a variable is reported.
     """
     folder = tmp_path / "fmus/2.0/cs/linux64/foldwing/0.1.0/FoldingWing"
     folder.mkdir(parents=True)
@@ -121,7 +121,7 @@ def test_f114_cross_check_accepts_the_fmu(wing, tmp_path):
 
 
 def test_f115_notebook_is_made(wing, tmp_path):
-    """F-115. FMPy makes a notebook of the FMU; every input and parameter with a start value stands in it."""
+    """F-115. FMPy creates a notebook for the FMU; it contains every input and parameter with a start value."""
     path = tmp_path / "FoldingWing.fmu"
     path.write_bytes(open(wing.path, "rb").read())
     fmpy("create-jupyter-notebook", path, cwd=tmp_path)
@@ -131,10 +131,9 @@ def test_f115_notebook_is_made(wing, tmp_path):
 
 
 def test_f116_two_wings_as_one_system(wing, tmp_path):
-    """F-116. The script of the SSP system: FMPy's SSP run gives what plain calls in the same order give, bit for bit.
+    """F-116. The script of the SSP system: FMPy's SSP run is bit-identical to direct calls in the same order.
 
-    The right wing is released when the left one latches and takes as long again, to 0.5 %: it bends under gravity while
-    it is held.
+    The right wing is released when the left one latches and takes equally long, to 0.5 %: it bends under gravity while it is locked.
     """
     ssp = tmp_path / "two_wings.ssp"
     script = [sys.executable, str(ROOT / "examples/two_wings_ssp.py"), "--fmu", wing.path, "--output", str(ssp)]

@@ -1,4 +1,4 @@
-"""`foldwing run` on FMUs of FMI 3.0: our own, and one in C with a variable of every type."""
+"""`foldwing run` with FMUs of FMI 3.0: Foldwing's own, and one in C with a variable of every type."""
 
 import os
 import shutil
@@ -86,7 +86,7 @@ def make(tmp_path_factory):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_f320_our_fmus_give_the_same_digits_in_both_versions(model, runner, third, fmus):  # noqa: F811
-    """F-320. `foldwing run` of the FMU of FMI 3.0 writes the digits that it writes of FMI 2.0, for every shipped model; elements of
+    """F-320. `foldwing run` writes the same digits for the FMU of FMI 3.0 as for that of FMI 2.0, for every shipped model; elements of
     arrays are columns with indices."""
     second = fmus[model]
     step_s = float(second.description.defaultExperiment.stepSize)
@@ -94,7 +94,7 @@ def test_f320_our_fmus_give_the_same_digits_in_both_versions(model, runner, thir
     old, _ = run(runner, second.path, *grid)
     new, _ = run(runner, third(model).path, *grid)
     assert new.pop("time") == old.pop("time")
-    # the same signals in the same order, but for signals of several stations, whose keys stand beside each other in arrays
+    # the same signals in the same order, except for signals of several stations, whose keys are adjacent in arrays
     assert len(new) == len(old)
     assert sorted(map(tuple, new.values())) == sorted(map(tuple, old.values()))
     for name in set(new) & set(old):
@@ -104,8 +104,8 @@ def test_f320_our_fmus_give_the_same_digits_in_both_versions(model, runner, thir
 
 
 def test_f321_loads_and_start_values_act_as_in_fmi_2(runner, third, fmus, tmp_path):  # noqa: F811
-    """F-321. A load at a station over time, a torque and a start angle in degrees: the digits of FMI 2.0. The rest of the array
-    keeps its start value."""
+    """F-321. A load at a station over time, a torque and a start angle in degrees give the digits of FMI 2.0. The rest of the array keeps
+    its start value."""
     results = []
     for fmu, force, gravity in [
         (fmus["folding_wing"].path, "load.outer[3].force.z", "gravity.x"),
@@ -123,8 +123,8 @@ def test_f321_loads_and_start_values_act_as_in_fmi_2(runner, third, fmus, tmp_pa
 
 
 def test_f322_every_type_and_arrays_pass_through(runner, make):  # noqa: F811
-    """F-322. A foreign FMU with a variable of each type: values set are read back, to the last digit of 64 bits; elements of an array
-    are set together; resources are found; a clock or bytes are neither read nor set."""
+    """F-322. A foreign FMU with a variable of each type: values set are read back, to the last digit of 64 bits; elements of an array are
+    set together; resources are found; clocks and binary variables are neither read nor set."""
     values = {
         "f32": "0.25", "f64": "20 degC", "i8": "-128", "u8": "255", "i16": "-32768", "u16": "65535", "i32": "-7",
         "u32": "4294967295", "i64": "-9223372036854775808", "u64": "18446744073709551615", "flag": "true",
@@ -152,7 +152,7 @@ def test_f322_every_type_and_arrays_pass_through(runner, make):  # noqa: F811
 
 
 def test_f323_inputs_over_time_set_each_array_once_per_step(runner, make, tmp_path):  # noqa: F811
-    """F-323. Columns of a CSV are elements of one array: one call per step sets them, and they run linearly."""
+    """F-323. Columns of a CSV are elements of one array: one call per step sets them, with linear interpolation."""
     inputs = tmp_path / "in.csv"
     inputs.write_text('time,"matrix[1,1]","matrix[2,3]",i32\n0,0,0,1\n0.5,5,-5,2\n')
     columns, _ = run(runner, make(), "--inputs", inputs, "--variables", "matrix*,i32,matrix_calls")
@@ -163,7 +163,7 @@ def test_f323_inputs_over_time_set_each_array_once_per_step(runner, make, tmp_pa
 
 
 def test_f324_statuses_end_the_run_as_the_standard_says(runner, make):  # noqa: F811
-    """F-324. Warnings are counted, an FMU may end the simulation, everything else ends the run with the rows until then."""
+    """F-324. Warnings are counted, an FMU may end the simulation; every other status ends the run with the rows written until then."""
     fmu = make()
     columns, told = run(runner, fmu, "--set", "mode=1")
     assert len(columns["time"]) == 6 and "3 warnings" in told
@@ -184,7 +184,7 @@ def test_f324_statuses_end_the_run_as_the_standard_says(runner, make):  # noqa: 
 
 
 def test_f325_slips_are_refused_by_name(runner, make):  # noqa: F811
-    """F-325. Values out of range, structural parameters, bytes, other tokens, descriptions that contradict themselves."""
+    """F-325. Errors: values out of range, structural parameters, binary variables, other tokens, inconsistent descriptions."""
     fmu = make()
     for setting, word in [
         ("i8=200", "`200` is out of range; allowed is -128.0 to 127.0"),

@@ -1,4 +1,4 @@
-"""`foldwing run`: our FMUs, a container of them by another tool, and an FMU that PythonFMU makes."""
+"""`foldwing run`: Foldwing FMUs, a container of them by another tool, and an FMU made by PythonFMU."""
 
 import csv
 import io
@@ -41,9 +41,9 @@ def numbers(texts):
 
 
 def test_f130_our_fmus_give_the_same_digits_as_simulate_and_fmpy(runner, foldwing, shipped, tmp_path):
-    """F-130. `foldwing run X.fmu` writes byte for byte what `foldwing simulate X.toml` writes, and the doubles of FMPy.
+    """F-130. `foldwing run X.fmu` writes the same bytes as `foldwing simulate X.toml`, and the same doubles as FMPy.
 
-    Twenty steps of the model's own grid suffice: a wrong order of calls would show at the first.
+    Twenty steps of the model's default experiment suffice: a wrong order of calls would show in the first.
     """
     step_s = float(shipped.description.defaultExperiment.stepSize)
     grid = ["--stop", repr(20 * step_s), "--step", repr(step_s)]
@@ -61,7 +61,7 @@ def test_f130_our_fmus_give_the_same_digits_as_simulate_and_fmpy(runner, foldwin
 
 
 def test_f131_start_values_inputs_and_tolerance_act_as_in_fmpy(runner, wing, tmp_path):
-    """F-131. Start values, one of them in degrees, inputs over time and the tolerance: the doubles of FMPy."""
+    """F-131. Start values, one of them in degrees, inputs over time and the tolerance: the same doubles as FMPy."""
     inputs = tmp_path / "in.csv"
     inputs.write_text("time,fold.release,fold.external_torque\n0,0,0\n0.02,1,0.01\n0.05,1,-0.02\n")
     start_rad = 150.0 * np.pi / 180.0
@@ -88,7 +88,7 @@ def test_f131_start_values_inputs_and_tolerance_act_as_in_fmpy(runner, wing, tmp
 
 
 def test_f132_container_of_another_tool(runner, container):  # noqa: F811
-    """F-132. The container FMU that fmucontainer builds, a foreign library: the doubles of FMPy over 0.4 s."""
+    """F-132. The container FMU built by fmucontainer, a foreign library: the same doubles as FMPy over 0.4 s."""
     columns, _ = run(runner, container)
     rows = simulate_fmu(str(container), stop_time=0.4, output_interval=STEP_S, validate=False)
     for name in (output[2] for output in CONTAINER["output"]):
@@ -96,7 +96,7 @@ def test_f132_container_of_another_tool(runner, container):  # noqa: F811
 
 
 def python_library():
-    """Shared library of this Python, which PythonFMU's FMUs expect in the process; `None` if there is none."""
+    """Shared library of this Python, which FMUs of PythonFMU expect in the process; `None` if there is none."""
     name = sysconfig.get_config_var("INSTSONAME") or ""
     folders = [sysconfig.get_config_var("LIBDIR"), f"/usr/lib/{sysconfig.get_config_var('MULTIARCH')}"]
     version = f"libpython{sys.version_info.major}.{sys.version_info.minor}.so.1.0"
@@ -106,9 +106,9 @@ def python_library():
 
 
 def test_f133_fmu_of_another_language(runner, tmp_path):
-    """F-133. A spring that PythonFMU makes: reals, a whole number, a truth value and a text against FMPy.
+    """F-133. A spring made by PythonFMU: reals, an integer, a Boolean and a string against FMPy.
 
-    Its library takes Python from the process, so the runner gets one preloaded.
+    Its library uses Python from the process, so Python is preloaded into the runner.
     """
     pytest.importorskip("pythonfmu", reason="`make pytest` installs pythonfmu")
     library = python_library()
@@ -139,8 +139,8 @@ WITH_LATCH = ["gauge.root.strain", "fold.latched", "fold.latch_time"]
 
 @pytest.mark.parametrize("model, names, stop_s", [("slender_wing", WITHOUT_LATCH, 0.05), ("folding_wing", WITH_LATCH, 0.2)])
 def test_f188_run_draws_what_simulate_draws(runner, foldwing, fmus, tmp_path, model, names, stop_s):
-    """F-188. `foldwing run --plot` of the FMU draws the variables of `--variables` as `foldwing simulate --plot` does, byte for
-    byte, and needs no CSV. Where the latch is among them both mark its closing at the same time, with the same words.
+    """F-188. `foldwing run --plot` of the FMU draws the variables of `--variables` with the same bytes as `foldwing simulate --plot`, and
+    needs no CSV. If the latch is among them, both mark its closing at the same time, with the same words.
     """
     chosen = [f"--variables={name}" for name in names] + [f"--stop={stop_s}"]
     commands = {"model": [foldwing, "simulate", ROOT / f"examples/models/{model}.toml"], "fmu": [runner, "run", fmus[model].path]}
@@ -156,7 +156,8 @@ def test_f188_run_draws_what_simulate_draws(runner, foldwing, fmus, tmp_path, mo
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 def test_f139_ctrl_c_leaves_the_old_results_and_no_folder(runner, wing, tmp_path):
-    """F-139. Ctrl-C in the middle of `foldwing run`: the old CSV to the byte, nothing beside it, the unpacked FMU gone."""
+    """F-139. Ctrl-C in the middle of `foldwing run`: the old CSV is unchanged, with no other file next to it, and the unpacked FMU is
+    removed."""
     results, unpacked = tmp_path / "results", tmp_path / "unpacked"
     results.mkdir(), unpacked.mkdir()
     environment = {**os.environ, "TMPDIR": str(unpacked)}
@@ -164,7 +165,7 @@ def test_f139_ctrl_c_leaves_the_old_results_and_no_folder(runner, wing, tmp_path
     command = [runner, "run", wing.path, "--csv", target, "-q", "--step", "1e-3", "--stop"]
     subprocess.run([*command, "1e-2"], check=True, env=environment)
     before = target.read_bytes()
-    # interruptible however the tests were started: `nohup make test &` ignores SIGINT, and children go on ignoring it
+    # interruptible however the tests were started: `nohup make test &` ignores SIGINT, and child processes inherit this
     interruptible = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
     child = subprocess.Popen([*command, "1000"], env=environment, preexec_fn=interruptible)
     unfinished = lambda: [file for file in results.iterdir() if file.name.startswith(".foldwing-")]
@@ -179,7 +180,7 @@ def test_f139_ctrl_c_leaves_the_old_results_and_no_folder(runner, wing, tmp_path
 
 
 def test_an_fmu_alone_gives_a_summary(runner, wing, tmp_path):
-    """Without files `run` prints the end of the run with final values; with `--json` all of them, equal to the table's last row."""
+    """Without files `run` prints the end of the run with final values; with `--json` all of them, equal to the last row of the table."""
     short = ["--stop", "0.02", "--step", "1e-3"]
     done = subprocess.run([runner, "run", wing.path, *short], capture_output=True, text=True, check=True)
     assert done.stdout == "" and re.search(r"^FoldingWing: 0.020000 s simulated in ", done.stderr)

@@ -1,4 +1,4 @@
-"""The FMU in fmu-manipulation-toolbox: summary, its own checks of the standard, and two wings in one container FMU."""
+"""The FMU in fmu-manipulation-toolbox: summary, the toolbox's checks of the standard, and two wings in one container FMU."""
 
 import json
 import re
@@ -44,7 +44,7 @@ def tool(name, *arguments, cwd, faults=False):
     return run.stdout + run.stderr
 
 
-# What the command `fmutool` runs, for one FMU after the other: starting it takes longer than its checks.
+# Code that the command `fmutool` runs, for one FMU after the other: starting the command takes longer than its checks.
 FMUTOOL = """
 import sys
 from fmu_manipulation_toolbox.cli.fmutool import fmutool
@@ -59,7 +59,7 @@ for path in sys.argv[1:]:
 """
 
 
-# of the session: pytest brings tests with the same `shipped` together from all files, and a module would begin anew for each
+# session scope: pytest groups tests with the same `shipped` across files, and with module scope would start again for each
 @pytest.fixture(scope="session")
 def checked(fmus, tmp_path_factory):
     """Output of fmutool for every shipped FMU, by its path."""
@@ -84,7 +84,7 @@ def test_f120_fmutool_finds_nothing(shipped, checked):
 
 
 def test_f121_fmutool_finds_a_deliberate_fault(wing, tmp_path):
-    """F-121. The check of F-120 does find faults: an input without its start value is named."""
+    """F-121. The check of F-120 detects errors: an input without its start value is reported."""
     files = members(wing.path)
     text = files["modelDescription.xml"].decode()
     pattern = r'(<ScalarVariable name="fold.angle_command"[^>]*>\s*<Real[^>]*?) start="[^"]*"'
@@ -117,10 +117,10 @@ def test_f122_container_of_two_wings_is_a_valid_fmu(container):
 
 
 def test_f123_container_gives_what_the_wings_give_alone(container, wing):
-    """F-123. The container steps its FMUs side by side and hands values on between steps; the same calls made one by
-    one give the same values. Two copies of the library in one process share nothing.
+    """F-123. The container steps its FMUs in parallel and passes values on between steps; direct calls give the same values. Two copies of
+    the library in one process share no state.
 
-    Communication points `n h` of the container and summed ones here differ in their last bits: 1e-12.
+    The communication points `n h` of the container and the summed ones here differ in their last bits: 1e-12.
     """
     rows = simulate_fmu(str(container), stop_time=STEPS * STEP_S, output_interval=STEP_S, validate=False)
     names = [output[2] for output in CONTAINER["output"]]

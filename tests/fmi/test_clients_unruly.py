@@ -1,4 +1,4 @@
-"""`foldwing run` where an FMU or the command line misbehaves: exit codes, messages, the rows written until then."""
+"""`foldwing run` with a misbehaving FMU or command line: exit codes, messages, the rows written until then."""
 
 import os
 import shutil
@@ -78,9 +78,8 @@ def make(tmp_path_factory):
 
 
 def test_f140_statuses_end_the_run_as_the_standard_says(runner, make):  # noqa: F811
-    """F-140. Steps from 0.2 s on answer with each status: warnings go on, an FMU that wants to end does so at its own
-    time, the rest fails with exit code 3; the rows until then are written. After `fmi2Fatal` the FMU is not even freed
-    (it would abort)."""
+    """F-140. Steps from 0.2 s on return each status: warnings continue, an FMU that requests termination ends at its own time, all others
+    fail with exit code 3; the rows until then are written. After `fmi2Fatal` the FMU is not even freed (it would abort)."""
     fmu = make("unruly")
     whole, short = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5], [0.0, 0.1, 0.2]
     cases = [
@@ -103,7 +102,7 @@ def test_f140_statuses_end_the_run_as_the_standard_says(runner, make):  # noqa: 
 
 
 def test_f141_values_of_every_type(runner, make, tmp_path):  # noqa: F811
-    """F-141. Units, words of enumerations and texts are set and read back; messages for information appear on request."""
+    """F-141. Units, names of enumeration items and strings are set and read back; informational messages are shown on request."""
     fmu = make("unruly")
     outputs = [argument for name in ["u", "gear", "label"] for argument in ("--variables", name)]
     settings = ["--set", "u=20 degC", "--set", "gear=drive", "--set", "label=two words, one comma"]
@@ -118,7 +117,7 @@ def test_f141_values_of_every_type(runner, make, tmp_path):  # noqa: F811
 
 
 def test_f142_bad_command_lines_are_refused(runner, make, tmp_path):  # noqa: F811
-    """F-142. Errors have cause, location and allowed values; nothing is run."""
+    """F-142. Errors give cause, location and allowed values; nothing is run."""
     fmu = make("unruly")
 
     def table(name, text):
@@ -149,8 +148,8 @@ def test_f142_bad_command_lines_are_refused(runner, make, tmp_path):  # noqa: F8
 
 
 def test_f143_what_cannot_be_run_is_refused(runner, make, wing, tmp_path):  # noqa: F811
-    """F-143. No archive, no description, another version or kind, no library, a library that does not load or lacks a
-    function, a GUID that the library does not accept: exit code 1 and the cause; a file that is not there: 4."""
+    """F-143. No archive, no description, another version or kind, no library, a library that does not load or lacks a function, a GUID that
+    the library rejects: exit code 1 and the cause; a missing file: 4."""
     text = DESCRIPTION
     garbage = tmp_path / "garbage.fmu"
     garbage.write_bytes(b"not an archive")
@@ -182,8 +181,8 @@ def test_f143_what_cannot_be_run_is_refused(runner, make, wing, tmp_path):  # no
 
 
 def test_af9_hostile_archives_are_refused(runner, make, tmp_path):  # noqa: F811
-    """AF-9. Identifiers and members that lead out of the FMU's folder, links, archives that become large, and libraries that
-    are cut off (they used to end the process with SIGBUS): exit code 1, the cause, and nothing left behind."""
+    """AF-9. Identifiers and members outside the FMU's folder, links, archives that expand to a large size, and truncated libraries (they
+    used to end the process with SIGBUS): exit code 1, the cause, and no files left."""
     library = compiled(tmp_path)
     link = zipfile.ZipInfo("resources/link")
     link.external_attr = 0o120777 << 16

@@ -7,12 +7,12 @@ from conftest import ROOT
 LATCH_S = 0.1222  # converged to 3e-4, see tests/reference/README.md
 PEAK_STRAIN = 5.31e-3
 AS_PRINTED_LATCH_S = 0.0407
-STEPS_S = [1e-4, 3e-4, 5e-4, 7e-4, 1e-3, 2.3e-3, 5e-3]  # some divide 0.4 s and the latch time, some do not
+STEPS_S = [1e-4, 3e-4, 5e-4, 7e-4, 1e-3, 2.3e-3, 5e-3]  # some divide 0.4 s and the latch time, others do not
 
 
 @pytest.fixture(scope="module")
 def reference():
-    """Independent deployment: columns by name."""
+    """Reference deployment by an independent program: columns by name."""
     return np.genfromtxt(ROOT / "tests/reference/folding_wing_still_air.csv", delimiter=",", names=True)
 
 
@@ -22,7 +22,7 @@ def final(result, name):
 
 
 def test_f10_default_arguments_unfold_and_latch(shipped):
-    """F-10. FMPy's simulation with nothing but the file name runs to the end, finite throughout."""
+    """F-10. FMPy's simulation with only the file name as argument runs to the end, with finite values throughout."""
     result = shipped.simulate()
     assert final(result, "time") == pytest.approx(float(shipped.description.defaultExperiment.stopTime))
     for name in result.dtype.names:
@@ -32,7 +32,7 @@ def test_f10_default_arguments_unfold_and_latch(shipped):
 def test_f11_latch_time_and_peak_strain(either_wing):
     """F-11. Latch at 0.1222 s ± 0.5 % and peak root strain 5.31e-3 ± 1 %, with linear and with constant elements.
 
-    Figures of an independent planar program, converged to 3e-4; the tolerances are the project's own targets.
+    Figures of an independent planar program, converged to 3e-4; the tolerances are the project's targets.
     """
     result = either_wing.simulate()
     peak = np.abs(result["gauge.root.strain"]).max()
@@ -51,7 +51,7 @@ def test_f12_as_printed_model_latches_early(fmus):
 
 
 def test_f13_fold_angle_follows_the_reference(either_wing, reference):
-    """F-13. Fold angle within 0.5 degrees of the reference before the latch, compared at the reference's own times."""
+    """F-13. Fold angle within 0.5 degrees of the reference before the latch, compared at the times of the reference."""
     result = either_wing.simulate(output_interval=5e-4)
     before = reference["time_s"] < LATCH_S
     error_deg = np.degrees(result["fold.angle"]) - reference["fold_deg"]
@@ -60,9 +60,9 @@ def test_f13_fold_angle_follows_the_reference(either_wing, reference):
 
 
 def test_f14_root_strain_follows_the_reference(either_wing, reference):
-    """F-14. Root strain within 2 % of the peak up to 0.3 s at every one of the reference's own times.
+    """F-14. Root strain within 2 % of the peak up to 0.3 s at every time of the reference.
 
-    The latch's ringing and the first milliseconds, which contain more than 1 kHz, are included: nothing is filtered.
+    The vibration after latching and the first milliseconds, which contain more than 1 kHz, are included: nothing is filtered.
     """
     result = either_wing.simulate(output_interval=5e-4)
     error = np.abs(result["gauge.root.strain"] - reference["gauge_strain_0p02m"]) / PEAK_STRAIN
@@ -84,7 +84,7 @@ def test_f15_tip_follows_the_reference(either_wing, reference):
 
 
 def test_f16_latch_time_does_not_depend_on_the_communication_step(either_wing):
-    """F-16. Latch time changes by less than 2e-5 s over communication steps of 1e-4 to 5e-3 s and another start time.
+    """F-16. The latch time changes by less than 2e-5 s for communication steps of 1e-4 to 5e-3 s and another start time.
 
     Some steps divide neither the stop time nor the latch time; the event is located inside the step.
     """
@@ -99,15 +99,15 @@ def test_f16_latch_time_does_not_depend_on_the_communication_step(either_wing):
 
 
 def test_f17_repeated_runs_give_the_same_bits(shipped):
-    """F-17. Two simulations of one FMU agree bit for bit: no clock, address or leftover enters the results."""
+    """F-17. Two simulations of one FMU are bit-identical: no clock, address or uninitialised value affects the results."""
     assert shipped.simulate().tobytes() == shipped.simulate().tobytes()
 
 
 def test_f18_energy_books_balance(shipped):
-    """F-18. total − work + dissipated stays constant through releases and latching, the better the tighter the tolerance.
+    """F-18. total − work + dissipated is constant through releases and latching, with an error that decreases with the tolerance.
 
-    Within 1 % of the largest kinetic energy at the models' own tolerance, 1e-5 at 1e-8; a hundredth of the tolerance must
-    gain a factor of ten on the way from the first to the last, unless the longest step alone keeps the drift below 1e-4.
+    Within 1 % of the largest kinetic energy at the models' tolerance, 1e-5 at 1e-8; from the first to the last tolerance, each reduction by
+    a hundred must gain a factor of ten, unless the limit of the step already keeps the drift below 1e-4.
     """
     drift = []
     for tolerance in (None, 1e-6, 1e-8):

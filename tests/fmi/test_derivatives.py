@@ -1,4 +1,4 @@
-"""Derivatives of inputs, of outputs, and of outputs by inputs and parameters, through FMPy."""
+"""Derivatives of inputs, of outputs, and of outputs with respect to inputs and parameters, through FMPy."""
 
 import math
 
@@ -7,12 +7,12 @@ from driving import Instance, instance
 from fmpy.fmi1 import FMICallException
 
 LOAD, LOAD_N, OMEGA_1_S = "load.outer[4].force.z", 0.05, 125.0
-PHASE_RAD = 0.7  # the first order comes from the load at the start: held loads act half a step late
+PHASE_RAD = 0.7  # the first-order error comes from the load at the start: held loads act half a step late
 END_S = 0.064  # before the latch closes
 
 
 def under_sine(wing, steps, with_derivatives):
-    """Fold angle in rad after a sinusoidal load that is known at the communication points."""
+    """Fold angle in rad after a sinusoidal load that is set at the communication points."""
     with instance(wing) as fmu:
         fmu.initialize(solver__tolerance=1e-8)
         reference = fmu.fmu.variables[LOAD].valueReference
@@ -26,9 +26,9 @@ def under_sine(wing, steps, with_derivatives):
 
 
 def test_f70_input_derivatives_raise_the_order(wing):
-    """F-70. Held, the error of a sinusoidal load falls with the communication step; with derivatives, with its square.
+    """F-70. With held values, the error of a sinusoidal load falls with the communication step; with derivatives, with its square.
 
-    Orders of the two finest steps; the next power of the step changes them by some percent.
+    Orders of the two finest steps; the next power of the step changes them by a few per cent.
     """
     exact = under_sine(wing, 2048, True)
 
@@ -43,24 +43,24 @@ def test_f70_input_derivatives_raise_the_order(wing):
 
 
 def test_f71_output_derivatives_are_the_rates(wing):
-    """F-71. The derivative of a position is the velocity that another output reports, to 1e-3: both are drawn between the ends of a step."""
+    """F-71. The derivative of a position is the velocity in another output, to 1e-3: both are interpolated between the ends of a step."""
     with instance(wing) as fmu:
         fmu.initialize().advance(50, 1e-3)
         pairs = [("fold.angle", "fold.angular_velocity")] + [(f"tip.position.{i}", f"tip.velocity.{i}") for i in "xyz"]
         references = [wing.variables[of].valueReference for of, _ in pairs]
         derivatives = fmu.slave.getRealOutputDerivatives(references, [1] * len(pairs))
         for (of, rate), derivative in zip(pairs, derivatives):
-            # drawn one beside the other between the ends of a step: apart by its error
+            # interpolated separately between the ends of a step: they differ by the interpolation error
             assert derivative == pytest.approx(fmu.get(rate), rel=1e-3), of
         with pytest.raises(FMICallException):
             fmu.slave.getRealOutputDerivatives([wing.variables["fold.external_torque"].valueReference], [1])
 
 
 def test_f72_directional_derivatives_in_initialization_mode(wing):
-    """F-72. By every Real input, the derivatives of all outputs equal central differences between evaluations.
+    """F-72. The derivatives of all outputs with respect to every Real input equal central differences between evaluations.
 
-    1e-6 of the derivative, beside the round-off of the difference (1e-11 of the values, 1e-13, over the step).
-    Initial values are polynomials of second degree in loads and the root's motion: large steps are exact.
+    1e-6 of the derivative, plus the round-off of the difference (1e-11 of the values, 1e-13, divided by the step). Initial values are
+    polynomials of second degree in loads and root motion: large steps are exact.
     """
     outputs = [v.valueReference for v in wing.outputs if v.type == "Real"]
     inputs = [v for v in wing.description.modelVariables if v.causality == "input" and v.type == "Real"]

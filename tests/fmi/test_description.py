@@ -1,4 +1,4 @@
-"""The archive and its description, through the importer's eyes."""
+"""The archive and its description, as read by an importer."""
 
 import re
 import subprocess
@@ -8,7 +8,7 @@ import pytest
 from conftest import MODELS, ROOT
 from fmpy.validation import validate_fmu
 
-# Design of the FMU's face: a flag is true once the work behind it exists.
+# Capability flags by design: a flag is true only if the capability is implemented.
 FLAGS = {
     "modelIdentifier": "foldwing",
     "needsExecutionTool": False,
@@ -23,7 +23,7 @@ FLAGS = {
     "providesDirectionalDerivative": True,
 }
 
-# One fault each, as (what, pattern, replacement, words of FMPy's complaint).
+# One error each, as (what, pattern, replacement, words of FMPy's message).
 FAULTS = [
     ("schema", r"<DefaultExperiment ", "<DefaultExperimnt ", "DefaultExperimnt"),
     ("unit", r'<Unit name="N.m">', '<Unit name="N_m">', "N.m"),
@@ -47,7 +47,7 @@ def test_f01_validation_finds_nothing(shipped):
 
 @pytest.mark.parametrize("fault", FAULTS, ids=[fault[0] for fault in FAULTS])
 def test_f02_validation_finds_deliberate_faults(wing, tmp_path, fault):
-    """F-02. The validation of F-01 does find faults: each of several, planted one at a time, is named."""
+    """F-02. The validation of F-01 detects errors: each of several, introduced one at a time, is reported."""
     _, pattern, replacement, words = fault
     files = members(wing.path)
     description = files["modelDescription.xml"].decode()
@@ -65,8 +65,8 @@ def test_f02_validation_finds_deliberate_faults(wing, tmp_path, fault):
 
 
 def test_f03_archive_is_the_same_when_packaged_twice(foldwing, tmp_path):
-    """F-03. Packaging is reproducible: the same model, library and command give the same bytes, elsewhere and later, with
-    icon, reference results and linear model."""
+    """F-03. Packaging is reproducible: the same model, library and command give the same bytes, at other places and times, with icon,
+    reference results and linear model."""
     model = ROOT / "examples/models/folding_wing.toml"
     copies = [tmp_path / "first.fmu", tmp_path / "folder/second.fmu"]
     copies[1].parent.mkdir()
@@ -96,13 +96,14 @@ def test_f04_archive_holds_what_it_must(shipped):
         "THIRD_PARTY.txt",
     }
     assert "model.png" in files
-    # nothing lies where FMI 2.0 does not look for it
+    # no files where FMI 2.0 does not expect them
     places = {"binaries", "documentation", "extra", "resources", "modelDescription.xml", "model.png"}
     assert {name.split("/")[0] for name in files} == places
 
 
 def test_f05_flags_are_what_the_library_can_do(shipped):
-    """F-05. Capability flags literally, no directional derivatives of machines in air; the naming convention is structured and the description carries no date."""
+    """F-05. Exact capability flags, no directional derivatives for machines with aerodynamics; the naming convention is structured and the
+    description carries no date."""
     found = {name: getattr(shipped.description.coSimulation, name) for name in FLAGS}
     in_air = "wind.velocity.x" in shipped.variables
     assert found == FLAGS | {"providesDirectionalDerivative": not in_air}

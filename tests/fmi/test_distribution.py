@@ -1,4 +1,4 @@
-"""The archive of a release: the same bytes twice, and a wing from it in an empty folder with an empty environment."""
+"""The archive of a release: reproducible bytes, and a wing simulated from it in an empty folder with an empty environment."""
 
 import csv
 import os
@@ -17,7 +17,7 @@ TOOL = ROOT / "tools/make_distribution.py"
 
 
 def distribute(foldwing, fmus, output, **environment):
-    """Makes the archive; its path."""
+    """Creates the archive and returns its path."""
     command = [sys.executable, TOOL, "--foldwing", foldwing, "--fmus", fmus, "--output", output]
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
     assert done.returncode == 0, done.stderr
@@ -26,7 +26,7 @@ def distribute(foldwing, fmus, output, **environment):
 
 @pytest.fixture(scope="module")
 def folder_of_fmus(tmp_path_factory):
-    """Two FMUs are enough, and quick to pack."""
+    """Two FMUs are sufficient and quick to package."""
     folder = tmp_path_factory.mktemp("fmus")
     for name in ["FoldingWing", "three_bodies"]:
         shutil.copy(Path(os.environ["FOLDWING_FMUS"]) / f"{name}.fmu", folder)
@@ -49,7 +49,7 @@ def unpacked(archive, tmp_path_factory):
 
 
 def test_f250_the_archive_has_the_same_bytes_twice(foldwing, folder_of_fmus, archive, tmp_path):
-    """F-250. Made again later, from files with other times and rights, by another user's umask: byte for byte the same."""
+    """F-250. Created again later, from files with other times and permissions and another umask: the same bytes."""
     again = tmp_path / "fmus"
     shutil.copytree(folder_of_fmus, again)
     for fmu in again.iterdir():
@@ -67,7 +67,7 @@ def test_f250_the_archive_has_the_same_bytes_twice(foldwing, folder_of_fmus, arc
 
 
 def test_f251_the_archive_holds_what_a_user_needs(archive, unpacked):
-    """F-251. One folder, named as the file; command, library, FMUs, models, documents, licences; nobody's names, no time."""
+    """F-251. One folder, named like the file; command, library, FMUs, models, documents, licences; no user names and no times."""
     assert unpacked.name == archive.name.removesuffix(".tar.gz")
     assert re.fullmatch(r"foldwing-\d+\.\d+\.\d+-[\w.-]+", unpacked.name), unpacked.name
     for name in ["foldwing", "README.md", "CHANGELOG.md", "LICENSE", "LICENSE-MIT", "LICENSE-APACHE", "licenses/THIRD_PARTY.txt",
@@ -84,7 +84,7 @@ def test_f251_the_archive_holds_what_a_user_needs(archive, unpacked):
 
 
 def test_f252_links_of_the_unpacked_documents_lead_somewhere(unpacked):
-    """F-252. Pages of the archive link to pages, pictures and sections that are in it."""
+    """F-252. Links in pages of the archive lead to pages, pictures and sections in it."""
     count = 0
     for page in unpacked.rglob("*.md"):
         for link in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
@@ -97,7 +97,7 @@ def test_f252_links_of_the_unpacked_documents_lead_somewhere(unpacked):
 
 @pytest.mark.skipif(os.name == "nt", reason="an empty environment starts no program on Windows")
 def test_f253_the_unpacked_command_works_in_an_empty_folder_with_an_empty_environment(unpacked, tmp_path):
-    """F-253. It checks, simulates and packages a model; the FMU is the shipped one byte for byte and unfolds in FMPy."""
+    """F-253. The command checks, simulates and packages a model; the FMU has the same bytes as the shipped one and unfolds in FMPy."""
     model = unpacked / "examples/models/folding_wing.toml"
 
     def run(*arguments):
@@ -121,7 +121,7 @@ def test_f253_the_unpacked_command_works_in_an_empty_folder_with_an_empty_enviro
 
 
 def test_f254_what_is_missing_is_said(foldwing, tmp_path):
-    """F-254. No FMUs, no command, a time that is none: one line that names it, no archive, no traceback."""
+    """F-254. Missing FMUs, a missing command, an invalid time: one line that names it, no archive, no traceback."""
     empty = tmp_path / "empty"
     empty.mkdir()
     for arguments, words, environment in [

@@ -1,4 +1,4 @@
-"""Other contents of the archive: icon, licences, reference results, linear model, and the files of the Cross-Check."""
+"""Other contents of the archive: icon, licences, reference results, linear model, and the Cross-Check files."""
 
 import hashlib
 import json
@@ -24,8 +24,8 @@ REFERENCE = "extra/org.fmi-standard.fmi-ls-ref"
 LINEAR = "extra/org.foldwing.linear"
 LAYER = "{http://fmi-standard.org/fmi-ls-manifest}"
 
-# The tolerance that documentation/fmi-ls-ref.txt states: a share of a variable's range over the run, and at least so much
-# in its unit, for what is zero but for round-off.
+# The tolerance that documentation/fmi-ls-ref.txt states: relative to a variable's range over the run, and also in its unit, for variables
+# that are zero apart from round-off.
 TOLERANCE = 1e-6
 LEAST = 1e-9
 
@@ -39,8 +39,8 @@ def differences(result, reference):
 
 
 def test_f153_icon_shows_the_wing(fmus):
-    """F-153. `model.png` at the archive's root: 800 × 600, opaque, at most 40 kB, with a free border, the blue of the wing
-    and the dark lines around it; no two models' icons are the same but those of the same wing.
+    """F-153. `model.png` at the archive's root: 800 × 600, opaque, at most 40 kB, with an empty border, the blue of the wing and dark
+    outlines; icons differ between models, except for the same wing.
     """
     seen = {}
     for model in MODELS:
@@ -81,11 +81,11 @@ def experiments(folder):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_f154_reference_is_what_the_fmu_does(fmus, model):
-    """F-154. FMPy repeats both experiments of the layered standard from their own files. Same library, same steps: without
-    inputs the same digits. FMPy's straight lines between the rows of the inputs may differ in the last bit, so with them the
-    tolerance is the stated one, 1e-6 of each variable's range.
+    """F-154. FMPy repeats both experiments of the layered standard from their files. With the same library and steps, the digits are the
+    same without inputs. FMPy's linear interpolation of the inputs may differ in the last bit, so with inputs the tolerance is the
+    documented 1e-6 of each variable's range.
 
-    The results are small (100 kB at most) and differ between the experiments, so that ignored inputs would be seen.
+    The results are small (100 kB at most) and differ between the experiments, so that ignored inputs would be noticed.
     """
     folder = Path(fmus[model].folder) / REFERENCE
     results = []
@@ -105,7 +105,7 @@ def test_f154_reference_is_what_the_fmu_does(fmus, model):
     default, moved = results
     assert any(name not in default.dtype.names or np.ptp(default[name] - moved[name]) > 1e-3 * np.ptp(default[name])
                for name in moved.dtype.names[1:])
-    # the sentence that promises the tolerance
+    # the sentence that gives the tolerance
     notes = (Path(fmus[model].folder) / "documentation/fmi-ls-ref.txt").read_text(encoding="utf-8")
     assert f"at most {TOLERANCE:.0e}".replace("e-0", "e-") in notes
 
@@ -121,15 +121,15 @@ def repository(foldwing, tmp_path_factory):
 
 
 def test_f155_cross_check_accepts_the_files(repository):
-    """F-155. FMPy's check of Cross-Check repositories finds both FMUs and no problem with them."""
+    """F-155. FMPy's check of Cross-Check repositories finds both FMUs and no problems."""
     fmus, results, problems = validate_repo(str(repository))
     assert (fmus, results, problems) == (2, 0, [])
 
 
 @pytest.mark.parametrize("model", ["folding_wing", "four_bar"])
 def test_f156_cross_check_result_passes(repository, model):
-    """F-156. A run with the options and inputs of the Cross-Check files passes FMPy's comparison with the reference, and a
-    run without the inputs does not equal it: the reference needs them.
+    """F-156. A run with the options and inputs of the Cross-Check files passes FMPy's comparison with the reference, and a run without the
+    inputs does not: the reference depends on them.
     """
     (folder,) = [path.parent for path in repository.rglob(f"{model}.fmu")]
     options = read_ref_opt_file(folder / f"{model}_ref.opt")
@@ -145,12 +145,11 @@ def test_f156_cross_check_result_passes(repository, model):
 
 
 def test_f157_linear_model_in_the_archive_answers_like_the_fmu(foldwing, tmp_path):
-    """F-157. `foldwing package --linear`: SciPy reads `linear.mat`, JSON holds the same numbers, and the answer to a small
-    step of load at the tip equals the FMU's, the latched wing that starts at the same equilibrium.
+    """F-157. `foldwing package --linear`: SciPy reads `linear.mat`, JSON holds the same numbers, and its response to a small load step at
+    the tip equals that of the FMU of the latched wing, which starts at the same equilibrium.
 
-    The load of 5 mN bends the wing by 0.3 % of its length: what the linear model leaves out is of the order of the square of
-    that, 1e-5. In strain and moment the step excites modes that the integrator damps at its tolerance, 1e-10 here, by some
-    1e-4 of the range. The limit is 1e-3.
+    The load of 5 mN bends the wing by 0.3 % of its length: nonlinear terms are of the order of the square of that, 1e-5. In strain and
+    moment the step excites modes that the integrator damps at its tolerance, 1e-10 here, by about 1e-4 of the range. The limit is 1e-3.
     """
     text = (ROOT / "examples/models/folding_wing.toml").read_text(encoding="utf-8")
     for old, new in [("[simulation]\n", '[solver]\ntolerance = 1e-10\n\n[simulation]\nstart = "equilibrium"\n'),
@@ -191,7 +190,7 @@ def test_f157_linear_model_in_the_archive_answers_like_the_fmu(foldwing, tmp_pat
         for _ in time[1:]:
             wing.step(step_s)
             answer.append([wing.get(name) for name in outputs] - rest)
-    # the first row is before the load, which the linear model feels at once in what it passes through
+    # the first row is before the load, to which the linear model responds at once through its feedthrough
     gaps = np.abs(np.array(answer) - predicted)[1:].max(axis=0) / np.ptp(predicted, axis=0)
     for name, gap in zip(outputs, gaps):
         print(f"{name}: largest difference {gap:.1e} of the answer's range")

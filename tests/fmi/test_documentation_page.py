@@ -1,4 +1,4 @@
-"""The documentation page as a browser shows it."""
+"""The documentation page as shown by a browser."""
 
 import re
 from pathlib import Path
@@ -30,8 +30,8 @@ NAMES = """Object.fromEntries(['inputs', 'outputs', 'parameters'].map(id => {
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 @pytest.mark.parametrize("width", WIDTHS)
 def test_f150_page_shows_in_a_browser(browser, fmus, width, dark):
-    """F-150. Every shipped model's page in Chromium: no complaint, no request beyond the page, the drawing is visible and
-    whole, no text runs out of the window, and the page takes the reader's colour scheme.
+    """F-150. Every shipped model's page in Chromium: no console messages, no requests beyond the page, the drawing is visible and complete,
+    no text extends beyond the window, and the page follows the reader's colour scheme.
     """
     for model in MODELS:
         page = Path(fmus[model].folder) / "documentation/index.html"
@@ -49,7 +49,7 @@ def test_f150_page_shows_in_a_browser(browser, fmus, width, dark):
 
 
 def test_f151_page_names_every_variable(browser, fmus):
-    """F-151. The tables that the browser shows name every input, output and parameter of the description with its unit."""
+    """F-151. The tables shown by the browser list every input, output and parameter of the description with its unit."""
     for model in MODELS:
         fmu = fmus[model]
         browser.open(Path(fmu.folder) / "documentation/index.html")

@@ -1,4 +1,4 @@
-"""The scripts of `examples/` that users copy run as they stand."""
+"""The scripts of `examples/` run unchanged."""
 
 import csv
 import math
@@ -13,7 +13,7 @@ from conftest import ROOT
 def test_f40_ten_lines_of_python(wing):
     """F-40. The script of the README: released at 0.1 s, the wing latches 0.1222 s later, ± 0.5 % of the latch time.
 
-    The wing bends under gravity while it is held, so that the start differs a little from the reference's.
+    The wing bends under gravity while it is locked, so that the start differs slightly from the reference's.
     """
     command = [sys.executable, str(ROOT / "examples/fmpy_ten_lines.py"), wing.path]
     run = subprocess.run(command, capture_output=True, text=True, check=True)
@@ -22,7 +22,7 @@ def test_f40_ten_lines_of_python(wing):
 
 
 def test_f44_damp_latched_wing(foldwing, wing, tmp_path):
-    """F-44. The script of the state feedback prints what F-43 checks and draws its picture."""
+    """F-44. The script of the state feedback prints the values checked by F-43 and draws its picture."""
     picture = tmp_path / "damped.png"
     script = str(ROOT / "examples/damp_latched_wing.py")
     command = [sys.executable, script, "--foldwing", str(foldwing), "--fmu", wing.path, "--picture", str(picture)]
@@ -33,8 +33,8 @@ def test_f44_damp_latched_wing(foldwing, wing, tmp_path):
 
 
 def test_c44_two_body_model(foldwing, tmp_path):
-    """C-44. The two-body system as a model file: RMS(Z) over 0.01 … 5 s within 1e-5 of the converged 10.146183 m, which four linear
-    elements per body meet to 4e-6; Z of the free end within 5 mm of Exudyn's, whose beams shear (C-33).
+    """C-44. The two-body system as a model file: RMS(Z) over 0.01 … 5 s within 1e-5 of the converged 10.146183 m, to which four linear
+    elements per body agree within 4e-6; Z of the free end within 5 mm of Exudyn's, whose beams include shear (C-33).
     """
     table = tmp_path / "two_body.csv"
     command = [foldwing, "simulate", ROOT / "examples/two_body.toml", "--variables", "tip.position.z", "--csv", table]

@@ -14,7 +14,7 @@ TRIGGER_S = 0.08
 
 @pytest.fixture(scope="module")
 def failing(foldwing, tmp_path_factory):
-    """FMU of a model of `examples/failures` of either version and both kinds, with `change` of its text."""
+    """FMU of a model of `examples/failures` for either version and both interface types, with its text modified by `change`."""
     folder = tmp_path_factory.mktemp("failing")
 
     def make(model, fmi, change=lambda text: text, elements=4):
@@ -29,15 +29,15 @@ def failing(foldwing, tmp_path_factory):
 
 
 def only_by_input(text):
-    """The failure without its time."""
+    """The model text without the time of the failure."""
     return text.replace("at_time_s = 0.05", "# at_time_s = 0.05")
 
 
 @pytest.mark.parametrize("fmi", ["2", "3"])
 def test_f330_an_importer_triggers_a_failure(failing, fmi):
-    """F-330. The trigger at 0.08 s keeps the latch open that closes at 0.122 s without it.
+    """F-330. The trigger at 0.08 s keeps the latch open, which closes at 0.122 s without it.
 
-    In co-simulation: FMPy sets Boolean inputs of Model Exchange outside Event Mode too, where the standard forbids it.
+    Only in co-simulation: FMPy also sets Boolean inputs of Model Exchange outside Event Mode, where the standard forbids it.
     """
     fmu = failing("latch_no_capture", fmi, only_by_input)
     assert validate_fmu(fmu.path) == []

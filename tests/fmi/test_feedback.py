@@ -1,4 +1,4 @@
-"""A state feedback designed on `foldwing linearize` damps the wing inside the FMU: examples/damp_latched_wing.py."""
+"""A state feedback designed with `foldwing linearize` damps the wing inside the FMU: examples/damp_latched_wing.py."""
 
 import importlib.util
 
@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-PUSH_N, PUSH_S = 0.2, 0.1  # bends the tip by 2 cm: large enough beside the latch's own ringing, small enough to be linear
-START = {"fold.start_angle": 1e-5, "solver.tolerance": 1e-6}  # latches in the first millisecond, without a blow
+PUSH_N, PUSH_S = 0.2, 0.1  # bends the tip by 2 cm: large compared with the vibration of the latch, small enough to be linear
+START = {"fold.start_angle": 1e-5, "solver.tolerance": 1e-6}  # latches in the first millisecond, without an impact
 
 
 def push(time_s):
-    """Smooth force on the outer end in N, so that slow modes ring and fast ones hardly."""
+    """Smooth force on the outer end in N that excites slow modes, and fast ones hardly."""
     return PUSH_N * np.sin(np.pi * time_s / PUSH_S) ** 2 if time_s < PUSH_S else 0.0
 
 
@@ -26,21 +26,21 @@ def example():
 
 @pytest.fixture(scope="module")
 def linear(example, foldwing):
-    """A, B, C of the latched wing and its strain at rest."""
+    """A, B, C of the latched wing and its strain in equilibrium."""
     return example.linear_model(foldwing)
 
 
 @pytest.fixture
 def damper(example, linear):
-    """The feedback, its filter at rest."""
+    """The feedback, with its filter at zero."""
     a, b, c, rest = linear
     return example.Damper(*example.flap_modes(a, b, c), rest)
 
 
 def measured_poles(strain, period_s, order=12):
-    """Poles in 1/s of a free decay from its samples alone: matrix pencil (Hua and Sarkar 1990).
+    """Poles in 1/s of a free decay from its samples only: matrix pencil (Hua and Sarkar 1990).
 
-    Of every fourth sample, which keeps modes up to 125 Hz apart; the order leaves room for modes faster than the first.
+    Uses every fourth sample, which keeps modes up to 125 Hz distinct; the order allows for modes faster than the first.
     """
     samples = strain[::4]
     windows = np.lib.stride_tricks.sliding_window_view(samples, len(samples) // 2)
@@ -50,20 +50,21 @@ def measured_poles(strain, period_s, order=12):
 
 
 def nearest(poles, pole):
-    """The one of several poles that lies nearest to a given one."""
+    """The pole nearest to a given one."""
     return poles[np.argmin(np.abs(poles - pole))]
 
 
 def ringing(example, result, rest):
-    """Strain about equilibrium, after the push and while it is well above the latch's own vibration."""
+    """Strain about equilibrium, after the push and while it is well above the vibration of the latch."""
     first = round(PUSH_S / example.PERIOD_S) + 2
     return result[example.GAUGE][first : first + 800] - rest
 
 
 def test_f41_feedback_decays_as_designed(example, linear, damper, wing):
-    """F-41. First flap mode of the FMU, from its strain: pole left alone and damped within 1 % of the linear model's.
+    """F-41. First flap mode of the FMU, from its strain: the poles without feedback and with it are within 1 % of those of the linear
+    model.
 
-    1 % is room for the nonlinearity, of the square of a bend of 7 % of the length, and for the latch's own ringing.
+    1 % allows for the nonlinearity, of the order of the square of a deflection of 7 % of the length, and for the vibration of the latch.
     """
     a, b, c, rest = linear
     cases = {"left alone": (None, np.linalg.eigvals(a)), "state feedback": (damper, damper.poles(a, b, c))}
@@ -85,8 +86,8 @@ def test_f41_feedback_decays_as_designed(example, linear, damper, wing):
 
 
 def test_f42_linear_loop_foretells_the_strain(example, linear, damper, wing):
-    """F-42. The closed loop on all states of the linear model, sample by sample, gives the FMU's strain to 3 % of its
-    peak: three times the effect of the latch's vibration and the nonlinearity; no state of it grows."""
+    """F-42. The closed loop on all states of the linear model, sample by sample, gives the FMU's strain to 3 % of its peak: three times the
+    effect of the latch's vibration and the nonlinearity; none of its states grows."""
     a, b, c, rest = linear
     assert damper.poles(a, b, c).real.max() < -0.5
     result = example.ring(wing.path, damper, push, stop_s=1.0, **START)
@@ -103,9 +104,9 @@ def test_f42_linear_loop_foretells_the_strain(example, linear, damper, wing):
 
 
 def test_f43_feedback_stops_the_ringing_after_unfolding(example, linear, damper, wing):
-    """F-43. The shipped wing unfolds and latches: with the feedback the strain falls below 5 % of its peak at least four
-    times sooner, the feedback takes energy out, and the account closes as well as without it, to 1 % of the largest
-    kinetic energy, as F-18 allows at this tolerance."""
+    """F-43. The shipped wing unfolds and latches: with the feedback the strain falls below 5 % of its peak at least four times sooner, the
+    feedback removes energy, and the energy balance closes as without it, to 1 % of the largest kinetic energy, as in F-18 at this
+    tolerance."""
     rest = linear[3]
     runs = {"left alone": example.ring(wing.path), "state feedback": example.ring(wing.path, damper)}
     settling = {}
@@ -117,6 +118,6 @@ def test_f43_feedback_stops_the_ringing_after_unfolding(example, linear, damper,
         assert drift < 1e-2
     assert settling["left alone"] > 4.0 * settling["state feedback"]
     assert runs["state feedback"]["energy.work"][-1] < 0.0
-    # no input does work; the latch closes at the edge of its window, 1e-6 rad off its angle: ½ · 260 N·m/rad · 1e-12
+    # no input does work; the latch closes at the edge of its window, 1e-6 rad from its angle: ½ · 260 N·m/rad · 1e-12
     assert 0.0 <= runs["left alone"]["energy.work"][-1] < 1.31e-10
     assert np.abs(runs["state feedback"][example.ACTUATOR]).max() <= example.LARGEST_MOMENT_N_M

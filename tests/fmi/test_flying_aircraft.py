@@ -1,4 +1,4 @@
-"""Two FMUs on an aircraft in Python, examples/flying_aircraft.py: against the aircraft in one piece; momentum."""
+"""Two FMUs on an aircraft in Python, examples/flying_aircraft.py: against a single model of the aircraft; momentum."""
 
 import re
 import subprocess
@@ -20,24 +20,24 @@ STEPS_S = (5e-4, 2.5e-4)
 
 @pytest.fixture(scope="module")
 def whole(foldwing, tmp_path_factory):
-    """Motion of the aircraft in one piece."""
+    """Motion of the aircraft as a single model."""
     archive = tmp_path_factory.mktemp("whole") / "whole.fmu"
     return study.fly_whole(study.packaged(foldwing, study.WHOLE, archive), STOP_S)
 
 
 @pytest.fixture(scope="module")
 def weighed(foldwing, tmp_path_factory):
-    """FMU of the wing whose stations give its momentum."""
+    """FMU of the wing with stations from which its momentum is computed."""
     model = tmp_path_factory.mktemp("weighed") / "weighed.toml"
     model.write_text(study.weighed_model())
     return study.packaged(foldwing, model, model.with_suffix(".fmu"))
 
 
 def test_f80_loads_are_linear_in_the_accelerations_at_the_start(wing):
-    """F-80. One correction with the apparent mass settles the start: to round-off, 1e-10 of the load.
+    """F-80. One correction with the apparent mass solves the start: to round-off, 1e-10 of the load.
 
-    The apparent mass, from directional derivatives alone, is symmetric (to 1e-9 of its largest entry, with moments over
-    an arm of 0.15 m) and has no negative eigenvalue, as it must be for a passive wing.
+    The apparent mass, computed only from directional derivatives, is symmetric (to 1e-9 of its largest entry, with moments over an arm of
+    0.15 m) and has no negative eigenvalue, as it must be for a passive wing.
     """
     with opened(wing.path) as aircraft:
         print(f"F-80 missing after one correction: {aircraft.start_share:.1e} of the load")
@@ -52,10 +52,10 @@ def test_f80_loads_are_linear_in_the_accelerations_at_the_start(wing):
 
 
 def test_f81_agrees_with_the_aircraft_in_one_piece(wing, whole):
-    """F-81. Place, attitude and fold angles at 90 ms, after gust and second release, converge to those of one model.
+    """F-81. Position, attitude and fold angles at 90 ms, after gust and second release, converge to those of the single model.
 
-    Repeated steps: second order, 1.7 at least between the two finest; held accelerations: first order. 5e-6 m, 1e-5 rad
-    and 2e-5 rad at steps of 0.25 ms are two to six times what is measured, a hundredth of a millimetre of 1.1 m flown.
+    Repeated steps: second order, 1.7 at least between the two finest; held accelerations: first order. The bounds 5e-6 m, 1e-5 rad and 2e-5
+    rad at steps of 0.25 ms are two to six times the observed errors, and less than a hundredth of a millimetre for 1.1 m flown.
     """
     orders = {}
     for solver in ("held", "quasi-newton"):
@@ -73,8 +73,8 @@ def test_f81_agrees_with_the_aircraft_in_one_piece(wing, whole):
 
 @pytest.mark.long
 def test_f292_roots_aside_and_turned(wing, foldwing, tmp_path):
-    """F-292. Wings whose roots stand aside of the fuselage's origin, the right one turned: the lever arms in Python meet the
-    offsets in the model file. Bounds and order as in F-81; with the roots at the origin the runs part by more than 1e-4 m.
+    """F-292. Wings whose roots are offset from the fuselage's origin, the right one rotated: the lever arms in Python agree with the
+    offsets in the model file. Bounds and order as in F-81; with the roots at the origin the runs differ by more than 1e-4 m.
     """
     offsets_m, turned_deg = {"right": [0.03, 0.01, 0.02], "left": [-0.02, 0.0, 0.01]}, [5.0, 3.0, -7.0]
     text = study.WHOLE.read_text()
@@ -104,10 +104,10 @@ def test_f292_roots_aside_and_turned(wing, foldwing, tmp_path):
 
 @pytest.mark.long
 def test_f82_momentum_is_conserved_to_step_and_tolerance(weighed):
-    """F-82. In free fall momentum less weight and angular momentum about the centre of mass stay.
+    """F-82. In free fall the momentum minus that due to weight, and the angular momentum about the centre of mass, are constant.
 
-    What the step takes falls with its square: three times less at half the step, held accelerations only half as much.
-    What the tolerance takes is proportional to it: a hundredth of the tolerance leaves a twentieth at most.
+    The error of the step falls with its square: to a third at most for half the step, with held accelerations only to a half. The error of
+    the tolerance is proportional to it: a hundredth of the tolerance leaves a twentieth at most.
     """
     stop_s = 0.03
 
@@ -131,10 +131,10 @@ def test_f82_momentum_is_conserved_to_step_and_tolerance(weighed):
 
 
 def test_f83_centre_of_mass_follows_its_path(wing, weighed):
-    """F-83. The centre of mass, from the derivative of the wings' potential by gravity, falls on a parabola, pushed by
+    """F-83. The centre of mass, from the derivative of the wings' potential with respect to gravity, falls on a parabola, accelerated by
     the gust: to 3e-5 m, a few times the error of the coupling at this step.
 
-    It is the centre that 65 stations per wing weigh, to 1e-8 m: between nodes those are not exactly cubic.
+    It equals the centre computed from 65 stations per wing, to 1e-8 m: between nodes positions are not exactly cubic.
     """
     with opened(wing.path) as aircraft:
         off_m = study.off_path_m(fly(aircraft, STOP_S), aircraft.fuselage)
@@ -149,10 +149,10 @@ def test_f83_centre_of_mass_follows_its_path(wing, weighed):
 
 
 def test_f84_repetitions_leave_no_trace(wing, monkeypatch):
-    """F-84. A flight without saved states, with the inputs found by the iteration, gives the same bits.
+    """F-84. A flight without saved states, with the inputs found by the iteration, is bit-identical.
 
-    Every step of the first flight was tried several times with other accelerations, across the release of a joint. Had
-    a restored state kept anything of these, the outputs of the second flight would differ.
+    Every step of the first flight was tried several times with other accelerations, across the release of a joint. If a restored state
+    depended on these trials, the outputs of the second flight would differ.
     """
     references = [variable.valueReference for variable in wing.outputs if variable.type == "Real"]
 
@@ -160,14 +160,14 @@ def test_f84_repetitions_leave_no_trace(wing, monkeypatch):
         return [part.slave.getReal(references) for part in aircraft.wings]
 
     class Told(Aircraft):
-        """Takes the ends of steps from another flight."""
+        """A flight with the ends of steps from another flight."""
 
         def step_agreed(self, step_s):
             self.try_step(ends[self.steps_taken], step_s)
             self.motion, self.time_s = ends[self.steps_taken - 1], self.time_s + step_s
 
     class Telling(Aircraft):
-        """Writes the ends of its steps down."""
+        """A flight that records the ends of its steps."""
 
         def step_agreed(self, step_s):
             super().step_agreed(step_s)
@@ -192,8 +192,8 @@ def test_f84_repetitions_leave_no_trace(wing, monkeypatch):
 def test_f85_a_light_fuselage_needs_the_step_s_own_mass(wing):
     """F-85. Steps of each FMU per communication step of 0.1 ms, to a tolerance of 1e-8.
 
-    With a fuselage that outweighs the wings every solver arrives, quasi-Newton soonest; with one of 30 g, a quarter of
-    the wings, it alone does within 50.
+    With a fuselage heavier than the wings every solver converges, quasi-Newton fastest; with one of 30 g, a quarter of the wings' mass,
+    only quasi-Newton converges within 50.
     """
     heavy, light = (Fuselage(share * Fuselage().mass_kg, share * Fuselage().inertia_kg_m2) for share in (10.0, 0.1))
     found = {
@@ -208,9 +208,9 @@ def test_f85_a_light_fuselage_needs_the_step_s_own_mass(wing):
 
 
 def test_f86_script(wing, tmp_path):
-    """F-86. The script as it stands, at steps of 1 ms: latches as at fine ones, 98.7 and 148.4 ms, to the last digit.
+    """F-86. The unchanged script, at steps of 1 ms: latch times as with fine steps, 98.7 and 148.4 ms, to the last digit.
 
-    The step of a millisecond moves them by less, and the table has a row per communication point.
+    The effect of a step of a millisecond is smaller, and the table has a row per communication point.
     """
     table = tmp_path / "flight.csv"
     command = [

@@ -32,7 +32,7 @@ class Third:
 
 @pytest.fixture(scope="session")
 def third(foldwing, tmp_path_factory):
-    """FMUs of FMI 3.0 by the name of the model file, of both kinds where the model allows it."""
+    """FMUs of FMI 3.0 by the name of the model file, for both interface types if the model allows it."""
     folder = tmp_path_factory.mktemp("fmi3")
 
     def make(model, elements=4):
@@ -50,8 +50,8 @@ def third(foldwing, tmp_path_factory):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_f310_shipped_models_run_in_both_versions(model, third, fmus):
-    """F-310. Every shipped machine: FMPy finds nothing wrong with the FMU of FMI 3.0, the official schemas accept description and
-    terminals, and its co-simulation gives every output that of FMI 2.0 to the bit."""
+    """F-310. Every shipped machine: FMPy finds no problem in the FMU of FMI 3.0, the official schemas accept description and terminals, and
+    in co-simulation every output is bit-identical to that of FMI 2.0."""
     fmu, second = third(model), fmus[model]
     assert validate_fmu(fmu.path) == []
     with zipfile.ZipFile(fmu.path) as archive:
@@ -107,7 +107,7 @@ def axes(count):
 @pytest.mark.parametrize("model", CONTINUOUS)
 def test_f311_shipped_models_run_in_model_exchange(model, third):
     """F-311. Every shipped machine without a lattice in Model Exchange of FMI 3.0: FMPy integrates it with CVode at a tolerance of 1e-6;
-    angles and places of tips come to those of co-simulation to 1e-4 of their scale, as in FMI 2.0 and for as long (F-300)."""
+    angles and positions of tips agree with co-simulation to 1e-4 of their scale, with the method and duration of F-300."""
     fmu = third(model)
     points = 400 if WHOLE else 100
     stop_s = 5e-5 * points
@@ -126,7 +126,7 @@ def test_f311_shipped_models_run_in_model_exchange(model, third):
 
 @pytest.mark.parametrize("elements", [1, pytest.param(4, marks=whole)])
 def test_f312_the_wing_latches_as_in_co_simulation(third, elements):
-    """F-312. FMPy's CVode at a tolerance of 1e-9 finds the latch by the event indicator, 1e-6 s beside co-simulation at most."""
+    """F-312. FMPy's CVode at a tolerance of 1e-9 finds the latch by the event indicator, within 1e-6 s of co-simulation."""
     fmu = third("folding_wing", elements)
     arguments = {"stop_time": 0.13, "output_interval": 1e-4}
     names = ["fold.latch_time", "fold.latch_count", "fold.angle", "energy.total"]
@@ -144,8 +144,8 @@ def test_f312_the_wing_latches_as_in_co_simulation(third, elements):
 
 @pytest.mark.parametrize("interval_s", [0.001, 0.005, 0.02, 0.05])
 def test_f313_event_mode_ends_the_step_at_the_latch(interval_s, third):
-    """F-313. FMPy with Event Mode and early return: a point of the result lies at the latch time, whatever the communication step
-    is, and the latch closes there."""
+    """F-313. FMPy with Event Mode and early return: the result has a point at the latch time, whatever the communication step, and the
+    latch closes there."""
     fmu = third("folding_wing")
     names = ["fold.latch_time", "fold.latched"]
     result = fmu.simulate(
@@ -165,7 +165,7 @@ def test_f313_event_mode_ends_the_step_at_the_latch(interval_s, third):
 
 
 def test_f314_arrays_are_inputs_and_start_values(third, fmus):
-    """F-314. FMPy hands loads over as one array, over time and as start values, with the result of the scalars of FMI 2.0."""
+    """F-314. FMPy passes loads as one array, over time and as start values, with the same result as the scalars of FMI 2.0."""
     fmu, second = third("folding_wing"), fmus["folding_wing"]
     time = np.array([0.0, 0.05])
     force = np.zeros((2, 4, 3))
@@ -183,12 +183,12 @@ def test_f314_arrays_are_inputs_and_start_values(third, fmus):
     names = ["tip.position.x", "tip.position.y", "tip.position.z"]
     expected = second.simulate(input=scalars, start_values=starts, output=names, **arguments)
     for i, name in enumerate(names):
-        # FMPy sets the derivatives of inputs in FMI 2.0 only where it is told to: both hold them during a step
+        # FMPy sets the derivatives of inputs in FMI 2.0 only on request: both hold inputs during a step
         assert np.array_equal(found["tip.position"][:, i], expected[name])
 
 
 def test_f315_the_description_is_small(foldwing, tmp_path):
-    """F-315. With 100 load stations the description of FMI 3.0 has a tenth of the bytes of that of FMI 2.0, or less."""
+    """F-315. With 100 load stations the description of FMI 3.0 has at most a tenth of the bytes of that of FMI 2.0."""
     text = (ROOT / "examples/models/folding_wing.toml").read_text().replace("[body.outer]\n", "[body.outer]\nload_stations = 100\n")
     path = tmp_path / "many.toml"
     path.write_text(text)

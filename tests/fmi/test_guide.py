@@ -1,4 +1,4 @@
-"""The scripts that stand in the guide run as they are printed."""
+"""The scripts in the guide run as printed."""
 
 import re
 import shutil
@@ -34,8 +34,8 @@ def place(foldwing, tmp_path_factory):
 
 
 def test_f257_scripts_of_the_python_page_run(place):
-    """F-257. Each block alone: the run ends with a number, the linear model has the requested inputs and outputs."""
-    # blocks of the package are not for this environment
+    """F-257. Each block separately: the run prints a number, the linear model has the requested inputs and outputs."""
+    # blocks that use the Python package need another environment
     scripts = [script for script in blocks("python.md", "python") if "import foldwing" not in script]
     assert len(scripts) == 2
     printed = []

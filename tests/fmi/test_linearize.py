@@ -1,4 +1,4 @@
-"""The linear model that `foldwing linearize` writes for NumPy, as NumPy reads it."""
+"""The linear model written by `foldwing linearize` for NumPy, as read by NumPy."""
 
 import json
 import subprocess
@@ -12,8 +12,8 @@ from conftest import ROOT
 def test_f08_npz_holds_what_the_json_holds(foldwing, tmp_path, model):
     """F-08. `numpy.load` reads the archive without pickles: matrices, values, names and units are those of the JSON file.
 
-    Equality is exact: JSON carries the shortest digits that give the same bits. Inputs and outputs differ in number, so
-    that transposed matrices would be seen.
+    Equality is exact: JSON contains the shortest digits that give the same bits. Inputs and outputs differ in number, so that transposed
+    matrices would be noticed.
     """
     written = {}
     for extension in ("json", "npz"):

@@ -1,4 +1,4 @@
-"""`foldwing live`: a machine that moves by the wall clock and is touched, as a browser shows it."""
+"""`foldwing live`: a machine that is simulated in wall-clock time and handled by the user, as shown by a browser."""
 
 import json
 import math
@@ -15,12 +15,12 @@ from test_viewer import ON_PAGE, UNLABELLED, centre, mouse, press, settled
 WING = ROOT / "examples/models/folding_wing.toml"
 TUNNEL = ROOT / "examples/models/folding_wing_in_tunnel.toml"
 TURBINE = ROOT / "examples/turbine/nrel_5mw.toml"
-# rests within a second of simulated time; statics do not know it
+# settles within a second of simulated time; damping does not affect statics
 QUIET = [word for body in ("inner", "outer") for word in ("--set", f"body.{body}.mass_damping=20")]
 
 
 def awaited(browser, expression, what):
-    """Waits until an expression is true in the page."""
+    """Waits until an expression in the page is true."""
     stop = time.monotonic() + PATIENCE_S
     while not browser.value(f"Boolean({expression})"):
         assert time.monotonic() < stop, (what, browser.value("[get('pace').textContent, get('said').textContent, main.timeOf(main.last)]"))
@@ -28,7 +28,7 @@ def awaited(browser, expression, what):
 
 
 def opened(browser, address, **options):
-    """The page at an address, connected, with the machine as it starts."""
+    """Opens the page at an address, connected, with the machine at its start."""
     browser.open(address, **options)
     awaited(browser, "link.socket.readyState === WebSocket.OPEN && controls.length && !link.fresh", "no picture came")
 
@@ -45,7 +45,7 @@ def leave(browser):
 
 @pytest.mark.parametrize("dark, width", [(False, 1400), (True, 1400), (False, 390)])
 def test_page_connects_and_shows_the_machine_in_real_time(foldwing, browser, dark, width):
-    """The page finds its socket, complains about nothing, asks nobody else, and shows as much time as has passed."""
+    """The page finds its socket, has no console messages and no other requests, and shows as much time as has passed."""
     with live(foldwing, WING) as (address, process):
         opened(browser, address, width=width, dark=dark)
         assert browser.value("[get('name').textContent, get('play').textContent, get('pace').textContent]") == ["FoldingWing", "▶ run", "paused"]
@@ -67,8 +67,8 @@ def test_page_connects_and_shows_the_machine_in_real_time(foldwing, browser, dar
 
 
 def test_a_pull_of_known_force_is_a_static_load(foldwing, browser):
-    """The mouse pulls at the tip of the wing at rest; where it comes to rest is what `foldwing static` finds under the force of the spring.
-    The page has single precision: 1e-6 m of 0.3 m, and the deflection is some millimetres."""
+    """The mouse pulls the tip of the wing in equilibrium; the new equilibrium is that of `foldwing static` under the force of the spring.
+    The page has single precision: 1e-6 m of 0.3 m, and the deflection is a few millimetres."""
     with live(foldwing, WING, "--speed", "5", *QUIET) as (address, _):
         opened(browser, address)
         browser.value("get('stiffness').value = 10")
@@ -100,7 +100,7 @@ def test_a_pull_of_known_force_is_a_static_load(foldwing, browser):
 
 
 def test_a_body_without_load_input_says_so(foldwing, browser):
-    """The blades of the turbine have no stations: the page names the bodies that have."""
+    """The blades of the turbine have no stations: the page lists the bodies that have stations."""
     with live(foldwing, TURBINE) as (address, _):
         opened(browser, address)
         browser.value("setView('front')")
@@ -116,7 +116,7 @@ def test_a_body_without_load_input_says_so(foldwing, browser):
 
 
 def test_pause_step_and_roll_back(foldwing, browser):
-    """Time stands, goes on by single steps, and goes back by dragging the bar: the machine, its events and its plots with it."""
+    """Time is paused, continues in single steps, and goes back by dragging the bar, together with the machine, its events and plots."""
     with live(foldwing, WING, "--speed", "0.2") as (address, _):
         opened(browser, address)
         browser.value("get('play').click()")
@@ -130,7 +130,7 @@ def test_pause_step_and_roll_back(foldwing, browser):
         awaited(browser, f"main.timeOf(main.last) > {stands} + 1e-5", "no step")
         assert abs(present(browser) - stands - 5e-4) < 1e-7
         assert browser.value("about.events.length") == 1
-        # the bar: looked at while it is dragged, rolled back when it is let go
+        # the bar: previews while it is dragged, rolls back when it is released
         wanted = browser.value("main.positionAt(0.1)")
         browser.value(f"(() => {{ const bar = get('time'); bar.value = {round(wanted)}; bar.dispatchEvent(new Event('input')); }})()")
         settled(browser)
@@ -141,7 +141,7 @@ def test_pause_step_and_roll_back(foldwing, browser):
         assert browser.value("[about.events.length, main.times[main.times.length - 1] <= main.timeOf(main.last) + 1e-6, get('events').children.length]") \
             == [0, True, 0]
         assert angle > 5.0, "the wing is folded there"
-        # from there it latches again, at the same time
+        # from there the wing latches again, at the same time
         browser.value("get('play').click()")
         awaited(browser, "main.timeOf(main.last) > 0.15", "it does not go on")
         again = browser.value("about.events.map(event => [event.kind, event.t])")
@@ -153,7 +153,7 @@ def test_pause_step_and_roll_back(foldwing, browser):
 
 
 def test_sliders_and_buttons_move_the_machine(foldwing, browser):
-    """A slider sets its input in the shown unit, a button opens the latch, a value that is not allowed is refused in words."""
+    """A slider sets its input in the displayed unit, a button opens the latch, an invalid value is rejected with a message."""
     with live(foldwing, WING, "--speed", "2") as (address, _):
         opened(browser, address)
         press(browser, " ", "Space")
@@ -175,7 +175,7 @@ def test_sliders_and_buttons_move_the_machine(foldwing, browser):
 
 
 def test_the_end_of_the_process_is_told_to_the_page(foldwing, browser):
-    """Ctrl-C ends the process without an error; the page says so and keeps the run."""
+    """Ctrl-C ends the process without an error; the page reports this and keeps the run."""
     with live(foldwing, WING) as (address, process):
         opened(browser, address)
         press(browser, " ", "Space")
@@ -189,16 +189,15 @@ def test_the_end_of_the_process_is_told_to_the_page(foldwing, browser):
         leave(browser)
 
 
-# Machine, speed, and the share of the wall time that may be lost: nothing where `make validate` has the computer for itself. The lattice
-# wing takes 1.3 s of processor time per second (docs/BENCHMARKS.md): at a quarter of real time it has to keep up, at real time it has to
-# say that it cannot, if so.
+# Machine and speed relative to real time. In `make validate`, alone on the computer, no time may be lost. The lattice wing takes 1.3 s of
+# processor time per second (docs/BENCHMARKS.md): at a quarter of real time it must keep up, at real time it must report if it does not.
 PACED = [(WING, 1.0), (TURBINE, 1.0), (TUNNEL, 0.25), (TUNNEL, 1.0)]
 
 
 @pytest.mark.parametrize("model, speed", PACED, ids=lambda value: getattr(value, "stem", str(value)))
 def test_the_clock_does_not_fall_behind(foldwing, model, speed, record_property):
-    """A minute of live run: never ahead of the wall clock, and no time is lost. Five seconds in `make test`, beside other work: what is not
-    simulated is counted as lost."""
+    """A live run of one minute: never ahead of the wall clock, and no time is lost. Five seconds in `make test`, together with other work:
+    time not simulated is counted as lost."""
     span_s = 60.0 if WHOLE else 5.0
     with live(foldwing, model, "--speed", str(speed)) as (address, process):
         client = Client(address)
@@ -207,7 +206,7 @@ def test_the_clock_does_not_fall_behind(foldwing, model, speed, record_property)
         begun, factors = time.monotonic(), []
         while time.monotonic() - begun < span_s:
             header = client.picture()
-            # a header is older than the clock that is read after it
+            # a header is older than the clock reading after it
             assert header["time"] - first["time"] <= speed * (time.monotonic() - begun), "ahead of the clock"
             factors.append(header["factor"])
         passed = time.monotonic() - begun
@@ -217,9 +216,9 @@ def test_the_clock_does_not_fall_behind(foldwing, model, speed, record_property)
     record_property("figures", figures["text"])
     print(model.stem, speed, figures["text"], "smallest factor", min(filter(None, factors)))
     if not WHOLE or (model, speed) == (TUNNEL, 1.0):
-        # whatever this computer manages, the account is whole but for a delay that is still caught up, and a picture
+        # whatever the speed of this computer, the times add up, apart from a delay still to be caught up and the time of a picture
         assert abs(figures["simulated"] / speed + figures["lost"] - figures["ran"]) < 1.0, figures
-        # the note has milliseconds
+        # the note is rounded to milliseconds
         assert gone["lost"] <= figures["lost"] + 1e-3
         return
     assert figures["lost"] == 0.0, figures

@@ -1,6 +1,7 @@
 """The models of the documentation run in its pages: the engine as WebAssembly in Node, and the page in a browser.
 
-`make live-site` builds what is tested; it needs a compiler with the target wasm32-unknown-unknown, and lists the packages to install where there is none.
+`make live-site` builds what is tested; it needs a compiler with the target wasm32-unknown-unknown, and lists the packages to install if it
+is missing.
 """
 
 import base64
@@ -23,7 +24,7 @@ GALLERY = json.loads((ROOT / "crates/web/page/gallery.json").read_text(encoding=
 
 @pytest.fixture(scope="module")
 def live():
-    """The folder that `make live-site` has written."""
+    """The folder written by `make live-site`."""
     if not (LIVE / "engine.js").exists():
         pytest.skip("the engine is not compiled for pages: `make live-site` compiles it, or lists the packages to install")
     return LIVE
@@ -31,7 +32,7 @@ def live():
 
 @pytest.fixture(scope="module")
 def engine(live):
-    """What the engine has found in Node, without a browser."""
+    """Results of the engine in Node, without a browser."""
     node = shutil.which("node")
     if node is None:
         pytest.skip("node is not installed (Debian: nodejs): it runs the module without a browser")
@@ -41,7 +42,7 @@ def engine(live):
 
 
 def test_lw01_engine_is_small_and_whole(live):
-    """Below 2 MB compressed; what pages from the disk load is the module itself."""
+    """Below 2 MB compressed; pages opened from disk load the module itself."""
     packed = re.fullmatch(r'const ENGINE = "([A-Za-z0-9+/=]+)";\n', (live / "engine.js").read_text(encoding="ascii"))[1]
     packed = base64.b64decode(packed)
     module = (live / "foldwing.wasm").read_bytes()
@@ -50,7 +51,7 @@ def test_lw01_engine_is_small_and_whole(live):
 
 
 def test_lw02_every_model_of_the_gallery_runs(engine):
-    """At least 20, to their stop times, each with a picture."""
+    """At least 20 models, simulated to their stop times, each with a picture."""
     assert len(GALLERY) >= 20 and set(engine["models"]) == {row["name"] for row in GALLERY}
     for name, found in engine["models"].items():
         assert found["state"] == 1 and found["summary"]["failure"] is None, (name, found["summary"])
@@ -58,8 +59,8 @@ def test_lw02_every_model_of_the_gallery_runs(engine):
 
 
 def test_lw03_latch_times_are_those_of_the_command(engine, foldwing):
-    """To 1e-12 s, which is the round-off of functions such as the sine that the two systems have from different libraries, and in as many
-    steps: the same program ran.
+    """Latch times agree to 1e-12 s, the round-off of functions such as the sine from different libraries, with the same number of steps: it
+    is the same program.
     """
     compared = 0
     for row in GALLERY:
@@ -80,7 +81,7 @@ def test_lw03_latch_times_are_those_of_the_command(engine, foldwing):
 
 
 def test_lw04_a_refusal_has_line_column_and_cure(engine):
-    """A misspelt key comes back with its place and the key that is meant."""
+    """A misspelt key is reported with its position and the intended key."""
     assert engine["refused"] == 1
     text = (ROOT / GALLERY[0]["model"]).read_text(encoding="utf-8").replace("length_m", "lenght_m", 1)
     at = text.index("lenght_m")
@@ -99,13 +100,13 @@ def shown(browser, wanted="page.shown && page.shown.done && page.shown.id === pa
 
 
 def type_at(browser, place, text):
-    """Types a text in place of what stands between two places of the model file."""
+    """Replaces the text between two positions of the model file."""
     browser.value(f"editor.focus(), editor.dispatch({{ selection: {{ anchor: {place[0]}, head: {place[1]} }} }}), 0")
     browser.call("Input.insertText", text=text)
 
 
 def test_lw05_typing_changes_the_picture(live, browser):
-    """From the disk: the run of the new text takes the place of the one before; the view and the plots that the reader has chosen stay."""
+    """Opened from disk: the run of the new text replaces the previous one; the view and the plots selected by the reader are kept."""
     browser.open(live / "index.html")
     browser.value("location.hash = '#folding_wing', 0")
     first = shown(browser)
@@ -126,7 +127,8 @@ def test_lw05_typing_changes_the_picture(live, browser):
 
 
 def test_lw06_an_error_is_shown_in_its_line(live, browser):
-    """The line is marked and the reason stands below with the cure, while the last good picture stays; putting it right goes on."""
+    """The line is marked and the cause is shown below it with the remedy, while the last valid picture remains; after a correction the page
+    continues."""
     browser.open(live / "index.html")
     browser.value("location.hash = '#three_bodies', 0")
     first = shown(browser, "page.shown && page.shown.done && page.model === 'three_bodies' && page.shown.id === page.latest")
@@ -150,7 +152,7 @@ def test_lw06_an_error_is_shown_in_its_line(live, browser):
 
 
 def test_lw08_editor_has_its_notice():
-    """Names, versions and licence stand beside the bundle and in it; the tool that renews it has the same versions."""
+    """Names, versions and licence are in the bundle and next to it; the tool that updates it has the same versions."""
     folder = ROOT / "crates/web/page/vendor"
     notice = (folder / "codemirror.LICENSE.txt").read_text(encoding="utf-8").strip()
     bundle, tool = (folder / "codemirror.js").read_text(encoding="utf-8"), (ROOT / "tools/vendor_editor.py").read_text(encoding="utf-8")
@@ -163,7 +165,7 @@ def test_lw08_editor_has_its_notice():
 
 
 def test_lw07_without_the_target_it_is_said_what_to_install(tmp_path):
-    """A compiler that lacks the target, whatever this machine has."""
+    """A compiler without the target, whatever is installed on this computer."""
     fake = tmp_path / "rustc"
     fake.write_text("#!/bin/sh\necho /nowhere\n")
     fake.chmod(0o755)

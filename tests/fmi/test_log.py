@@ -18,7 +18,7 @@ ENVIRONMENT = 0x1234  # passed on unchanged, never read
 
 
 def recording_callbacks():
-    """Callbacks that keep every message as it arrives, before any formatting."""
+    """Callbacks that store every message as it arrives, before any formatting."""
     messages = []
 
     def log(environment, name, status, category, message):
@@ -33,9 +33,9 @@ def recording_callbacks():
 
 
 def test_f30_percent_signs_are_doubled(wing):
-    """F-30. A message that quotes text with printf directives doubles each percent sign, so that printf gives it back.
+    """F-30. In a message that quotes text with printf directives each percent sign is doubled, so that printf restores it.
 
-    Undoubled, `%s%n` would read and write through arguments that do not exist.
+    Without doubling, `%s%n` would read and write arguments that do not exist.
     """
     callbacks, messages = recording_callbacks()
     with instance(wing, callbacks=callbacks) as fmu:
@@ -49,9 +49,9 @@ def test_f30_percent_signs_are_doubled(wing):
 
 
 def test_f31_messages_name_their_instance_and_a_declared_category(wing):
-    """F-31. Messages carry the instance's name, a declared category and the importer's own environment pointer.
+    """F-31. Messages contain the instance's name, a declared category and the importer's environment pointer.
 
-    The event names its joint, what happened and when.
+    The message of the event gives the joint, the event and the time.
     """
     callbacks, messages = recording_callbacks()
     declared = set(re.findall(r'<Category name="(\w+)"', Path(wing.folder, "modelDescription.xml").read_text()))
@@ -69,7 +69,7 @@ def test_f31_messages_name_their_instance_and_a_declared_category(wing):
 
 
 def test_f32_nothing_is_logged_when_nothing_happens(wing):
-    """F-32. With logging off an ordinary run passes no message on."""
+    """F-32. With logging off an ordinary run sends no messages."""
     callbacks, messages = recording_callbacks()
     with instance(wing, callbacks=callbacks) as fmu:
         fmu.initialize().advance(130, 1e-3)

@@ -1,4 +1,4 @@
-"""Pages and VTK files of mode shapes: what a browser shows against the numbers of the command."""
+"""Pages and VTK files of mode shapes: values shown by a browser against those of the command."""
 
 import base64
 import cmath
@@ -17,13 +17,13 @@ WING = ROOT / "examples/models/folding_wing.toml"
 GOLAND = ROOT / "examples/models/goland_wing.toml"
 TURBINE = ROOT / "examples/turbine/nrel_5mw.toml"
 FLUTTERS = ["--set", "wind.velocity.y=-140"]
-# Phases of a cycle in the page and in the VTK files.
+# Number of phases of a cycle in the page and in the VTK files.
 PHASES, CYCLE = 48, 24
 
 
 @pytest.fixture(scope="module")
 def pages(foldwing, tmp_path_factory):
-    """Pages of modes about an equilibrium, in air beyond flutter, over the wind speed, and about a periodic motion."""
+    """Pages of modes about an equilibrium, with aerodynamics beyond flutter, over the wind speed, and about a periodic motion."""
     folder = tmp_path_factory.mktemp("modes")
     for name, arguments in {
         "wing": ["modes", WING],
@@ -37,12 +37,12 @@ def pages(foldwing, tmp_path_factory):
 
 
 def numbers_of(pages, name):
-    """What the command prints of the same modes."""
+    """Output of the command for the same modes."""
     return json.loads((pages / f"{name}.json").read_text())
 
 
 def opened(browser, pages, name, *size, **more):
-    """A page, held at its first frame."""
+    """Opens a page, paused at its first frame."""
     browser.open(pages / f"{name}.html", *size, **more)
     browser.value("(play(false), seek(0), true)")
     settled(browser)
@@ -54,14 +54,14 @@ def set_value(browser, name, value):
     settled(browser)
 
 
-# Axis of every section of a body in all frames, less that of the state.
+# Axis of every section of a body in all frames, minus that of the state.
 MOVED = """(body => Array.from({ length: main.count }, (_, k) => about.bodies[body].rims.map((_, i) =>
   plus(main.section(body, i, k).at, still.section(body, i, stateOfModes().frame + (stateOfModes().period === null ? 0 : k % stateOfModes().frames)).at, -1))))"""
 
 
 def test_f350_pages_of_modes_open_without_complaint(browser, pages):
-    """F-350. The four pages, light and dark, at 1280 and 390 pixels: they play, no complaint, no request beyond the page, a drawing with
-    the colours of the amplitude, labels on all controls, nothing wider than the window.
+    """F-350. The four pages, light and dark, at 1280 and 390 pixels: they play, without console messages or requests beyond the page; the
+    drawing has the colours of the amplitude, all controls have labels, nothing is wider than the window.
     """
     for name in ("wing", "grows", "flutter", "turbine"):
         page = pages / f"{name}.html"
@@ -114,9 +114,9 @@ def test_f351_the_list_has_the_numbers_of_the_command(browser, pages):
 
 
 def test_f352_the_drawn_motion_is_the_mode(browser, pages):
-    """F-352. Goland's wing beyond its flutter speed: the first harmonic of the drawn axis, at an amplitude of 5 %, is the shape that
-    the command prints with its phases, up to one complex factor: 1e-4 of its size in displacements along the beam, where the second order of
-    the rotation is 2e-4. At amplitude 1 the drawn points reach the displacement that the page states.
+    """F-352. Goland's wing beyond its flutter speed: the first harmonic of the drawn axis, at an amplitude of 5 %, is the shape printed by
+    the command with its phases, up to one complex factor: 1e-4 of its magnitude in displacements along the beam, where the second-order
+    term of the rotation is 2e-4. At amplitude 1 the drawn points reach the displacement given by the page.
     """
     opened(browser, pages, "grows")
     data = numbers_of(pages, "grows")
@@ -135,7 +135,7 @@ def test_f352_the_drawn_motion_is_the_mode(browser, pages):
             for axis in range(3):
                 harmonic = sum(moved[k][i][axis] * cmath.exp(-2j * math.pi * k / PHASES) for k in range(PHASES)) * 2 / PHASES
                 pairs.append((harmonic, shape[axis]))
-        # Re(z e^{iθ}) has the harmonic z
+        # Re(z e^{iθ}) has the first harmonic z
         factor = sum(found * shape.conjugate() for found, shape in pairs) / sum(abs(shape) ** 2 for _, shape in pairs)
         off = math.sqrt(sum(abs(found - factor * shape) ** 2 for found, shape in pairs) / sum(abs(found) ** 2 for found, _ in pairs))
         print(f"F-352 mode {index + 1}: off by {off:.1e}")
@@ -154,14 +154,15 @@ def test_f352_the_drawn_motion_is_the_mode(browser, pages):
           });
           return most;
         })()""")
-        # three digits are shown; a turn of 20 degrees shortens its chord by 2 %
+        # three digits are shown; a rotation of 20 degrees shortens the chord of its arc by 2 %
         assert reach == pytest.approx(stated, rel=0.03), text
         assert number(text.split("(")[1]) <= 10.01, text
     assert browser.complaints() == []
 
 
 def test_f353_decay_follows_the_eigenvalue(browser, pages):
-    """F-353. Held amplitudes are the same after a cycle; with decay they follow the real part of the eigenvalue, for a growing mode too."""
+    """F-353. Without decay amplitudes are the same after a cycle; with decay they follow the real part of the eigenvalue, also for a
+    growing mode."""
     for name, index in (("wing", 0), ("grows", 1)):
         opened(browser, pages, name)
         browser.value(f"(setMode({index}), true)")
@@ -174,13 +175,13 @@ def test_f353_decay_follows_the_eigenvalue(browser, pages):
         moved = browser.value(f"{MOVED}(0)")
         assert len(moved) > PHASES + 1 and browser.value("get('decay').checked")
         first, second = moved[0][-1][2], moved[PHASES][-1][2]
-        # second order of the rotation
+        # second-order term of the rotation
         assert second / first == pytest.approx(math.exp(2 * math.pi * re_1_s / im_1_s), rel=2e-3), name
         assert (abs(moved[-1][-1][2]) > abs(moved[0][-1][2])) == (re_1_s > 0)
 
 
 def test_f354_flutter_page_goes_over_the_speeds(browser, pages):
-    """F-354. The page opens at flutter with the mode that begins to grow; slider, page keys and a click into the plots set the wind speed;
+    """F-354. The page opens at flutter with the mode that begins to grow; slider, page keys and a click in the plots set the wind speed;
     the state is the equilibrium at that speed and the numbers are those of the sweep.
     """
     opened(browser, pages, "flutter")
@@ -214,15 +215,15 @@ def test_f354_flutter_page_goes_over_the_speeds(browser, pages):
 
 
 def test_f355_floquet_modes_have_their_multipliers(browser, pages):
-    """F-355. The turbine: at the same azimuth of successive turns the drawn end of a blade follows `x₂ − 2 Re μ x₁ + |μ|² x₀ = 0` with the
-    multiplier of the command, at an amplitude of 0.5 % and with decay.
+    """F-355. The turbine: at the same azimuth of successive revolutions the drawn end of a blade satisfies `x₂ − 2 Re μ x₁ + |μ|² x₀ = 0`
+    with the multiplier of the command, at an amplitude of 0.5 % and with decay.
     """
     opened(browser, pages, "turbine")
     modes = numbers_of(pages, "turbine")["floquet"]["modes"]
     blade = browser.value("about.bodies.findIndex(body => body.name === 'blade1')")
     assert blade >= 0
     for index, mode in enumerate(modes):
-        # finer than the slider
+        # finer than the steps of the slider
         browser.value(f"(setMode({index}), chosen.amplitude = 0.005, refill(false), true)")
         settled(browser)
         if index == 0:
@@ -239,7 +240,7 @@ def test_f355_floquet_modes_have_their_multipliers(browser, pages):
                 size = max(size, abs(x[0][axis]))
                 worst = max(worst, abs(x[2][axis] - 2 * mu.real * x[1][axis] + abs(mu) ** 2 * x[0][axis]))
         print(f"F-355 mode {index + 1}: {worst / size:.1e}")
-        # the second order of the rotations, of 1e-3 rad at this amplitude; single precision of places at 100 m over 0.1 m
+        # second-order terms of the rotations, of 1e-3 rad at this amplitude; single precision of positions at 100 m relative to 0.1 m
         assert worst / size < 5e-3, (index, worst, size)
     assert browser.complaints() == []
 
@@ -256,7 +257,7 @@ def points_of(path):
 def test_f356_vtk_files_are_the_page(foldwing, browser, pages, tmp_path):
     """F-356. A cycle of each mode as VTK files: the points of the bodies are those of the page at the same phases, to single precision.
 
-    Displacements are from the state: the largest of a cycle is that which the page states.
+    Displacements are relative to the state: the largest of a cycle is the one given by the page.
     """
     subprocess.run([foldwing, "modes", GOLAND, *FLUTTERS, "--count", "4", "--vtk", tmp_path], check=True, capture_output=True)
     assert sorted(path.name for path in tmp_path.iterdir()) == [f"mode_{i}" for i in range(1, 5)]

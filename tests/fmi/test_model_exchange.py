@@ -17,7 +17,7 @@ TOLERANCE = 1e-9
 
 @pytest.fixture(scope="session")
 def exchanged(foldwing, tmp_path_factory):
-    """FMUs of both kinds, by the name of the model file."""
+    """FMUs of both interface types, by the name of the model file."""
     folder = tmp_path_factory.mktemp("exchanged")
 
     def make(model, elements=4):
@@ -35,16 +35,16 @@ def exchanged(foldwing, tmp_path_factory):
 
 
 def with_elements(text, elements):
-    """A model text with another number of elements per body than the shipped four: the time that CVode takes for a machine grows
-    with their cube and more, while latches and failures are events of the hinge, whatever bends beside it."""
+    """A model text with another number of elements per body than the shipped four: the time of CVode grows at least with the cube of this
+    number, while latches and failures are events of the hinge and hardly depend on the mesh."""
     return text if elements == 4 else text.replace("elements = 4", f"elements = {elements}")
 
 
 @pytest.mark.parametrize("model", FREE_OF_AIR)
 def test_f300_shipped_models_run_in_model_exchange(model, exchanged):
-    """F-300. Every shipped machine without air: FMPy finds nothing wrong with the FMU and integrates it with CVode at a tolerance
-    of 1e-6 (FMPy allows it 500 steps per output, so these are 50 µs apart); angles and places of tips come to those of co-simulation to 1e-4 of their scale.
-    The first 5 ms, whole 20 ms."""
+    """F-300. Every shipped machine without aerodynamics: FMPy finds no problem in the FMU and integrates it with CVode at a tolerance of
+    1e-6 (FMPy allows 500 steps per output, so outputs are 50 µs apart); angles and positions of tips agree with co-simulation to 1e-4 of
+    their scale. The first 5 ms, in full studies 20 ms."""
     fmu = exchanged(model)
     assert validate_fmu(fmu.path) == []
     assert fmu.description.modelExchange is not None
@@ -64,8 +64,8 @@ def test_f300_shipped_models_run_in_model_exchange(model, exchanged):
 
 @pytest.mark.parametrize("elements", [1, pytest.param(4, marks=whole)])
 def test_f301_the_wing_latches_as_in_co_simulation(exchanged, elements):
-    """F-301. FMPy's CVode at a tolerance of 1e-9 finds the latch by the event indicator, 1e-6 s beside co-simulation at the same
-    tolerance at most, and strains and energies after it agree to 1e-6."""
+    """F-301. FMPy's CVode at a tolerance of 1e-9 finds the latch by the event indicator, within 1e-6 s of co-simulation at the same
+    tolerance, and strains and energies after it agree to 1e-6."""
     fmu = exchanged("folding_wing", elements)
     arguments = {"stop_time": 0.13, "output_interval": 1e-4}
     found = fmu.simulate(fmi_type="ModelExchange", relative_tolerance=TOLERANCE, **arguments)
@@ -86,9 +86,9 @@ def test_f301_the_wing_latches_as_in_co_simulation(exchanged, elements):
 
 @pytest.mark.parametrize("model", sorted(STRIPS))
 def test_f332_strips_are_part_of_the_equations(model, exchanged):
-    """F-332. Machines with strip theory: FMPy finds no problem in the FMU and integrates it with CVode at 1e-6; tips and angles
-    come to those of co-simulation, whose aerodynamic steps are of second order, within 1 % of what they move. The engine's own
-    comparison with steps that shrink is HY-02."""
+    """F-332. Machines with strip theory: FMPy finds no problem in the FMU and integrates it with CVode at 1e-6; tips and angles agree with
+    co-simulation, whose aerodynamic steps are of second order, within 1 % of their motion. HY-02 is the comparison with refined steps in
+    the engine."""
     fmu = exchanged(model)
     assert validate_fmu(fmu.path) == []
     lags = [variable for variable in fmu.description.modelVariables if ".lag[" in variable.name and variable.name.startswith("state.")]
@@ -102,13 +102,13 @@ def test_f332_strips_are_part_of_the_equations(model, exchanged):
         moved = np.ptp(expected[name])
         difference = np.abs(found[name] - expected[name]).max()
         print(f"{model} {name}: {difference:.1e} of {moved:.1e}")
-        # CVode leaves 1e-7 m of what stands still
+        # CVode has an error of 1e-7 m for motionless points
         assert difference < 0.01 * moved + 1e-7, name
 
 
 @pytest.mark.parametrize("model", sorted(SAMPLED))
 def test_f302_sampled_air_is_refused_by_name(model, foldwing, tmp_path):
-    """F-302. A lattice has its own fixed steps: no Model Exchange, and the message has the remedy."""
+    """F-302. A lattice has fixed aerodynamic steps: no Model Exchange, and the message gives the remedy."""
     path = ROOT / "examples/models" / f"{model}.toml"
     command = [foldwing, "package", path, "-o", tmp_path / "x.fmu", "--interface", "cs,me", "--no-reference"]
     outcome = subprocess.run(command, capture_output=True, text=True)

@@ -1,4 +1,4 @@
-"""An outside partner: a strip code in Python as FMPy master, with and without iteration on saved FMU states."""
+"""An external partner: a strip code in Python as FMPy master, with and without iteration on saved FMU states."""
 
 import subprocess
 import sys
@@ -16,21 +16,21 @@ WIND_M_S = np.array([0.0, -10.0, 0.0])
 
 
 def air(widths_m):
-    """Ten metres per second along the chord."""
+    """Strips in a wind of ten metres per second along the chord."""
     return QuasiSteadyStrips(widths_m, WIND_M_S)
 
 
 def one_section(angle_rad=0.0, spin_rad_s=0.0, velocity_m_s=(0.0, 0.0, 0.0)):
-    """A station, nose up by an angle about its span x."""
+    """A station rotated nose-up by an angle about its span axis x."""
     sine, cosine = np.sin(angle_rad), np.cos(angle_rad)
     turned = np.array([[[1.0, 0.0, 0.0], [0.0, cosine, -sine], [0.0, sine, cosine]]])
     return Motion(np.zeros((1, 3)), np.array([velocity_m_s]), np.array([[spin_rad_s, 0.0, 0.0]]), turned)
 
 
 def test_f50_strip_code_is_thin_aerofoil_theory():
-    """F-50. Lift `2π α`, at the quarter chord; a pitch rate adds `c/4` times its downwash and a moment of curvature.
+    """F-50. Lift `2π α` at the quarter chord; a pitch rate adds `c/4` times the rate to the downwash, and a moment due to flow curvature.
 
-    To the third power of the angle, 1e-9.
+    Tolerance: terms of third order in the angle, 1e-9.
     """
     strip = QuasiSteadyStrips(np.array([2.0]), WIND_M_S, 0.5, -0.5, density_kg_m3=1.5)
     pressure_n = 0.5 * 1.5 * 100.0 * 2.0  # chord 1 m, width 2 m
@@ -48,13 +48,13 @@ def test_f50_strip_code_is_thin_aerofoil_theory():
 
 
 def test_f51_loads_reach_the_stations_and_come_back():
-    """F-51. Forces and moments keep their rows on the way through a flat list."""
+    """F-51. Forces and moments keep their rows when converted to a flat list and back."""
     loads = Loads(np.arange(6.0).reshape(2, 3), 10 + np.arange(6.0).reshape(2, 3))
     assert np.array_equal(Loads.from_flat(loads.flat()).moment_n_m, loads.moment_n_m)
 
 
 def test_f52_no_air_no_difference(wing):
-    """F-52. With air of no density both couplings give the deployment in still air: loads that stay zero restart nothing."""
+    """F-52. With zero air density both couplings give the deployment in still air: loads that stay zero cause no restarts."""
     def none(widths_m):
         return QuasiSteadyStrips(widths_m, WIND_M_S, density_kg_m3=0.0)
 
@@ -65,11 +65,11 @@ def test_f52_no_air_no_difference(wing):
 
 
 def test_f53_both_couplings_converge_to_the_same_motion(wing):
-    """F-53. Held loads converge with the first power of the step; iterated ones are there at once.
+    """F-53. The error of held loads is of first order in the step; iterated loads are accurate at once.
 
-    Fold angle at 60 ms, in a wind of 10 m/s, before the latch. The limit is extrapolated from held loads. The start,
-    which contains more than 1 kHz, leaves some 1e-4 rad that no step of a millisecond resolves: iterated loads at the
-    coarsest step must be twenty times closer than held ones, and no nearer is asked.
+    Fold angle at 60 ms, in a wind of 10 m/s, before the latch. The limit is extrapolated from held loads. The start, which contains more
+    than 1 kHz, causes about 1e-4 rad that steps of a millisecond do not resolve: iterated loads at the coarsest step must be twenty times
+    closer than held ones, and no closer.
     """
     def angles(iterations, steps_s):
         runs = [couple(wing.path, air, 0.06, step_s, iterations, solver_tolerance=1e-8) for step_s in steps_s]
@@ -84,9 +84,9 @@ def test_f53_both_couplings_converge_to_the_same_motion(wing):
 
 
 def test_f54_wind_delays_the_latch(wing):
-    """F-54. The air takes energy from the unfolding wing: it latches later than in still air, at 10 m/s and iterated.
+    """F-54. The air removes energy from the unfolding wing: it latches later than in still air, at 10 m/s and iterated.
 
-    The steps take a few repetitions each: the wing is not light enough for the air to make the iteration fail.
+    Each step takes a few repetitions: the wing is not light enough for the iteration to fail because of the added mass.
     """
     result = couple(wing.path, air, stop_s=0.3, step_s=1e-3, iterations=30)
     latch_s = result["fold.latch_time"][-1]
@@ -97,10 +97,10 @@ def test_f54_wind_delays_the_latch(wing):
 
 
 def test_f55_inside_strips_give_the_same_answer(foldwing, tmp_path):
-    """F-55. The inside strip model, quasi-steady and without apparent mass and suction, is the outside partner's theory.
+    """F-55. The internal strip model, quasi-steady and without apparent mass and suction, is the theory of the external partner.
 
-    Inside, a strip moves with the mean of its edges, outside with the station in its middle: a difference of second order
-    in the strip's width, which must fall by about four from four to eight strips per body. Fold angle at 60 ms, 10 m/s.
+    Internally a strip moves with the mean of its edges, externally with the station in its middle: a difference of second order in the
+    strip's width, which must fall by a factor of about four from four to eight strips per body. Fold angle at 60 ms, 10 m/s.
     """
     differences = []
     for strips in (4, 8):
@@ -119,7 +119,7 @@ def test_f55_inside_strips_give_the_same_answer(foldwing, tmp_path):
         effect = abs(with_air - without["fold.angle"][-1])
         differences.append(abs(outside - with_air) / effect)
         print(f"{strips} strips: outside {outside:.6f}, inside {with_air:.6f} rad; effect of the air {effect:.4f} rad")
-    # the aerodynamic step leaves a second-order rest of its own on both sides
+    # both aerodynamic steps also have second-order errors
     assert differences[0] < 0.05 and differences[1] < 0.4 * differences[0], differences
 
 

@@ -1,4 +1,4 @@
-"""Figures and VTK files of a run, held against its CSV."""
+"""Figures and VTK files of a run, compared with its CSV."""
 
 import csv
 import json
@@ -36,22 +36,22 @@ def still_air(foldwing, tmp_path_factory):
 
 
 def polylines(path):
-    """Points of the curves of a figure, those of one point and the legend's excepted, in tenths of a user unit."""
+    """Points of the curves of a figure, except curves of a single point and the legend, in tenths of a user unit."""
     lines = etree.parse(path).getroot().iter(f"{SVG}polyline")
     found = [np.array([[float(c) for c in point.split(",")] for point in line.get("points").split()]) for line in lines]
     return [line for line in found if len(line) > 2]
 
 
 def misfit(values, pixels):
-    """Largest distance of pixels from the straight line that takes values to them best."""
+    """Largest distance of pixels from the best straight line from values to pixels."""
     matrix = np.column_stack([values, np.ones_like(values)])
     return np.abs(matrix @ np.linalg.lstsq(matrix, pixels, rcond=None)[0] - pixels).max()
 
 
 def test_f180_figures_show_the_columns(still_air):
-    """F-180. Every point of the curves of fold angle, strain and energies lies where the CSV has it.
+    """F-180. Every point of the curves of fold angle, strain and energies is at the value in the CSV.
 
-    A picture has whole tenths of a user unit, so the straight line from values to places fits within one of them.
+    Coordinates in a picture are whole tenths of a user unit, so the straight line from values to positions fits within one tenth.
     """
     folder, columns = still_air
     time = columns["time"]
@@ -70,7 +70,7 @@ def test_f180_figures_show_the_columns(still_air):
 
 
 def test_f181_figures_say_what_they_show(still_air):
-    """F-181. All eight figures are there with unit at both axes and names; the latch instant is the CSV's."""
+    """F-181. All eight figures exist, with units on both axes and names; the latch instant is that of the CSV."""
     folder, columns = still_air
     assert {path.stem for path in (folder / "plots").glob("*.svg")} == FIGURES
     latch_s = columns["fold.latch_time"][-1]
@@ -81,7 +81,7 @@ def test_f181_figures_say_what_they_show(still_air):
 
 
 def test_f182_pixels_show_the_same(still_air):
-    """F-182. Each PNG has two pixels per user unit of its SVG and shows its curves' colours where the SVG has their points."""
+    """F-182. Each PNG has two pixels per user unit of its SVG and shows its curves' colours at the points of the SVG."""
     folder, _ = still_air
     for stem in FIGURES:
         root = etree.parse(folder / f"plots/{stem}.svg").getroot()
@@ -92,12 +92,12 @@ def test_f182_pixels_show_the_same(still_air):
         colour = np.array([int(line.get("stroke")[i:i + 2], 16) for i in (1, 3, 5)])
         points = [[float(c) / 5 for c in point.split(",")] for point in line.get("points").split()]
         near = [np.abs(pixels[max(0, int(y) - 2):int(y) + 3, max(0, int(x) - 2):int(x) + 3] - colour).sum(axis=2).min() for x, y in points]
-        # the last curve lies on top of all; its edge is mixed with the paper
+        # the last curve is drawn on top; its edge is blended with the background
         assert np.mean(np.array(near) < 60) > 0.98, stem
 
 
 def test_f183_chosen_outputs_are_drawn_by_unit(foldwing, tmp_path):
-    """F-183. Variables of `--variables` share a figure if they share a unit; figures alone need no CSV and are the same twice."""
+    """F-183. Variables of `--variables` with the same unit share a figure; figures without CSV are possible and reproducible."""
     names = ["fold.angle", "gauge.root.strain", "fold.angular_velocity"]
     for folder in "ab":
         command = [foldwing, "simulate", MODEL, "--quiet", "--plot", tmp_path / folder]
@@ -108,7 +108,7 @@ def test_f183_chosen_outputs_are_drawn_by_unit(foldwing, tmp_path):
     assert "fold.angle (rad)" in texts and "fold.angle" in texts
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
-    # limits that are none are not drawn, so that what acts can be seen; an axis of several things says what has its unit
+    # infinite limits are not drawn, so that the others are visible; an axis for several variables names the ones with its unit
     subprocess.run([foldwing, "simulate", MODEL, "--quiet", "--plot", tmp_path / "c", "--variables", "fold.*"], check=True)
     texts = {text.text.strip() for path in (tmp_path / "c").glob("outputs_*.svg") for text in etree.parse(path).getroot().iter(f"{SVG}text")}
     assert {"moment (N·m)", "angle (rad)", "force (N)", "fold.latch_torque"} <= texts
@@ -116,16 +116,16 @@ def test_f183_chosen_outputs_are_drawn_by_unit(foldwing, tmp_path):
 
 
 def series(folder, stem):
-    """Times and meshes that a `.pvd` file lists."""
+    """Times and meshes listed in a `.pvd` file."""
     sets = etree.parse(folder / f"{stem}.pvd").getroot().iter("DataSet")
     return [(float(entry.get("timestep")), meshio.read(folder / entry.get("file"))) for entry in sets]
 
 
 def test_f184_vtk_holds_the_outputs(still_air):
-    """F-184. meshio reads the wing's surface at every time of the CSV. The middle of the last section stands and moves as
-    the tip does, and displacements are differences of positions.
+    """F-184. meshio reads the wing's surface at every time of the CSV. Position and velocity of the middle of the last section are those of
+    the tip, and displacements are differences of positions.
 
-    The tip's rows pass through the middle of a rectangle: round-off of a few sums, 1e-13 m and 1e-11 m/s.
+    The tip's values are the mean over a rectangle: round-off of a few sums, 1e-13 m and 1e-11 m/s.
     """
     folder, columns = still_air
     meshes = series(folder / "vtk", "wing")
@@ -142,13 +142,13 @@ def test_f184_vtk_holds_the_outputs(still_air):
 
 
 def test_f185_vtk_strain_is_the_gauge(foldwing, tmp_path):
-    """F-185. With constant elements, at a section where a gauge sits, the strain of the surface is that of the gauge: the same
-    formula, so round-off. With pairs it is what the elements have (NOTATION G7): exactly zero before anything is strained.
+    """F-185. With constant elements, the strain of the surface at the section of a gauge is that of the gauge: the same formula, so
+    round-off. With pairs it is the strain of the elements (NOTATION G7): exactly zero in the unstrained state.
     """
     columns = simulate(foldwing, ROOT / "examples/models/folding_wing_constant.toml", tmp_path, "--vtk", tmp_path)
     meshes = series(tmp_path, "wing")
     assert [time for time, _ in meshes] == list(columns["time"][::2]), "no more than 600 frames of 801 points"
-    # the upper points of the section there: the inner body stands along x at the start
+    # the upper points of the section there: the inner body lies along x at the start
     first = meshes[0][1].points
     at = [i for i, (x, _, z) in enumerate(first) if abs(x - 0.02) < 1e-12 and z > 0]
     assert len(at) == 2
@@ -161,7 +161,7 @@ def test_f185_vtk_strain_is_the_gauge(foldwing, tmp_path):
 
 
 def test_f186_vtk_holds_the_wake(foldwing, tmp_path):
-    """F-186. Wake of the tunnel: nodes and circulations of the last time are those that `--lattice` writes, to the bit."""
+    """F-186. Wake of the tunnel: nodes and circulations at the last time are bit-identical to those written by `--lattice`."""
     lattice = tmp_path / "lattice.json"
     simulate(foldwing, TUNNEL, tmp_path, "--stop", 0.1, "--vtk", tmp_path, "--lattice", lattice, "--lattice-at", 0.1)
     surfaces = json.loads(lattice.read_text())[0]["surfaces"]
@@ -175,8 +175,8 @@ def test_f186_vtk_holds_the_wake(foldwing, tmp_path):
 
 
 def test_f265_one_series_has_all_parts(foldwing, tmp_path):
-    """F-265. `run.pvd` lists every part at every time. Gauges, loads and joints are where the CSV has them, with its values: to the
-    bit, but for round-off of the sums that place a gauge (1e-13 m)."""
+    """F-265. `run.pvd` lists every part at every time. Positions and values of gauges, loads and joints are bit-identical to the CSV,
+    except for round-off in the position of a gauge (1e-13 m)."""
     columns = simulate(foldwing, MODEL, tmp_path, "--stop", 0.02, "--vtk", tmp_path / "vtk", "--set", "load.outer[4].force.z=0.05")
     sets = list(etree.parse(tmp_path / "vtk/run.pvd").getroot().iter("DataSet"))
     names = ["wing", "joints", "gauges", "loads"]
@@ -198,7 +198,7 @@ def test_f265_one_series_has_all_parts(foldwing, tmp_path):
 
 
 def test_f187_bad_places_are_refused_before_the_run(foldwing, tmp_path):
-    """F-187. A folder that cannot be made is refused with a message and its exit code."""
+    """F-187. A folder that cannot be created is rejected with a message and its exit code."""
     (tmp_path / "file").write_text("")
     for option in ("--plot", "--vtk"):
         done = subprocess.run([foldwing, "simulate", MODEL, option, tmp_path / "file/plots"], capture_output=True, text=True)

@@ -70,7 +70,7 @@ def test_f290_variables_have_the_units_of_a_slide(fmu):
 
 
 def test_f291_a_block_slides_down_a_slope(fmu):
-    """F-291. Locked it is at rest; released it falls by ½ g sin α t²; on its spring it oscillates at √(k/m); a rigid latch stops it."""
+    """F-291. Locked it does not move; released it falls by ½ g sin α t²; on its spring it oscillates at √(k/m); a rigid latch stops it."""
     pull_m_s2 = GRAVITY_M_S2 * math.sin(SLOPE_RAD)
     held = simulated(fmu, {})
     assert held["slide.position"] == 0.0

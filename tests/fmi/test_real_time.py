@@ -1,4 +1,4 @@
-"""Real-time mode through FMPy: an FMU of the shipped wing with one line more in its model file."""
+"""Real-time mode through FMPy: an FMU of the shipped wing with one more line in its model file."""
 
 import subprocess
 
@@ -22,16 +22,16 @@ def real_time(foldwing, tmp_path_factory):
 
 
 def test_f280_the_fmu_is_valid_and_deploys(real_time):
-    """F-280. FMPy finds no fault in the description with its durations, and the wing latches at steps of 1 ms within
-    0.1 % of 0.12218 s, the latch time of the ordinary solver on this mesh (P-111 has the reason)."""
+    """F-280. FMPy finds no problem in the description with its durations, and the wing latches at steps of 1 ms within 0.1 % of 0.12218 s,
+    the latch time of the ordinary solver on this mesh (for the reason see P-111)."""
     assert not validate_fmu(real_time.path)
     result = real_time.simulate(stop_time=0.2, output_interval=STEP_S)
     assert abs(result["fold.latch_time"][-1] / 0.122178 - 1.0) < 1e-3
 
 
 def test_f281_durations_are_read_and_are_no_part_of_the_state(real_time):
-    """F-281. The FMU reports how long its steps took; going back to a saved state repeats all outputs bit for bit and
-    leaves the durations alone."""
+    """F-281. The FMU outputs the duration of its steps; after returning to a saved state all outputs are repeated bit-identically, and the
+    durations are not part of the state."""
     with instance(real_time) as wing:
         wing.initialize()
         assert [wing.get(f"solver.step_time{end}") for end in ("", "_median", "_max")] == [0.0, 0.0, 0.0]

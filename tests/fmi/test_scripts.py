@@ -1,4 +1,4 @@
-"""The scripts of `examples/` that drive, load, control and identify the wing, and the notebook, by their numbers."""
+"""The scripts of `examples/` that drive, load, control and identify the wing, and the notebook: checks of their results."""
 
 import subprocess
 import sys
@@ -15,7 +15,7 @@ import identify_damping  # noqa: E402
 import run_notebook  # noqa: E402
 import soft_fold  # noqa: E402
 
-FREE_PEAK = 5.296e-3  # of the deployment left alone, F-11
+FREE_PEAK = 5.296e-3  # of the deployment without control, F-11
 NOISE_SEEDS = (1, 2, 3, 4)
 
 
@@ -30,9 +30,9 @@ def run_script(name, *arguments, picture):
 def test_f90_fold_command_from_csv(foldwing, wing, tmp_path):
     """F-90. One CSV file through FMPy's `input` and through `foldwing simulate --inputs` gives the same history.
 
-    The same library with the same numbers but for the round-off of the straight lines between rows, which FMPy and the
-    command work out in different order: 1e-10 of each output's range, a thousand times what was seen. The file's story
-    is told too: held until 0.1 s, latched once, folded again at the end.
+    The same library with the same numbers, apart from the round-off of the linear interpolation between rows, which FMPy and the command
+    compute in different order: 1e-10 of each output's range, a thousand times the observed difference. The sequence of the file is checked
+    too: locked until 0.1 s, latched once, folded again at the end.
     """
     inputs = fold_from_csv.read_table(ROOT / "examples/fold_command.csv")
     result = fold_from_csv.through_fmpy(wing.path, inputs)
@@ -49,11 +49,11 @@ def test_f90_fold_command_from_csv(foldwing, wing, tmp_path):
 
 
 def test_f91_gust_by_file_and_by_wind_inputs(foldwing, tmp_path):
-    """F-91. A gust of 25 chords from the model file and by the wind inputs: strains within 1.5 % of the peak.
+    """F-91. A gust of 25 chords defined in the model file, and by the wind inputs: strains agree within 1.5 % of the peak.
 
-    The gust of the file meets one edge of the chord after the other, so that its lift lags by about half a chord, a
-    fiftieth of its length; of the strain, which the wing's inertia smooths, that is less: twice what was seen is allowed.
-    Upwash lifts the tip and presses the upper face.
+    The gust of the file reaches the leading edge before the trailing edge, so its lift lags by about half a chord, a fiftieth of its
+    length; the effect on the strain, smoothed by the wing's inertia, is smaller: twice the observed difference is allowed. Upwash raises
+    the tip and compresses the upper face.
     """
     by_file, by_inputs, wind = gust.fly(foldwing)
     (peak_s, strain), (_, tip_m) = gust.peak(by_file, gust.GAUGE), gust.peak(by_file, gust.TIP)
@@ -64,20 +64,20 @@ def test_f91_gust_by_file_and_by_wind_inputs(foldwing, tmp_path):
     before = by_file["time"] < wind["time"][wind[gust.WIND] > 0][0] - 0.005
     for result in (by_file, by_inputs):
         assert result["fold.latched"].all()
-        assert np.ptp(result[gust.GAUGE][before]) < 1e-9  # at rest until the gust comes
+        assert np.ptp(result[gust.GAUGE][before]) < 1e-9  # equilibrium until the gust arrives
     gust.draw(by_file, by_inputs, wind, tmp_path / "gust.png")
     assert (tmp_path / "gust.png").stat().st_size > 20_000
 
 
 @pytest.fixture(scope="module")
 def soft_gains(foldwing):
-    """Feedback of the soft fold, designed once."""
+    """Gains of the soft fold, designed once."""
     return soft_fold.design(foldwing)
 
 
 def test_f92_soft_fold_halves_the_peak_strain(soft_gains, wing):
-    """F-92. The controller unfolds, latches and folds the wing with less than half the strain of the wing left alone (a
-    fifth is required), within its limits of torque and rate, and within 0.5 s."""
+    """F-92. The controller unfolds, latches and folds the wing with less than half the strain of the uncontrolled wing, within its limits
+    of torque and rate, and within 0.5 s."""
     gains, ratio = soft_gains
     result = soft_fold.fly(wing.path, gains, fold_at_s=1.2, stop_s=2.2)
     unfolding = result["time"] < 1.2
@@ -107,7 +107,7 @@ def test_f93_soft_fold_bears_another_wing(soft_gains, wing, change, factor):
 
 
 def test_f94_faster_soft_fold_still_halves(soft_gains, wing):
-    """F-94. Strain falls with the time that the move is given; with 0.25 s it is less than half of that left alone."""
+    """F-94. The strain falls with the duration of the move; with 0.25 s it is less than half of that without control."""
     runs = [soft_fold.fly(wing.path, soft_gains[0], move_s) for move_s in (0.25, 0.4, 0.6)]
     peaks = [soft_fold.largest(run) for run in runs]
     print("F-94", ", ".join(f"{run['fold.latch_time'][-1]:.4f} s {peak:.3e}" for run, peak in zip(runs, peaks)))
@@ -128,8 +128,8 @@ def fitted(wing):
 
 
 def test_f96_damping_recovered_from_noisy_records(fitted):
-    """F-96. α and c recovered within 5 % from records with 2 % noise, starting 40 % off; the 95 % intervals hold the truth in
-    six of eight cases at least (so do all but one of 200 such draws), and the noise is found within 10 %."""
+    """F-96. α and c recovered within 5 % from records with 2 % noise, starting 40 % off; the 95 % intervals contain the true value in at
+    least six of eight cases (as in all but one of 200 such trials), and the noise is found within 10 %."""
     hits = 0
     for seed, fit in zip(NOISE_SEEDS, fitted):
         off = fit.coefficients / identify_damping.TRUTH - 1
@@ -144,8 +144,8 @@ def test_f96_damping_recovered_from_noisy_records(fitted):
 
 
 def test_f97_damping_from_the_record_of_another_mesh(fmus, wing):
-    """F-97. The record comes from the wing with 15 constant elements per body: with an error of the model beside the noise
-    both are still found within 5 %."""
+    """F-97. The record comes from the wing with 15 constant elements per body: with a model error in addition to the noise, both are still
+    found within 5 %."""
     record = identify_damping.noisy_record(identify_damping.Wing(fmus["folding_wing_constant"].path))
     fit = identify_damping.identify(identify_damping.Wing(wing.path), record)
     off = fit.coefficients / identify_damping.TRUTH - 1
@@ -154,7 +154,7 @@ def test_f97_damping_from_the_record_of_another_mesh(fmus, wing):
 
 
 def test_f98_identification_reads_a_record(wing, tmp_path):
-    """F-98. A record from a CSV file: the script prints the values it was made with, and rejects uneven times."""
+    """F-98. A record from a CSV file: the script prints the values with which it was generated, and rejects uneven times."""
     model = identify_damping.Wing(wing.path, stop_s=0.5)
     strain = identify_damping.noisy_record(model, noise=0.005)
     rows = [f"{identify_damping.STEP_S * i:.6f},{value!r}" for i, value in enumerate(strain.tolist())]
@@ -171,7 +171,7 @@ def test_f98_identification_reads_a_record(wing, tmp_path):
 def test_f99_notebook_shows_what_it_says(foldwing, wing):
     """F-99. Every cell of the notebook runs in plain Python and prints the stored output, numbers within 2 %.
 
-    One of them asserts that the soft fold halves the peak strain. The check itself sees a word and a number that differ.
+    One of the cells asserts that the soft fold halves the peak strain. The check itself detects a word and a number that differ.
     """
     script, notebook = ROOT / "tools/run_notebook.py", ROOT / "examples/deployment.ipynb"
     command = [sys.executable, str(script), str(notebook), "--check"]

@@ -1,4 +1,4 @@
-"""How long an FMU takes from `fmi2Instantiate` to the end of the initialisation, called from C."""
+"""Time of an FMU from `fmi2Instantiate` to the end of the initialisation, called from C."""
 
 import re
 import struct
@@ -25,7 +25,7 @@ def driver(tmp_path_factory):
 
 
 def run(driver, fmu, references, step_s, steps):
-    """Standard output and the start-up time in ms of one run in a fresh process."""
+    """Standard output and the start-up time in ms of one run in a new process."""
     library = next(Path(fmu.folder).glob("binaries/linux64/*.so"))
     uri = (Path(fmu.folder) / "resources").as_uri()
     command = [driver, library, uri, fmu.description.guid, str(step_s), str(steps)]
@@ -35,8 +35,8 @@ def run(driver, fmu, references, step_s, steps):
 
 
 def test_n08_an_instance_starts_within_five_milliseconds(driver, shipped):
-    """N-08. Start-up of each shipped model, without and with air, in a fresh process: pages of the library not yet
-    touched. Fastest of some tries, because the limit is for the work, not for what else the machine does."""
+    """N-08. Start-up of each shipped model, without and with aerodynamics, in a new process: pages of the library are not yet loaded. The
+    fastest of a few tries counts, because the limit must not depend on the load of the computer."""
     reference = next(variable.valueReference for variable in shipped.outputs if variable.type == "Real")
     fastest_ms = min(run(driver, shipped, [reference], 1e-3, 0)[1] for _ in range(TRIES))
     print(f"{Path(shipped.path).stem}: {fastest_ms:.2f} ms")
@@ -44,7 +44,7 @@ def test_n08_an_instance_starts_within_five_milliseconds(driver, shipped):
 
 
 def test_n09_an_importer_in_c_reads_what_fmpy_reads(driver, wing):
-    """N-09. Every Real output over 20 steps, bit for bit: the same library, called by another program."""
+    """N-09. Every Real output over 20 steps is bit-identical: the same library, called by another program."""
     references = [variable.valueReference for variable in wing.outputs if variable.type == "Real"]
     text, _ = run(driver, wing, references, 1e-3, 20)
     instance = Instance(wing).initialize()

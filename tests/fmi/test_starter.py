@@ -1,4 +1,4 @@
-"""`foldwing new`: from the starter to an FMU of an own wing; the schema that it names, by a program of its own."""
+"""`foldwing new`: from the starter to an FMU of a user's wing; the schema that it refers to, checked by an independent package."""
 
 import json
 import re
@@ -20,14 +20,14 @@ MAXIMUM_CHANGED_LINES = 9
 
 @pytest.fixture(scope="module")
 def starter(foldwing, tmp_path_factory):
-    """The starter with its schema, in a folder of its own."""
+    """The starter with its schema, in a separate folder."""
     folder = tmp_path_factory.mktemp("starter")
     subprocess.run([foldwing, "new", "mywing.toml"], cwd=folder, check=True, capture_output=True)
     return folder / "mywing.toml"
 
 
 def apply_diff(text, diff):
-    """The text with a unified diff applied, every context line compared."""
+    """The text with a unified diff applied; every context line is compared."""
     old, new, at = text.split("\n"), [], 0
     for line in diff.split("\n")[2:]:
         hunk = re.match(r"@@ -(\d+)", line)
@@ -46,7 +46,7 @@ def apply_diff(text, diff):
 
 
 def run_fmu(foldwing, model, outputs):
-    """Checks, packages and runs a model through FMPy by its default experiment."""
+    """Checks, packages and simulates a model through FMPy with its default experiment."""
     fmu = model.with_suffix(".fmu")
     subprocess.run([foldwing, "check", model], check=True, capture_output=True)
     subprocess.run([foldwing, "package", model, "-o", fmu], check=True, capture_output=True)
@@ -54,24 +54,24 @@ def run_fmu(foldwing, model, outputs):
 
 
 def test_f200_the_starter_is_an_fmu(foldwing, starter):
-    """F-200. The starter as written becomes an FMU that unfolds and latches within half a second and stays so."""
+    """F-200. The unchanged starter becomes an FMU that unfolds and latches within half a second and stays latched."""
     result = run_fmu(foldwing, starter, ["fold.angle", "fold.latch_time", "fold.latched", "tip.position.x"])
     print(f"F-200 latched at {result['fold.latch_time'][-1]:.4f} s")
     assert 0.1 < result["fold.latch_time"][-1] < 0.5 and result["fold.latched"][-1]
-    assert abs(result["tip.position.x"][-1] - 0.9) < 0.02  # deployed: 0.5 m and 0.4 m in line, bent a little
+    assert abs(result["tip.position.x"][-1] - 0.9) < 0.02  # deployed: 0.5 m and 0.4 m in line, slightly bent
     assert abs(result["fold.angle"][-1]) < 1e-3
 
 
 def test_f201_three_bodies_in_under_ten_lines(foldwing, starter):
-    """F-201. The committed diff makes a wing of three bodies of the starter in fewer than ten added and removed lines; it is
-    checked, packaged and run through FMPy, both folds latch and the tip ends at the sum of the lengths. The page on the
-    model file shows the same diff.
+    """F-201. The committed diff turns the starter into a wing of three bodies with fewer than ten added and removed lines; it is checked,
+    packaged and run through FMPy, both folds latch and the tip ends at the sum of the lengths. The page on the model file shows the same
+    diff.
     """
     diff = DIFF.read_text(encoding="utf-8")
     changed = [line for line in diff.split("\n")[2:] if line.startswith(("+", "-"))]
     assert 0 < len(changed) <= MAXIMUM_CHANGED_LINES, changed
     three = starter.with_name("three.toml")
-    # only the name of the model comes from the file's name
+    # only the name of the model depends on the file's name
     three.write_text(apply_diff(starter.read_text(encoding="utf-8"), diff), encoding="utf-8")
     assert len(tomllib.loads(three.read_text(encoding="utf-8"))["body"]) == 3
     result = run_fmu(foldwing, three, ["fold.latch_time", "fold_tip.latch_time", "fold.latched", "fold_tip.latched", "tip.position.x"])
@@ -83,8 +83,8 @@ def test_f201_three_bodies_in_under_ten_lines(foldwing, starter):
 
 
 def test_f202_models_fit_the_schema_by_another_program(starter):
-    """F-202. The starter and all shipped models are valid against the schema that editors read, by the package jsonschema
-    (draft 2020-12); the schema itself is well formed; each of several damaged starters is refused.
+    """F-202. The starter and all shipped models are valid against the schema that editors read, by the package jsonschema (draft 2020-12);
+    the schema itself is valid; each of several corrupted starters is rejected.
     """
     schema = json.loads((starter.parent / "foldwing.schema.json").read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator.check_schema(schema)

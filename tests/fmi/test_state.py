@@ -7,17 +7,17 @@ import pytest
 from driving import Instance, answer_of, instance
 from fmpy.fmi1 import FMICallException
 
-# Hidden state would show where something happens: the latch closes at 0.1222 s.
+# State outside the snapshot would be noticed at events: the latch closes at 0.1222 s.
 BEFORE_LATCH = 121, 1e-3  # steps and their size in s
 SPANNING_STEP_S = 2e-3
 STEPS_BEYOND = 15
 
 
 def test_f20_restored_state_repeats_the_step_bit_for_bit(either_wing):
-    """F-20. Rollback: a step that spans the latch, taken again from a restored state, gives identical outputs.
+    """F-20. Rollback: a step that includes the latching, repeated from a restored state, gives identical outputs.
 
-    Equality is exact: same binary, same inputs, and no state outside the snapshot. The state is restored twice,
-    the second time after the run has gone far on.
+    Equality is exact: same binary, same inputs, and no state outside the snapshot. The state is restored twice, the second time after the
+    run has continued much further.
     """
     with instance(either_wing) as fmu:
         fmu.initialize().advance(*BEFORE_LATCH)
@@ -67,7 +67,7 @@ def continue_elsewhere(fmu_path, folder, serialized, time_s, steps, queue):
 
 
 def test_f22_serialised_state_continues_in_another_process(wing, tmp_path):
-    """F-22. A state serialised in mid-deployment and restored in another process continues bit for bit past the latch."""
+    """F-22. A state serialised during the deployment and restored in another process continues bit-identically past the latch."""
     with instance(wing) as fmu:
         fmu.initialize().advance(*BEFORE_LATCH)
         at = fmu.time_s
@@ -78,7 +78,7 @@ def test_f22_serialised_state_continues_in_another_process(wing, tmp_path):
         here = fmu.history(STEPS_BEYOND, SPANNING_STEP_S)
         assert fmu.get("fold.latched")
 
-    context = multiprocessing.get_context("spawn")  # nothing inherited
+    context = multiprocessing.get_context("spawn")  # inherits nothing
     queue = context.Queue()
     other = context.Process(
         target=continue_elsewhere, args=(wing.path, str(tmp_path), serialized, at, STEPS_BEYOND, queue), daemon=True
@@ -106,7 +106,7 @@ def test_f23_damaged_or_foreign_state_is_refused(fmus, damage):
 
 
 def test_f24_interleaved_instances_equal_each_alone(wing):
-    """F-24. Two instances with different inputs, stepped in turn, give the bits that each gives alone."""
+    """F-24. Two instances with different inputs, stepped alternately, are bit-identical to single instances."""
     settings = [{}, {"fold__external_torque": 0.01, "gravity__z": -3.0}]
 
     def alone(values):
@@ -122,7 +122,7 @@ def test_f24_interleaved_instances_equal_each_alone(wing):
 
 
 def test_f25_reset_equals_fresh(wing):
-    """F-25. After a run with other inputs and parameters, reset gives the bits of a fresh instance."""
+    """F-25. After a run with other inputs and parameters, a reset instance is bit-identical to a new one."""
     with instance(wing) as fmu:
         fresh = fmu.initialize().history(150, 1e-3)
         fmu.slave.reset()
@@ -132,20 +132,20 @@ def test_f25_reset_equals_fresh(wing):
 
 
 def anonymous_kib():
-    """Anonymous memory of this process that is resident, in KiB, counted page by page (counters of the kernel lag)."""
+    """Resident anonymous memory of this process in KiB, counted page by page (the kernel's counters lag)."""
     with open("/proc/self/smaps") as file:
         return sum(int(line.split()[1]) for line in file if line.startswith("Anonymous:"))
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 def test_f26_instantiating_and_freeing_leaves_memory_flat(wing):
-    """F-26. Instances made and freed, half of them with steps and states, leave memory flat.
+    """F-26. Creating and freeing instances, half of them with steps and states, does not increase memory use.
 
-    Memory of a process alone still grows by some 2 MiB in the first 1500 (Python collects cycles late, the allocator
-    settles) and by less than 20 KiB in the next 1500 (measured). 256 KiB over the last 600 would be a leak of 0.4 KiB each;
-    a table of variables has some 50 KiB.
+    The memory of a process still grows by about 2 MiB in the first 1500 (Python collects cycles late, the allocator settles) and by less
+    than 20 KiB in the next 1500 (measured). 256 KiB over the last 600 would be a leak of 0.4 KiB each; a table of variables has some 50
+    KiB.
     """
-    keeper = Instance(wing).initialize()  # holds the library loaded
+    keeper = Instance(wing).initialize()  # keeps the library loaded
 
     def cycle(index):
         fmu = Instance(wing)
@@ -166,7 +166,7 @@ def test_f26_instantiating_and_freeing_leaves_memory_flat(wing):
 
 
 def test_f27_wrong_guid_is_refused(wing):
-    """F-27. A description whose GUID is another model's is refused at instantiation."""
+    """F-27. A description with the GUID of another model is rejected at instantiation."""
     from fmpy.fmi2 import FMU2Slave
 
     slave = FMU2Slave(
@@ -181,7 +181,7 @@ def test_f27_wrong_guid_is_refused(wing):
 
 
 def test_f28_bad_steps_are_refused_and_harm_nothing(wing):
-    """F-28. Steps of zero or negative size and times that do not match are rejected; the run continues unharmed."""
+    """F-28. Steps of zero or negative size and inconsistent times are rejected; the run continues unaffected."""
     with instance(wing) as fmu:
         undisturbed = fmu.initialize().history(20, 1e-3)
     with instance(wing) as fmu:

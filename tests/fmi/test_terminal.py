@@ -1,4 +1,4 @@
-"""The command on a terminal: progress with the time left, which nothing else gets."""
+"""The command on a terminal: progress with the remaining time, which is not written elsewhere."""
 
 import os
 import re
@@ -13,7 +13,7 @@ GOLAND = str(ROOT / "examples/models/goland_wing.toml")
 
 
 def on_terminal(*command, width=100):
-    """Exit code, and lines that a command draws or prints on a terminal of this width, without control sequences."""
+    """Exit code and lines that a command draws or prints on a terminal of this width, without control sequences."""
     import fcntl
     import pty
     import struct
@@ -28,7 +28,7 @@ def on_terminal(*command, width=100):
     while True:
         try:
             part = os.read(leader, 65536)
-        except OSError:  # Linux ends a terminal so
+        except OSError:  # Linux reports the end of a terminal in this way
             break
         if not part:
             break
@@ -49,7 +49,7 @@ def on_terminal(*command, width=100):
     ],
 )
 def test_long_work_shows_its_progress(foldwing, words, drawn):
-    """Each of these takes 1.2 to 2.8 s of the processor; a line needs 0.5 s."""
+    """Each of these takes 1.2 to 2.8 s of processor time; a progress line appears after 0.5 s."""
     code, lines = on_terminal(foldwing, *words)
     assert code == 0, lines[-5:]
     shown = [line for line in lines if re.search(drawn, line)]
@@ -59,7 +59,7 @@ def test_long_work_shows_its_progress(foldwing, words, drawn):
 
 
 def test_a_pipe_gets_no_progress(foldwing):
-    """The first of the commands above, whose streams are no terminal."""
+    """The first of the commands above, with streams that are not a terminal."""
     words = ["flutter", GOLAND, "--wind-m-s", "50:130:100", "--count", "4"]
     done = subprocess.run([foldwing, *words], capture_output=True, text=True, check=True)
     assert done.stderr == "" and "% of" not in done.stdout
@@ -71,6 +71,6 @@ def test_short_work_shows_none(foldwing):
 
 
 def test_an_error_leaves_no_bar(foldwing):
-    """The line of progress is cleared before an error is printed."""
+    """The progress line is cleared before an error is printed."""
     code, lines = on_terminal(foldwing, "flutter", GOLAND, "--wind-m-s", "50:130:60", "--csv", "/proc/none/x.csv")
     assert code == 4 and lines[-1].startswith("error: /proc/none/x.csv: cannot be written"), lines[-3:]

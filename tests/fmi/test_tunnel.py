@@ -1,4 +1,4 @@
-"""The deployment in the wind tunnel: lattice, strips and no air through FMPy; states that hold a wake."""
+"""The deployment in the wind tunnel: lattice, strips and no aerodynamics through FMPy; states that contain a wake."""
 
 import multiprocessing
 import subprocess
@@ -22,7 +22,7 @@ LATER_SPEED_M_S = 20.0
 
 
 def packaged(foldwing, folder, name, changes):
-    """FMU of the tunnel's model with keys changed."""
+    """FMU of the tunnel model with keys changed."""
     text = MODEL.read_text()
     for table, key, value in changes:
         text = change(text, table, key, value)
@@ -52,7 +52,7 @@ def free_wake(foldwing, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def deployments(wing, tunnel):
-    """Runs by flow speed; at 0 without air."""
+    """Runs by wind speed; without aerodynamics at 0."""
     runs = {speed: tunnel.simulate(start_values={"wind.velocity.y": -float(speed)}) for speed in (10, 20)}
     return {0: wing.simulate(), **runs}
 
@@ -66,8 +66,8 @@ def test_f60_deployment_in_the_wind_tunnel(deployments):
     """F-60. Latch at 10 and 20 m/s within 3 % of the paper's simulation, tip at 0.2 s and 10 m/s within 15 %; the peak
     strain falls with the speed.
 
-    The tolerances are the project's own targets. docs/tables/tunnel.md says what each choice of the model contributes: core
-    radius and wall alone move the latch by 1 to 2 %.
+    The tolerances are the project's targets. docs/tables/tunnel.md gives the effect of each choice of the model: core radius and wall alone
+    change the latch time by 1 to 2 %.
     """
     for speed in (10, 20):
         result = deployments[speed]
@@ -82,20 +82,19 @@ def test_f60_deployment_in_the_wind_tunnel(deployments):
 
 
 def test_f61_strips_and_lattice_slow_the_wing(deployments, strips):
-    """F-61. All three models of the air run to the end; air slows the wing, strips without the finite span more than the
-    lattice."""
+    """F-61. All three aerodynamic models run to the end; air slows the wing, strips without finite-span effects more than the lattice."""
     result = strips.simulate()
     latch_s = {name: run["fold.latch_time"][-1] for name, run in {**deployments, "strips": result}.items()}
     print(f"latch times {latch_s}")
     assert all(np.isfinite(result[name]).all() for name in result.dtype.names)
     assert latch_s[0] < latch_s[10] < latch_s["strips"]
-    assert np.abs(result["aero.force.z"]).max() > 0.05  # N; an eighth of what the plates weigh
+    assert np.abs(result["aero.force.z"]).max() > 0.05  # N; an eighth of the plates' weight
 
 
 @pytest.mark.parametrize("air", ["tunnel", "free_wake", "strips"])
 def test_f62_restored_state_with_air_repeats_bit_for_bit(air, request):
-    """F-62. Steps that span the latch and a change of the wind, taken again from a restored state, give identical outputs:
-    the wake and the lag states are part of it."""
+    """F-62. Steps that include the latching and a change of the wind, repeated from a restored state, give identical outputs: the wake and
+    the lag states are part of the state."""
 
     def onwards(fmu):
         first = fmu.history(2, SPANNING_STEP_S)
@@ -119,7 +118,7 @@ def test_f62_restored_state_with_air_repeats_bit_for_bit(air, request):
 
 @pytest.mark.parametrize("air", ["tunnel", "strips"])
 def test_f63_serialised_state_with_air_continues_in_another_process(air, request, tmp_path):
-    """F-63. A state with its air, restored in another process, continues bit for bit past the latch."""
+    """F-63. A state with aerodynamics, restored in another process, continues bit-identically past the latch."""
     model = request.getfixturevalue(air)
     with instance(model) as fmu:
         fmu.initialize().advance(*BEFORE_LATCH)
@@ -128,7 +127,7 @@ def test_f63_serialised_state_with_air_continues_in_another_process(air, request
         serialized = fmu.slave.serializeFMUstate(state)
         fmu.slave.freeFMUstate(state)
         here = fmu.history(STEPS_BEYOND, SPANNING_STEP_S)
-    context = multiprocessing.get_context("spawn")  # nothing inherited
+    context = multiprocessing.get_context("spawn")  # inherits nothing
     queue = context.Queue()
     other = context.Process(
         target=continue_elsewhere, args=(model.path, str(tmp_path), serialized, at, STEPS_BEYOND, queue), daemon=True
@@ -138,8 +137,8 @@ def test_f63_serialised_state_with_air_continues_in_another_process(air, request
 
 
 def test_f64_communication_step_does_not_move_the_latch_in_wind(tunnel):
-    """F-64. With a steady wind aerodynamic steps lie where they lie, whatever the communication step: latch times agree to
-    the accuracy with which the latch is located (F-16's 2e-5 s is for a variable step; here 1e-9 s)."""
+    """F-64. With a steady wind the aerodynamic steps do not depend on the communication step: latch times agree to the accuracy with which
+    the latch is located (F-16's 2e-5 s is for a variable step; here 1e-9 s)."""
     latch_s = [
         tunnel.simulate(stop_time=0.18, output_interval=step_s)["fold.latch_time"][-1] for step_s in (5e-4, 2.3e-3, 9e-3)
     ]

@@ -1,4 +1,4 @@
-"""The turbine in closed loop: `examples/turbine/closed_loop.py`, the reference controller around the FMU through FMPy."""
+"""The turbine in closed loop: `examples/turbine/closed_loop.py`, the reference controller for the FMU through FMPy."""
 
 import re
 import subprocess
@@ -16,9 +16,9 @@ from nrel_controller import RPM  # noqa: E402
 
 
 def test_f340_controller_has_the_published_law():
-    """F-340. The torque law by the figures of NREL/TP-500-38060: rated torque 43 093.55 N·m at the rated speed, no torque below
-    670 rpm, the square between 871 rpm and region 2½, no jump anywhere up to where the power is held; the pitch is still below rated
-    speed, and moves by no more than 8 deg/s above.
+    """F-340. The torque law with the values of NREL/TP-500-38060: rated torque 43 093.55 N·m at the rated speed, no torque below 670 rpm,
+    quadratic between 871 rpm and region 2½, no jump up to constant power; the pitch is constant below rated speed, and changes by no more
+    than 8 deg/s above.
     """
     law = nrel_controller.torque_N_m
     assert law(1173.7 * RPM, 0.0) == pytest.approx(43_093.55, rel=1e-6)
@@ -43,9 +43,9 @@ def test_f340_controller_has_the_published_law():
 
 @pytest.mark.parametrize("wind_m_s", [7.0, 15.0])
 def test_f341_operating_points_are_those_of_openfast(foldwing, wind_m_s):
-    """F-341. Where the loop comes to rest under the conditions of OpenFAST's map, from a speed 3 % and a pitch 1 deg off: rotor speed
-    within 0.5 %, pitch 0.2 deg, power below rated and thrust 1 %, all aims of the issue. Above rated wind the map gives the rotor
-    more than the rated power (1.2 % at 15 m/s), so that thrust is compared with the loop that holds the map's.
+    """F-341. Steady state of the loop under the conditions of OpenFAST's map, from a speed 3 % and a pitch 1 deg off: rotor speed within
+    0.5 %, pitch 0.2 deg, power below rated and thrust 1 %, all targets. Above rated wind the map gives the rotor more than the rated power
+    (1.2 % at 15 m/s), so thrust is compared with a loop that holds the power of the map.
     """
     (point,) = closed_loop.operating_points(foldwing, [wind_m_s], 120.0)
     own, there = point["own"], point["map"]
@@ -62,9 +62,9 @@ def test_f341_operating_points_are_those_of_openfast(foldwing, wind_m_s):
 
 
 def test_f342_loop_is_stable_and_its_energy_adds_up(foldwing, tmp_path):
-    """F-342. 40 s at 12 m/s, steady and turbulent: the rotor stays within 15 % of its rated speed, about the electrical power of 5 MW
-    reaches the grid, and the energy account closes to 1e-4 of what goes through the generator (3e-5 is seen, the error of the
-    integrator at its tolerance). The same seed gives the same history.
+    """F-342. 40 s at 12 m/s, steady and turbulent: the rotor stays within 15 % of its rated speed, the electrical power is about 5 MW, and
+    the energy balance closes to 1e-4 of the energy through the generator (3e-5 is observed, the error of the integrator at its tolerance).
+    The same seed gives the same history.
     """
     picture = tmp_path / "histories.png"
     script = str(ROOT / "examples/turbine/closed_loop.py")

@@ -17,28 +17,28 @@ import wind_tunnel_flutter as f  # noqa: E402
 
 @pytest.mark.parametrize("model", sorted(path.stem for path in w.MODELS.glob("*.toml")))
 def test_f320_shipped_files_check(foldwing, model):
-    """F-360. Each file of the folder is accepted as it stands."""
+    """F-360. Each file of the folder is accepted unchanged."""
     subprocess.run([foldwing, "check", w.MODELS / f"{model}.toml"], check=True, capture_output=True)
 
 
-# measured fold angle with the tip up (tests/reference/folding_wingtips), and what the docs say of the rms per model of the air:
-# the band is that rms and a margin of 1.5 deg for the single point
+# measured fold angle with the tip up (tests/reference/folding_wingtips), and the documented rms error per aerodynamic model: the band is
+# this rms plus a margin of 1.5 deg for a single point
 @pytest.mark.parametrize("air, allowed_deg", [("lattice", 3.0), ("line", 3.2)])
 def test_f321_lco_wing_coasts_where_it_was_measured(foldwing, air, allowed_deg):
-    """F-361. LCO wing at 18.677 m/s, pitch 5: measured -8.96 deg; strips of an endless wing miss it by 17 deg."""
+    """F-361. LCO wing at 18.677 m/s, pitch 5: measured -8.96 deg; strips of an infinite wing are 17 deg off."""
     result = w.rest(foldwing, w.Point("lco_wing", w.tunnel(5, 18.677), air))
     assert not result.error
     assert abs(w.fold_up_deg(result) + 8.9568) < allowed_deg
 
 
 def test_f322_strips_without_tip_loss_miss_it(foldwing):
-    """F-362. The purpose of the lifting line: without it the same tip is more than 10 deg too high."""
+    """F-362. Effect of the lifting line: without it the same tip is more than 10 deg too high."""
     result = w.rest(foldwing, w.Point("lco_wing", w.tunnel(5, 18.677), "strips"))
     assert w.fold_up_deg(result) + 8.9568 > 10.0
 
 
 def test_f323_light_tip_runs_with_the_default_coupling(foldwing):
-    """F-363. The baseline wing as published, with a tip beam lighter than its air, at the edge of flutter: 0.2 s of a run."""
+    """F-363. The baseline wing as published, with a tip beam lighter than its added mass, close to flutter: a run of 0.2 s."""
     changes = (*w.tunnel(0, 20.0, 15), ("joint.fold", "start_angle_deg", "-2.0"))
     result = w.march(foldwing, w.Point("baseline_wing", changes, "line", ("fold.angle",)), 0.2)
     assert not result.error
@@ -46,8 +46,9 @@ def test_f323_light_tip_runs_with_the_default_coupling(foldwing):
 
 
 def test_f324_a_tip_that_swings_in_the_air_is_held_again(foldwing, tmp_path):
-    """F-364. Release set back to false while the tip swings with more than 1 rad/s, at the step of the air and between two of them:
-    the joint stays where it is to the bit, and the wing rings on. The accelerations of the impulse used to be refused as a leap."""
+    """F-364. Release set back to false while the tip rotates at more than 1 rad/s, at an aerodynamic step and between two of them: the
+    joint angle is constant to the last bit, and the wing continues to vibrate. The accelerations of the impulse used to be rejected as a
+    jump."""
     point = w.Point("baseline_wing", (*w.tunnel(7.5, 18.0, 15), ("joint.fold", "start_angle_deg", "20.0")), "line")
     model, inputs = tmp_path / "wing.toml", tmp_path / "inputs.csv"
     model.write_text(w.text_of(point))
@@ -65,8 +66,8 @@ def test_f324_a_tip_that_swings_in_the_air_is_held_again(foldwing, tmp_path):
 
 
 def test_f325_releasing_the_tip_takes_load_off_the_root(foldwing, tmp_path):
-    """F-365. The script for control designers: a held tip that is let go in the gust takes a fifth and more off the rise of the root's
-    moment, and is held again once it has come back (`examples/release_in_gust.py`, here with a lifting line)."""
+    """F-365. The script for control designers: a locked tip that is released in the gust reduces the rise of the root bending moment by a
+    fifth or more, and is locked again once it has returned (`examples/release_in_gust.py`, here with a lifting line)."""
     script, picture = ROOT / "examples/release_in_gust.py", tmp_path / "release.png"
     command = [sys.executable, script, "--foldwing", foldwing, "--strips", "--picture", picture]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
@@ -80,8 +81,8 @@ def test_f325_releasing_the_tip_takes_load_off_the_root(foldwing, tmp_path):
 
 @pytest.mark.parametrize("air", [pytest.param("line", marks=whole), "strips"])
 def test_f326_flutter_by_eigenvalues_is_that_of_simulations(foldwing, air):
-    """F-366. Baseline wing: speed and frequency by `flutter`, and where the growth of simulations 0.5 % to both sides of that speed
-    changes its sign, within 0.5 %. The hinge swings freely: its mode has no frequency without air."""
+    """F-366. Baseline wing: speed and frequency by `flutter`, and the speed at which the growth rate of simulations, 0.5 % on either side,
+    changes its sign, within 0.5 %. The hinge is free: its mode has zero frequency without aerodynamics."""
     (speed_m_s, frequency_hz, _, error), (marched_m_s, marched_hz, _, failed) = f.baseline_both(foldwing, air)
     assert not error and not failed
     print(f"F-366 {air}: {speed_m_s:.4f} m/s, {frequency_hz:.4f} Hz; simulations {marched_m_s:.4f} m/s, {marched_hz:.4f} Hz")
@@ -91,12 +92,12 @@ def test_f326_flutter_by_eigenvalues_is_that_of_simulations(foldwing, air):
 
 @whole
 def test_f326_a_lattice_finds_the_mode_of_a_free_hinge(foldwing):
-    """F-366. The same with a vortex lattice, from the damping of the modes at two speeds next to the flutter speed: without air the
-    hinge has no frequency, and followed from there its mode was lost. The least damped mode below 4 Hz is looked at; simulations beside
-    that speed bracket the same flutter speed. Modes of random lattices with free hinges in `make test`: Q-76."""
+    """F-366. The same with a vortex lattice, from the damping of the modes at two speeds next to the flutter speed: without aerodynamics
+    the hinge mode has zero frequency, and tracking it from there failed. The test uses the least damped mode below 4 Hz; simulations next
+    to that speed bracket the same flutter speed. Modes of random lattices with free hinges in `make test`: Q-76."""
     growth = []
     for speed_m_s in (24.2, 24.7):
-        # one step of the air for both, as `flutter` has it
+        # the same aerodynamic step for both, as used by `flutter`
         point = f.baseline_point("lattice", speed_m_s, ((w.AIR, "step_s", "1.2e-3"),))
         out, _, error = w.call(foldwing, point, lambda path: ["modes", path, "--lattice", "--count", "4", "--json"])
         assert not error
@@ -113,8 +114,8 @@ def test_f326_a_lattice_finds_the_mode_of_a_free_hinge(foldwing):
 
 def test_f327_trim_finds_the_pitch_of_an_equilibrium(foldwing):
     """F-367. LCO wing, lifting line: the equilibrium of `static` at the pitch that `trim` finds for an angle of the tip, within 0.1 deg
-    (both solve to 1e-6 deg and less). In `make validate` also the root pitch at which the tip coasts where `static` has it at pitch 5,
-    sought from 3 and 9 deg."""
+    (both solve to 1e-6 deg and less). In `make validate` also the root pitch at which the tip has the equilibrium angle of `static` at
+    pitch 5, sought from 3 and 9 deg."""
     fold_deg = w.fold_up_deg(w.rest(foldwing, w.Point("lco_wing", w.tunnel(5, 18.677), "line")))
     for start_deg in (3, 9) if WHOLE else ():
         pitch_deg, result = f.lco_pitch(foldwing, "line", start_deg, 18.677, fold_deg)

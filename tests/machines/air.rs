@@ -1,4 +1,4 @@
-//! Air of strips and of a vortex lattice around the beams of a tree.
+//! Aerodynamics with strips or a vortex lattice for the beams of a tree.
 
 use crate::machines::draw::{Dice, Draft, Kind};
 use crate::machines::model::{Table, Value};
@@ -10,7 +10,7 @@ fn wind(dice: &mut Dice) -> Vector3<f64> {
     Vector3::new(dice.number(-1.0, 1.0), sign * dice.number(3.0, 12.0), dice.number(-1.0, 1.0))
 }
 
-/// Surfaces on the beams; their number.
+/// Adds surfaces to the beams; returns their number.
 fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: bool) -> usize {
     let mut tables = Vec::new();
     for member in draft.members.iter().filter(|member| member.kind == Kind::Beam) {
@@ -59,7 +59,7 @@ fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: 
                 .with("hinge_fraction", if lattice { 0.5 } else { dice.number(0.6, 0.8) })
                 .with("command_deg", dice.number(-5.0, 5.0));
             if dice.once_in(3) {
-                // beyond what a run commands
+                // beyond the commands of a run
                 flap = flap.with("lower_deg", -20.0).with("upper_deg", 25.0);
             }
             tables.push(flap);
@@ -70,7 +70,7 @@ fn surfaces(dice: &mut Dice, draft: &mut Draft, lattice: bool, may_have_polars: 
     count
 }
 
-/// A cambered aerofoil around the whole circle, whose lift falls beyond stall by a fifth to a half.
+/// A cambered aerofoil for all angles, whose lift falls beyond stall by a fifth to a half.
 fn polar(dice: &mut Dice) -> Vec<Vec<f64>> {
     let left = dice.number(0.5, 0.8);
     let row = |degree: f64, lift: f64, drag: f64| vec![degree, lift, drag, -0.02];
@@ -94,7 +94,7 @@ fn gust(dice: &mut Dice, draft: &mut Draft) {
     let (mut velocity, mut way, origin) = (dice.vector(1.0), dice.vector(1.0), dice.vector(0.2));
     let shape = dice.pick(&["sharp_edge", "one_minus_cosine", "table", "dryden", "von_karman"]);
     if matches!(shape, "dryden" | "von_karman") {
-        // their spectra differ along and across the way
+        // their spectra differ along and normal to the flight path
         (velocity, way) =
             if dice.once_in(2) { (Vector3::z(), Vector3::zeros()) } else { (Vector3::y(), Vector3::zeros()) };
     }

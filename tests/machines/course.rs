@@ -6,7 +6,7 @@ use foldwing::machine::JointKind;
 use foldwing::plant::Plant;
 use nalgebra::Vector3;
 
-/// Actions. Indices are taken modulo the number of parts, so that the same actions apply to a machine that has lost parts.
+/// Actions. Indices are taken modulo the number of parts, so that the same actions also apply to a machine with parts removed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Doing {
     RootAcceleration(Vector3<f64>),
@@ -22,7 +22,7 @@ pub enum Doing {
     Flap(usize, f64),
 }
 
-/// At the start of a communication step.
+/// An action at the start of a communication step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Action {
     pub step: usize,
@@ -40,7 +40,7 @@ impl Action {
             JointKind::Clamped | JointKind::Spatial(_) => None,
         };
         let prismatic: Vec<bool> = plant.machine().bodies.iter().filter_map(|body| slides(&body.joint.kind)).collect();
-        // of rad and N·m for revolute joints; a prismatic one moves by centimetres
+        // rad and N·m for revolute joints; a prismatic joint moves by centimetres
         let scaled = |joint: usize, value: f64| if prismatic[joint] { 0.05 * value } else { value };
         let inputs = plant.inputs_mut();
         let place = |index: usize, count: usize| (count > 0).then(|| index % count.max(1));

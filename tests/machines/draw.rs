@@ -1,4 +1,4 @@
-//! Machines of ordinary sizes: bodies in a tree, what their joints have, what they carry and what fails.
+//! Machines of ordinary dimensions: bodies in a tree, their joints, attachments and failures.
 
 use crate::machines::course::{Action, Doing};
 use crate::machines::model::{Form, Model, Table, Value};
@@ -6,14 +6,14 @@ use crate::machines::view::Frame;
 use crate::machines::{air, rotor, shaped};
 use nalgebra::Vector3;
 
-/// Communication steps of a run, and their length in s: the slowest motions of these machines take a few tenths of a second.
+/// Number of communication steps of a run: the slowest motions of these machines take a few tenths of a second.
 pub const STEPS: usize = 24;
 
-/// Draws figures of two digits, which read well in the smallest machine that fails.
+/// Draws random numbers of two digits, which are easy to read in the smallest machine that fails.
 pub struct Dice(pub fastrand::Rng);
 
 impl Dice {
-    /// True once in so many.
+    /// True once in `many` times.
     pub fn once_in(&mut self, many: usize) -> bool {
         self.0.usize(..many) == 0
     }
@@ -27,7 +27,7 @@ impl Dice {
         format!("{x:.1e}").parse::<f64>().expect("a number").clamp(least, most)
     }
 
-    /// Over powers of ten.
+    /// Random number, uniform on a logarithmic scale.
     pub fn size(&mut self, least: f64, most: f64) -> f64 {
         let x = least * (most / least).powf(self.0.f64());
         format!("{x:.1e}").parse::<f64>().expect("a number").clamp(least, most)
@@ -37,7 +37,7 @@ impl Dice {
         Vector3::from_fn(|_, _| self.number(-size, size))
     }
 
-    /// A function along a body from one value to another, in any of its forms; one of a single number has the first.
+    /// A function along a body from one value to another, in any of its forms; the constant form has the first value.
     pub fn along(&mut self, length_m: f64, [from, to]: [f64; 2], odd: bool) -> Value {
         match self.whole(0, 2) {
             0 => Value::Function(Form::Number, vec![vec![from]], odd),
@@ -51,14 +51,14 @@ impl Dice {
     }
 }
 
-/// A body as later tables need it.
+/// Data of a body for the tables that follow.
 pub struct Member {
     pub name: String,
     pub kind: Kind,
     pub length_m: f64,
     pub width_m: f64,
     pub stations: usize,
-    /// Drawn by `count`: its copies have other names.
+    /// Generated with `count`: its copies have other names.
     pub copied: bool,
     /// A beam whose section is an outline of one material: gauges may lie in any direction.
     pub outlined: bool,
@@ -73,23 +73,23 @@ pub enum Kind {
     Modal,
 }
 
-/// A joint as later tables need it.
+/// Data of a joint for the tables that follow.
 pub struct Hinge {
     pub name: String,
     pub slides: bool,
-    /// Moves freely: its motion may bring failures about.
+    /// Whether it moves freely, so that its motion may trigger failures.
     pub free: bool,
     pub has: Vec<&'static str>,
 }
 
-/// A machine under way.
+/// A machine under construction.
 pub struct Draft {
     pub tables: Vec<Table>,
     pub members: Vec<Member>,
     pub hinges: Vec<Hinge>,
     pub loops: Vec<String>,
     pub start_s: f64,
-    /// Length of the run.
+    /// Duration of the run in s.
     pub end_s: f64,
 }
 
@@ -103,7 +103,7 @@ impl Draft {
     }
 }
 
-/// A machine from a seed: the same one always.
+/// A machine from a seed, reproducible.
 pub fn draw(seed: u64) -> Model {
     let mut dice = Dice(fastrand::Rng::with_seed(seed));
     let step_s = 2e-3;
@@ -148,7 +148,7 @@ pub fn draw(seed: u64) -> Model {
     let moves = ["start_rate_deg_s", "start_rate_m_s", "start_velocity_m_s", "flap_start_m", "edge_start_m"];
     let starts_moving = draft.tables.iter().any(|table| moves.iter().any(|key| table.has(key)));
     if dice.once_in(4) {
-        // what moves at the start is not at rest
+        // a machine that moves at the start is not in equilibrium
         experiment.set("start", if starts_moving || dice.once_in(2) { "unstrained" } else { "equilibrium" });
     }
     draft.add(experiment);
@@ -156,7 +156,7 @@ pub fn draw(seed: u64) -> Model {
     Model { seed, tables: draft.tables, actions }
 }
 
-/// Method and steps.
+/// Method and steps of the solver.
 fn solver(dice: &mut Dice, draft: &mut Draft) {
     let mut table = Table::new("solver").with("tolerance", dice.size(1e-8, 1e-6));
     let has = |key: &str, word: &str| draft.tables.iter().any(|table| table.is(key, word));
@@ -167,7 +167,7 @@ fn solver(dice: &mut Dice, draft: &mut Draft) {
         beams || draft.tables.iter().any(|table| table.name.ends_with(".latch") || table.name.ends_with(".end_stops"));
     let brakes = draft.tables.iter().any(|table| table.is("kind", "brake_applied"));
     if !in_air && !stiff && dice.once_in(3) && !brakes {
-        // beams would need steps of microseconds; brakes are refused
+        // beams would need steps of microseconds; brakes are invalid
         table.set("method", "rk4");
         table.set("fixed_step_s", 1e-4);
     } else if (!in_air || staggered) && dice.once_in(10) {
@@ -184,7 +184,7 @@ fn solver(dice: &mut Dice, draft: &mut Draft) {
         if !in_air && dice.once_in(12) {
             table.set("fixed_step_s", 5e-4);
         } else if dice.once_in(6) {
-            // a rotor's step may be longer than what the solver takes by default
+            // a rotor's step may be longer than the solver's default maximum
             table.set("max_step_s", dice.size(1e-3, 1e-2));
         }
         if dice.once_in(8) {
@@ -197,7 +197,7 @@ fn solver(dice: &mut Dice, draft: &mut Draft) {
     draft.add(table);
 }
 
-/// Bodies, each on the root or on one before it.
+/// Bodies, each attached to the root or to an earlier body.
 fn tree(dice: &mut Dice, draft: &mut Draft) {
     for index in 0..dice.whole(1, 4) {
         let kind = match dice.whole(0, 5) {
@@ -206,12 +206,12 @@ fn tree(dice: &mut Dice, draft: &mut Draft) {
             _ => Kind::Beam,
         };
         let parent = (index > 0 && !dice.once_in(4)).then(|| dice.whole(0, index - 1));
-        // each copy has an angle of its own about the parent's x axis: where that is the root's, it is not the machine's
+        // each copy has another angle about the parent's x axis: if the parent is the root, this axis is not fixed to the machine
         let count = (kind != Kind::Rigid && parent.is_some() && dice.once_in(6)).then(|| dice.whole(2, 3));
         body(dice, draft, kind, count, None);
         joint(dice, draft, parent);
         if count.is_some() {
-            // nothing hangs on copies, and their joints have other names
+            // nothing is attached to copies, and their joints have other names
             draft.hinges.retain(|hinge| hinge.name != format!("j{index}"));
             break;
         }
@@ -267,10 +267,10 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
             if dice.once_in(4) {
                 table.set("stiffness_damping_factors", vec![1.0, dice.number(0.0, 2.0), 1.0, dice.number(0.5, 1.5)]);
             }
-            // without a draw, so that all else stays as it is
+            // without drawing a random number, so that everything else is unchanged
             if digits(length_m).is_multiple_of(3) {
                 table.set("shear", true);
-                outlined = false; // strains across the axis are not recovered
+                outlined = false; // strains normal to the axis are not recovered
                 if digits(length_m).is_multiple_of(2) {
                     table.set("shear_damping_factors", vec![0.5, 2.0]);
                 }
@@ -293,7 +293,7 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
                 .with("mass_kg", mass_kg)
                 .with("centre_of_mass_m", Value::Polar(centre, Frame::Body));
             if dice.once_in(5) {
-                // that of a flywheel about one axis
+                // inertia of a flywheel about one axis
                 let flywheel = Value::Inertia([5.0 * (a + b), a + c, a + b, off, -off, off]);
                 table.with("inertia_kg_m2", flywheel).with("allow_nonphysical_inertia", true)
             } else {
@@ -352,7 +352,7 @@ impl Dice {
     }
 }
 
-/// Unloaded shape of a beam, in one of the ways to state it.
+/// Unloaded shape of a beam, in one of the ways to specify it.
 fn bent(dice: &mut Dice, table: &mut Table, length_m: f64) {
     match dice.whole(0, 8) {
         0 | 1 => {
@@ -378,7 +378,7 @@ fn bent(dice: &mut Dice, table: &mut Table, length_m: f64) {
             }
             let bend = |size: f64, odd: bool| {
                 let at = |x: f64| if odd { Value::Odd(x) } else { Value::from(x) };
-                // of slopes far below one, which arc lengths allow
+                // slopes far below one, so that arc lengths are valid
                 Value::List([0.0, 0.2 * size, size].map(at).to_vec())
             };
             let [y, z] = [dice.number(-0.05, 0.05), dice.number(-0.05, 0.05)];
@@ -404,7 +404,7 @@ impl Dice {
     }
 }
 
-/// A cross-section as its body needs it.
+/// Data of a cross-section for its body.
 struct Shape {
     width_m: f64,
     /// Given by an outline and a material.
@@ -413,7 +413,7 @@ struct Shape {
 }
 
 impl Shape {
-    /// The same cross-section, smaller by a factor.
+    /// The same cross-section, scaled down by a factor.
     fn smaller(&self, name: &str, factor: f64) -> Table {
         let mut table = Table::new(format!("section.{name}"));
         for (key, value) in &self.table.keys {
@@ -453,7 +453,7 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
             let torsion = young * flat;
             let centre = dice.number(-0.1, 0.1) * width_m;
             let mut table = table.with("shape", "explicit");
-            // stretch, twist, flap, lag; pairs of them couple by shares of the root of the product
+            // stretch, twist, flap, lag; pairs are coupled by fractions of the square root of their product
             let stiffness = [young * area, torsion, young * flat, young * edge];
             let pairs = [(1, 2, share), (0, 2, other), (0, 3, 0.2)].into_iter().chain(if dice.once_in(2) {
                 let mut small = || dice.number(-0.1, 0.1);
@@ -466,11 +466,11 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
                 let value = share * (stiffness[i] * stiffness[j]).sqrt();
                 if odd(i, j) { Value::Odd(value) } else { value.into() }
             };
-            // along y and z, as much below the stretch's as in plates of composite
+            // along y and z, as far below the axial stiffness as in composite plates
             let shear = [0.3 * young * area, 0.1 * young * area];
             if dice.once_in(3) {
                 let with_shear = digits(width_m).is_multiple_of(2);
-                // places of stretch, twist, flap and lag in the matrix, and of the shears
+                // indices of stretch, twist, flap and lag in the matrix, and of the shears
                 let (size, place) = if with_shear { (6, [0, 3, 4, 5]) } else { (4, [0, 1, 2, 3]) };
                 let mut rows = vec![vec![Value::from(0.0); size]; size];
                 for i in 0..4 {
@@ -482,7 +482,7 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
                 }
                 let key = if with_shear {
                     (rows[1][1], rows[2][2]) = (shear[0].into(), shear[1].into());
-                    // the shear along y changes its sign in a mirror, as twist and lag do
+                    // the shear along y changes its sign in a mirror image, as do twist and lag
                     for (i, j, value, odd) in [
                         (1, 3, 0.1 * (shear[0] * stiffness[1]).sqrt(), false),
                         (2, 4, 0.1 * (shear[1] * stiffness[2]).sqrt(), false),
@@ -591,7 +591,7 @@ fn section(dice: &mut Dice, draft: &mut Draft, name: &str, length_m: f64) -> Sha
     Shape { width_m, is_outline: false, table: Table::new("") }
 }
 
-/// A whole number from the bits of a drawn one: a choice that draws nothing.
+/// An integer from the bits of a random number: a choice without drawing another one.
 fn digits(number: f64) -> u64 {
     number.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40
 }
@@ -600,7 +600,7 @@ fn digits(number: f64) -> u64 {
 const STIFFNESS_KEYS: [&str; 4] =
     ["axial_stiffness_N", "torsional_rigidity_N_m2", "flap_stiffness_N_m2", "edge_stiffness_N_m2"];
 
-/// Key of the coupling of two of them.
+/// Key of the coupling of two of these stiffnesses.
 fn coupling_key(i: usize, j: usize) -> &'static str {
     match (i, j) {
         (0, 1) => "coupling_axial_twist_N_m",
@@ -620,7 +620,7 @@ fn joint(dice: &mut Dice, draft: &mut Draft, parent: Option<usize>) {
     let frame = if parent.is_some() { Frame::Body } else { Frame::Root };
     let mut table = Table::new(format!("joint.{name}"));
     let kind = dice.pick(match parent {
-        // a tree that flies as a whole: nothing else may hold the root
+        // a tree in free flight: nothing else may hold the root
         None if index == 0 => &["clamped", "revolute", "revolute", "prismatic", "universal", "ball", "free"],
         None => &["clamped", "revolute", "prismatic"],
         Some(_) => &["clamped", "revolute", "revolute", "revolute", "prismatic", "universal", "ball"],
@@ -658,7 +658,7 @@ fn joint(dice: &mut Dice, draft: &mut Draft, parent: Option<usize>) {
     }
     table.set("child", format!("b{index}"));
     if draft.members[index].kind == Kind::Modal && matches!(kind, "ball" | "free") {
-        // its mass lies on its axis, about which it may turn
+        // its mass lies on its axis, about which it may rotate
         let offset = dice.vector(0.01) + Vector3::new(0.0, 0.02, 0.03);
         draft.add(
             Table::new(format!("mass.m{index}"))
@@ -702,10 +702,10 @@ fn joint(dice: &mut Dice, draft: &mut Draft, parent: Option<usize>) {
     }
 }
 
-/// The rest of a revolute or prismatic joint.
+/// The remaining keys of a revolute or prismatic joint.
 pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides: bool) {
     let name = table.name.clone();
-    // of the revolute joint in deg and N·m, of the prismatic one in m and N
+    // deg and N·m for the revolute joint, m and N for the prismatic one
     let unit = if slides { 1e-3 } else { 1.0 };
     let key = |revolute, prismatic| if slides { prismatic } else { revolute };
     let mut hinge = Hinge { name: name.trim_start_matches("joint.").to_owned(), slides, free: true, has: Vec::new() };
@@ -806,7 +806,7 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
         if rigid {
             latch.set("kind", "rigid");
             if off.abs() <= 1.01 * capture {
-                // closed at the start, it lets nothing move
+                // closed at the start, it permits no motion
                 let joint = draft.tables.iter_mut().find(|table| table.name == name).expect("the joint");
                 joint.keys.retain(|(key, _)| !key.starts_with("start_rate"));
             }
@@ -844,11 +844,11 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
     draft.hinges.push(hinge);
 }
 
-/// A parallelogram that a loop closes: crank, coupler and rocker.
+/// A parallelogram closed by a loop: crank, coupler and rocker.
 fn linkage(dice: &mut Dice, draft: &mut Draft) {
     let angle_deg = dice.number(30.0, 100.0);
     for index in 0..3 {
-        // the shape without loads closes the loop
+        // the unloaded shape closes the loop
         let length_m = if index == 1 { 0.5 } else { 0.3 };
         body(dice, draft, Kind::Beam, None, Some(length_m));
         let (frame, start) = if index == 1 { (Frame::Body, -angle_deg) } else { (Frame::Root, angle_deg) };
@@ -924,7 +924,7 @@ fn carry(dice: &mut Dice, draft: &mut Draft) {
         }
         if member.kind == Kind::Beam && dice.once_in(3) {
             let (share, side) = (dice.number(0.0, 1.0), dice.pick(&["inboard", "outboard"]));
-            // outboard of the outer end there is nothing
+            // there is nothing outboard of the outer end
             let side = if share == 1.0 { "inboard" } else { side };
             draft.add(
                 Table::new(format!("internal_load.q{index}"))
@@ -1021,7 +1021,7 @@ fn failures(dice: &mut Dice, draft: &mut Draft) {
             1 if index > 0 => draft.add(table.with("after", "x0").with("delay_s", 0.005)),
             2 => draft.add(table),
             _ => {
-                // some just at a communication point
+                // some exactly at a communication point
                 let share = if dice.once_in(3) { 8.0 / STEPS as f64 } else { dice.number(0.1, 0.7) };
                 let at_s = share * draft.end_s;
                 draft.add(table.with("at_time_s", draft.start_s + at_s));

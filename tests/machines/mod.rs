@@ -1,7 +1,7 @@
-//! Random machines as model files: everything that the format can say, in ordinary sizes, drawn from a seed.
+//! Random machines as model files: every feature of the format, with ordinary dimensions, generated from a seed.
 //!
-//! A [`Model`] is a list of tables and a list of what is done to the machine while it runs. Both lose members one by one in
-//! [`shrink`], as long as a failure persists. A [`View`] writes the same machine turned as a whole, or its mirror image.
+//! A [`Model`] is a list of tables and a list of actions on the machine during a run. [`shrink`] removes entries of both one by one as long
+//! as a failure persists. A [`View`] writes the same machine rotated as a whole, or its mirror image.
 
 #![allow(dead_code, unused_imports, reason = "each test program uses a part of it")]
 
@@ -25,7 +25,7 @@ pub fn count(usual: u64) -> u64 {
     std::env::var("FOLDWING_MACHINES").ok().map_or(usual, |text| text.parse().expect("FOLDWING_MACHINES is a number"))
 }
 
-/// Seeds: `FOLDWING_SEED` alone, or the first so many.
+/// Seeds: only `FOLDWING_SEED`, or the first `usual` ones.
 pub fn seeds(usual: u64) -> Vec<u64> {
     match std::env::var("FOLDWING_SEED") {
         Ok(text) => vec![text.parse().expect("FOLDWING_SEED is a number")],

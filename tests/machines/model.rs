@@ -1,18 +1,18 @@
-//! Tables of a model file whose values follow a view.
+//! Tables of a model file whose values depend on a view.
 
 use crate::machines::course::Action;
 use crate::machines::view::{Frame, View};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::fmt::Write;
 
-/// A value of the file, and how it changes with the view.
+/// A value of the file, and its dependence on the view.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// The same in every view: numbers, functions along a body.
+    /// Equal in every view: numbers, functions along a body.
     Plain(String),
-    /// A name: of another table, which then is needed, or a word of the format.
+    /// A name: of another table, which must then exist, or a word of the format.
     Text(String),
-    /// Changes its sign in a mirror.
+    /// A number that changes its sign in the mirror image.
     Odd(f64),
     Polar(Vector3<f64>, Frame),
     Axial(Vector3<f64>, Frame),
@@ -20,12 +20,12 @@ pub enum Value {
     TurnDeg(Vector3<f64>, Frame),
     /// `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]` in a frame of the machine.
     Inertia([f64; 6]),
-    /// Side of the leading edge: `+y`.
+    /// Whether the leading edge is on the side of `+y`.
     Leading(bool),
-    /// Sense of a rotor: clockwise.
+    /// Direction of rotation of a rotor: whether clockwise.
     Clockwise(bool),
     List(Vec<Value>),
-    /// Function along a body: how it is written, its coefficients or rows, and whether it changes its sign in a mirror.
+    /// Function along a body: its form, its coefficients or rows, and whether it changes its sign in the mirror image.
     Function(Form, Vec<Vec<f64>>, bool),
 }
 
@@ -117,7 +117,7 @@ impl Value {
         }
     }
 
-    /// Returns whether it is the name of a table.
+    /// Returns whether this value refers to the table of this name.
     fn names(&self, name: &str) -> bool {
         match self {
             Self::Text(text) => text == name,
@@ -135,7 +135,7 @@ impl Value {
     }
 }
 
-/// A table of the file; the top level has no name.
+/// A table of the file; the top level has an empty name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     pub name: String,
@@ -160,7 +160,7 @@ impl Table {
         self.keys.iter().any(|(own, _)| *own == key)
     }
 
-    /// Returns whether a key has this word.
+    /// Returns whether a key has this word as its value.
     pub fn is(&self, key: &str, word: &str) -> bool {
         self.keys.iter().any(|(own, value)| *own == key && *value == Value::from(word))
     }
@@ -170,7 +170,7 @@ impl Table {
     }
 }
 
-/// A machine with what is done to it.
+/// A machine and the actions on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     pub seed: u64,
@@ -179,7 +179,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model file.
+    /// The text of the model file.
     pub fn text(&self, view: &View) -> String {
         let mut text = String::new();
         for table in &self.tables {
@@ -202,23 +202,23 @@ impl Model {
         self.tables.iter().any(|table| table.has(key))
     }
 
-    /// Copies that a body is drawn in.
+    /// Number of copies of a body, if any.
     pub fn copies(&self) -> Option<u64> {
         let count = self.tables.iter().flat_map(|table| &table.keys).find(|(key, _)| *key == "count");
         count.and_then(|(_, value)| if let Value::Plain(text) = value { text.parse().ok() } else { None })
     }
 
-    /// Returns whether some table has this word or name.
+    /// Returns whether some table contains this word or name.
     pub fn names(&self, word: &str) -> bool {
         self.tables.iter().any(|table| table.keys.iter().any(|(_, value)| value.names(word)))
     }
 
-    /// Returns whether there is a table with this beginning of its name.
+    /// Returns whether there is a table whose name begins with this.
     pub fn has(&self, prefix: &str) -> bool {
         self.tables.iter().any(|table| table.name.starts_with(prefix))
     }
 
-    /// Without a table, those inside it, and all that name one of them.
+    /// The model without a table, those inside it, and all that refer to one of them.
     pub fn without(&self, index: usize) -> Self {
         let mut gone = vec![false; self.tables.len()];
         let mut next = vec![index];
@@ -228,7 +228,7 @@ impl Model {
             let inside = format!("{}.", lost.name);
             for (other, table) in self.tables.iter().enumerate() {
                 let named = |short| table.keys.iter().any(|(_, value)| value.names(short));
-                // `joint.j0.motor` is named by nobody
+                // no table refers to `joint.j0.motor`
                 let is_named = lost.name.matches('.').count() == 1 && lost.short_name().is_some_and(named);
                 if !gone[other] && (is_named || table.name.starts_with(&inside)) {
                     next.push(other);

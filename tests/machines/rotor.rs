@@ -1,15 +1,15 @@
-//! Rotors in the wind: shaft with drive and generator, hub, blades of every kind, blade elements.
+//! Rotors in wind: shaft with motor and generator, hub, blades of every kind, blade-element aerodynamics.
 
 use crate::machines::draw::{Dice, Draft, Hinge, Kind, Member};
 use crate::machines::model::{Form, Table, Value};
 use crate::machines::view::Frame;
 use nalgebra::Vector3;
 
-/// Length of the blades and place of their inner ends from the apex in m.
+/// Length of the blades, and distance of their inner ends from the apex, in m.
 const LENGTH_M: f64 = 4.0;
 const HUB_M: f64 = 0.5;
 
-/// Shaft along the root's x, downwind.
+/// A rotor with its shaft along the root's x axis, downwind.
 pub fn draw(dice: &mut Dice, draft: &mut Draft) {
     draft.end_s = 0.24;
     let rate_deg_s = dice.number(200.0, 500.0) * if dice.once_in(2) { 1.0 } else { -1.0 };
@@ -36,7 +36,7 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
         .with("child", "hub")
         .with("root_position_m", Value::Polar(Vector3::new(0.0, 0.0, 12.0), Frame::Root))
         .with("mount_rotation_deg", Value::TurnDeg(tilt, Frame::Root));
-    // the axis is that of the mounted hub's x
+    // the axis is the x axis of the mounted hub
     let turn = nalgebra::UnitQuaternion::from_scaled_axis(tilt.map(f64::to_radians));
     shaft.set("axis", Value::Axial(turn * Vector3::x(), Frame::Root));
     let prescribed = dice.once_in(3);
@@ -63,7 +63,7 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
         1..=3 => Kind::Modal,
         _ => Kind::Beam,
     };
-    // a rigid blade stands for others
+    // a rigid blade represents several
     let count = if kind == Kind::Rigid { 1 } else { dice.whole(2, 3) };
     blade(dice, draft, kind, count);
     let pitched = !dice.once_in(3);
@@ -72,10 +72,10 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
         .with("parent", "hub")
         .with("parent_offset_m", Value::Polar(Vector3::new(0.0, 0.0, HUB_M), Frame::Body))
         .with("child", "blade");
-    // blade's x along the hub's z, its z downwind: y is against the hub's y
+    // the blade's x is along the hub's z, its z points downwind: its y is opposite to the hub's y
     let third = std::f64::consts::PI / 2f64.sqrt();
     let mount = Vector3::new(third, 0.0, third).map(f64::to_degrees);
-    // a half turn is its own mirror image, but has two rotation vectors
+    // a rotation by 180 degrees is its own mirror image, but has two rotation vectors
     joint.set("mount_rotation_deg", Value::TurnDeg(mount, Frame::Body));
     if pitched {
         joint.set("axis", Value::Axial(Vector3::z(), Frame::Body));
@@ -87,7 +87,7 @@ pub fn draw(dice: &mut Dice, draft: &mut Draft) {
                 .with("damping_N_m_s_rad", 200.0)
                 .with("inertia_kg_m2", 2.0),
         );
-        // joints and failures on copies have names with a number: only what hangs on the table itself is drawn
+        // joints and failures of copies have names with a number: only those that refer to the table itself are generated
     } else {
         draft.add(joint);
     }
@@ -184,7 +184,7 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, (kind, count): (Kind
         table.set("aerodyn_compatible", true);
     }
     if dice.once_in(5) {
-        // the axis in the hub's own frame, repeated
+        // the axis in the hub's frame, given explicitly
         table.set("shaft_axis", Value::Polar(Vector3::x(), Frame::Body));
     }
     if kind == Kind::Rigid {
@@ -243,7 +243,7 @@ fn air(dice: &mut Dice, draft: &mut Draft, clockwise: bool, (kind, count): (Kind
             0 => field.set("shear_exponent", 0.2),
             1 => field.set("roughness_m", 0.03),
             2 => {
-                // in place of the wind of the input
+                // instead of the wind input
                 for (key, value) in
                     &mut draft.tables.iter_mut().find(|table| table.name == "aerodynamics").expect("air").keys
                 {

@@ -1,13 +1,13 @@
-//! Sections by shape, in place of some rectangles and ellipses.
+//! Sections by shape, replacing some rectangles and ellipses.
 
 use crate::machines::draw::{Dice, Draft};
 use crate::machines::model::{Form, Table, Value};
 
-/// Library materials, by the shapes that take any.
+/// Materials of the library for the shapes that accept any.
 const MATERIALS: [&str; 4] = ["aluminium 7075-T6", "steel 4130", "GFRP E-glass/epoxy", "polycarbonate"];
 
-/// Puts a section by shape in place of that of a body of constant section, for a third of them. The dice are its own, from the width and
-/// length that were drawn: machines without such a section stay as they are. Returns whether it did.
+/// Replaces the section of a body of constant section by one given by its shape, for a third of them. Uses a separate random generator,
+/// seeded by width and length, so that machines without such a section are unchanged. Returns whether it did.
 pub fn instead(draft: &mut Draft, name: &str, width_m: f64, length_m: f64) -> bool {
     let mut dice = Dice(fastrand::Rng::with_seed(width_m.to_bits() ^ length_m.to_bits().rotate_left(17)));
     if !dice.once_in(3) {
@@ -34,7 +34,7 @@ pub fn instead(draft: &mut Draft, name: &str, width_m: f64, length_m: f64) -> bo
             if dice.once_in(2) {
                 table.set("web_wall_m", dimension(&mut dice, 0.0015, length_m));
             }
-            // its mirror image opens to the other side
+            // its mirror image is open on the other side
             if kind == 3 {
                 table.set("open_side", Value::Leading(dice.once_in(2)));
             }
@@ -74,7 +74,7 @@ pub fn instead(draft: &mut Draft, name: &str, width_m: f64, length_m: f64) -> bo
     true
 }
 
-/// A laminate without shear in its plane: pairs of plies at an angle, and symmetric.
+/// A symmetric laminate without in-plane shear coupling: pairs of plies at opposite angles.
 fn laminate(dice: &mut Dice, table: Table, width_m: f64) -> Table {
     let angle_deg = dice.number(10.0, 60.0);
     let plies: Vec<Value> = [0.0, angle_deg, -angle_deg].into_iter().map(Value::Odd).collect();
@@ -97,7 +97,7 @@ fn laminate(dice: &mut Dice, table: Table, width_m: f64) -> Table {
     table
 }
 
-/// The name of a material of the library, or of one that the model states.
+/// The name of a material of the library, or of one defined in the model.
 fn material(dice: &mut Dice, draft: &mut Draft, section: &str) -> String {
     if dice.once_in(2) {
         return dice.pick(&MATERIALS).to_owned();
@@ -120,7 +120,7 @@ fn material(dice: &mut Dice, draft: &mut Draft, section: &str) -> String {
     name
 }
 
-/// A dimension that is constant, or falls to four fifths at the outer end.
+/// A dimension that is constant, or decreases to four fifths at the outer end.
 fn dimension(dice: &mut Dice, inner_m: f64, length_m: f64) -> Value {
     match dice.whole(0, 2) {
         0 => inner_m.into(),

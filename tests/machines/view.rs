@@ -1,17 +1,17 @@
-//! One machine seen otherwise: turned as a whole about the root's origin, or in a mirror across the plane y = 0.
+//! A machine in another view: rotated as a whole about the root's origin, or mirrored in the plane y = 0.
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Position of the components of a vector.
+/// Frame in which the components of a vector are given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Frame {
-    /// The root frame: turns with the machine.
+    /// The root frame: the view rotates such components.
     Root,
     /// A frame of the machine itself.
     Body,
 }
 
-/// First the mirror, in every frame, then the turn of the root frame.
+/// First the mirror image, in every frame, then the rotation of the root frame.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
     pub turn: UnitQuaternion<f64>,
@@ -19,12 +19,12 @@ pub struct View {
 }
 
 impl View {
-    /// As drawn.
+    /// The unchanged machine.
     pub fn plain() -> Self {
         Self { turn: UnitQuaternion::identity(), mirror: false }
     }
 
-    /// Turned by a rotation vector in rad.
+    /// The machine rotated by a rotation vector in rad.
     pub fn turned(rotation_rad: Vector3<f64>) -> Self {
         Self { turn: UnitQuaternion::from_scaled_axis(rotation_rad), mirror: false }
     }
@@ -34,18 +34,18 @@ impl View {
         Self { turn: UnitQuaternion::identity(), mirror: true }
     }
 
-    /// A quantity that changes its sign in a mirror.
+    /// A quantity that changes its sign in the mirror image.
     pub fn odd(&self, value: f64) -> f64 {
         if self.mirror { -value } else { value }
     }
 
-    /// Places, forces, velocities.
+    /// Positions, forces, velocities.
     pub fn polar(&self, mut v: Vector3<f64>, frame: Frame) -> Vector3<f64> {
         v.y = self.odd(v.y);
         self.in_frame(v, frame)
     }
 
-    /// Axes of turning, angular velocities, moments.
+    /// Rotation axes, angular velocities, moments.
     pub fn axial(&self, v: Vector3<f64>, frame: Frame) -> Vector3<f64> {
         self.in_frame(Vector3::new(self.odd(v.x), v.y, self.odd(v.z)), frame)
     }
@@ -57,7 +57,7 @@ impl View {
     }
 
     fn in_frame(&self, v: Vector3<f64>, frame: Frame) -> Vector3<f64> {
-        // plain machines keep their figures to the bit
+        // unchanged machines keep their numbers to the last bit
         if frame == Frame::Root && self.turn != UnitQuaternion::identity() { self.turn * v } else { v }
     }
 }

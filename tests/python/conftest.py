@@ -1,4 +1,4 @@
-"""Where the models are, and the command that the package is compared with."""
+"""Paths of the models, and the command with which the package is compared."""
 
 import os
 import shutil
@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture(autouse=True)
 def at_the_root(monkeypatch):
-    """Paths in examples start at the root of the repository."""
+    """Paths in examples are relative to the root of the repository."""
     monkeypatch.chdir(ROOT)
 
 
@@ -25,7 +25,7 @@ def wing():
 
 @pytest.fixture(scope="session")
 def command():
-    """The command that `make` builds."""
+    """The command built by `make`."""
     path = os.environ.get("FOLDWING") or shutil.which("foldwing")
     assert path, "set FOLDWING to the command"
     return path

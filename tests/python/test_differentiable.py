@@ -1,4 +1,4 @@
-"""Runs as functions of JAX and PyTorch, against fourth-order differences of runs. Tests of a library skip where it is missing."""
+"""Runs as functions of JAX and PyTorch, against fourth-order differences of runs. Tests of a library are skipped if it is missing."""
 
 import sys
 
@@ -9,7 +9,7 @@ import foldwing as fw
 
 WING = "examples/models/folding_wing.toml"
 NUMBERS = ["fold.motor_damping", "fold.motor_constant_torque", "file:section.plate.youngs_modulus_Pa"]
-# Before the latch and with damped strains at a close tolerance, where differences of runs with their own steps have a plateau.
+# Before the latch and with damped strains at a tight tolerance, where differences of runs with independent steps are accurate.
 RESULTS = ["fold.angle@0.08", "gauge.root.strain@0.08", "tip.position.x@0.06"]
 DAMPED = {"file:solver.tolerance": 1e-11, "file:body.inner.stiffness_damping_s": 1e-4, "file:body.outer.stiffness_damping_s": 1e-4}
 WEIGHTS = np.array([1.0, 300.0, -2.0])
@@ -21,12 +21,12 @@ def damped():
 
 
 def loss(results, square):
-    """A nonlinear function of the results, by the functions of either library."""
+    """A nonlinear function of the results, with the functions of either library."""
     return square(results[0] * WEIGHTS[0] + results[1] * WEIGHTS[1] + results[2] * WEIGHTS[2]) + results[0] * results[2]
 
 
 def differences(model):
-    """Slopes of the loss of runs by fourth-order differences of steps of 2e-3, relative to each number."""
+    """Derivatives of the loss by fourth-order differences of runs with steps of 2e-3, relative to each number."""
 
     def value(x):
         settings = dict(zip(NUMBERS[:2], map(float, x[:2])))
@@ -42,7 +42,7 @@ def differences(model):
 
 
 def test_grad_of_jax_is_that_of_differences():
-    """GR-29, A6: a loss through a run, with and without compilation, and the run's own gradient."""
+    """GR-29, A6: gradient of a loss through a run, with and without compilation, against the run's own gradient."""
     jax = pytest.importorskip("jax", reason="JAX is not installed: its gradients are compared where it is")
     jax.config.update("jax_enable_x64", True)
     model = damped()
@@ -66,7 +66,7 @@ def test_grad_of_jax_is_that_of_differences():
 
 
 def test_backward_of_torch_is_that_of_differences():
-    """GR-30: the same through PyTorch."""
+    """GR-30: the same with PyTorch."""
     torch = pytest.importorskip("torch", reason="PyTorch is not installed: its gradients are compared where it is")
     model = damped()
     function = fw.torch_function(model, NUMBERS, RESULTS, stop=0.08)
@@ -84,7 +84,7 @@ def test_backward_of_torch_is_that_of_differences():
 
 
 def test_rows_of_an_input_are_numbers():
-    """Rows of a torque over time through the latch: the derivatives of `Model.gradient`."""
+    """Rows of a torque over time through the latching: the derivatives of `Model.gradient`."""
     jax = pytest.importorskip("jax", reason="JAX is not installed: its gradients are compared where it is")
     jax.config.update("jax_enable_x64", True)
     wing = fw.load(WING)

@@ -20,7 +20,7 @@ def test_ten_lines_print_what_the_guide_says():
 
 
 def test_the_environment_is_one_of_gymnasium():
-    """Gymnasium's own check, and a damper that does better than none."""
+    """Gymnasium's environment check, and a damper that performs better than none."""
     sys.path.insert(0, "examples")
     from gymnasium.utils.env_checker import check_env
     from gymnasium_wing import GAIN, LatchedWing, returned
@@ -32,9 +32,10 @@ def test_the_environment_is_one_of_gymnasium():
 
 
 def test_the_ensemble_filter_converges():
-    """F-45, F-46. A constant load is found from the noise of the gauge, within the deviations of the ensemble; the gust is followed.
+    """F-45, F-46. A constant load is estimated from the noisy gauge, within the standard deviations of the ensemble; the gust is tracked.
 
-    Bounds are twice what four seeds give at most: 0.019 N of 0.3 N; in the gust 15.3 % of the deflection (a model without load: 100 %).
+    The bounds are twice the largest errors of four seeds: 0.019 N of 0.3 N; in the gust 15.3 % of the deflection (a model without load: 100
+    %).
     """
     sys.path.insert(0, "examples")
     from kalman_wing import estimate
@@ -44,7 +45,7 @@ def test_the_ensemble_filter_converges():
     off_N = constant.load_estimate_N[half:] - 0.3
     assert np.sqrt(np.mean(off_N**2)) < 0.04 and constant.covered() > 0.8
     assert np.mean(np.abs(off_N) <= 2.0 * constant.load_deviation_N[half:]) > 0.8
-    # the deviations are those of the walk between two windows, far below the 0.2 N of the start
+    # the deviations are those of the random walk between two windows, far below the 0.2 N of the start
     assert 0.01 < constant.load_deviation_N[half:].mean() < 0.03
     gust = estimate(24, 1)
     assert gust.tip_error() < 0.3 and gust.load_error_N() < 0.08
@@ -58,7 +59,8 @@ def test_notebooks_show_what_they_store(notebook):
 
 
 def test_a_torque_over_time_closes_the_latch_softly():
-    """GR-19. Twelve values already leave less than half of the peak strain, and the latch closes at the given time, to the search's 1e-4."""
+    """GR-19. Twelve values already reduce the peak strain to less than half, and the latch closes at the given time, to the search's
+    1e-4."""
     sys.path.insert(0, "examples")
     from soft_latch import LATCH, LATCH_S, land
 

@@ -1,4 +1,4 @@
-"""Figures in the house style and in units for people; tables of results in notebooks."""
+"""Figures in the common style and in display units; tables of results in notebooks."""
 
 import subprocess
 import sys
@@ -109,7 +109,7 @@ def test_frequency_responses_are_drawn(wing):
     assert np.allclose(np.exp(1j * np.radians(curves(phase)["tip.position.z"].get_ydata())), response[:, 0, 0] / np.abs(response[:, 0, 0]))
     assert gain.get_yscale() == gain.get_xscale() == "log" and phase.get_ylabel() == "phase (deg)"
     sampled = model.discretize(1e-3)
-    # at low frequencies the sampled model is the continuous one behind a hold of half a step
+    # at low frequencies the sampled model is the continuous one with a delay of half a step due to the hold
     slow = np.array([0.5, 1.0])
     hold = np.exp(-1j * np.pi * slow * 1e-3)
     assert np.allclose(sampled.frequency_response(slow)[:, 0, 0], model.frequency_response(slow)[:, 0, 0] * hold, rtol=1e-4)
@@ -165,7 +165,7 @@ def test_results_are_tables_in_notebooks(wing):
 
 
 def test_figures_without_matplotlib_name_the_package(tmp_path):
-    """The missing package is named as it can be installed."""
+    """The message names the missing package and how to install it."""
     (tmp_path / "matplotlib.py").write_text("raise ImportError('not here')\n")
     code = "import foldwing as fw; fw.load('examples/models/folding_wing.toml').simulate(0.01, outputs='fold.angle').plot()"
     done = subprocess.run([sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r}); {code}"], capture_output=True, text=True)

@@ -1,4 +1,4 @@
-"""Gradients of runs and identification: the numbers of the command, and numbers that are known."""
+"""Gradients of runs and identification: against the command, and for known parameters."""
 
 import json
 import subprocess
@@ -46,8 +46,8 @@ def test_gradient_is_that_of_the_command(command):
 
 
 def test_gradient_is_the_slope_of_runs_with_close_tolerance():
-    """At a tolerance of 1e-9 and with damping of the strains, without which fast axial motions ripple the results, differences of runs
-    have a plateau before the latch."""
+    """At a tolerance of 1e-9 and with damped strains, without which fast axial vibrations make the results fluctuate, differences of runs
+    are accurate before the latch."""
     damped = {f"file:body.{name}.stiffness_damping_s": 1e-4 for name in ("inner", "outer")}
     wing = fw.load(WING).with_values({"file:solver.tolerance": 1e-9, **damped})
     of, by = ["fold.angle@0.08", "gauge.root.strain@0.08", "tip.position.z@0.08"], ["fold.motor_damping", "file:mass.actuator.mass_kg"]
@@ -68,7 +68,8 @@ def test_gradient_is_the_slope_of_runs_with_close_tolerance():
 
 
 def test_relative_slopes_are_drawn():
-    """GR-31: the change in % for 1 % is that of differences, positive for a negative result that rises; the figure has a text per cell."""
+    """GR-31: the change in % for 1 % is that of differences, positive for a negative result that increases; the figure has a text per
+    cell."""
     pytest.importorskip("matplotlib", reason="Matplotlib is not installed: the figure is drawn where it is").use("Agg")
     found = fw.load(WING).gradient(["fold.latch_time", "min(gauge.root.strain)", "tip.position.y"], ["fold.motor_stiffness", "fold.external_torque"])
     assert found.relative.shape == (3, 2) and np.isnan(found.relative[2]).all() and np.isnan(found.relative[:, 1]).all()
@@ -129,8 +130,8 @@ TIMES = [round(0.01 * point, 2) for point in range(17)]
 
 
 def test_numbers_are_identified_within_their_standard_errors():
-    """Three numbers, 20 % off at the start, from two noisy columns with a gap and the latch time: chi squared per degree of freedom and
-    errors over standard errors are those of the noise (three standard errors)."""
+    """Three parameters, 20 % off at the start, from two noisy columns with a gap and the latch time: chi squared per degree of freedom, and
+    the errors relative to their standard errors, are consistent with the noise (three standard errors)."""
     wing = fw.load(WING)
     data = measured(wing, 1)
     start = {name: 1.2 * value for name, value in TRUTH.items()}
@@ -143,13 +144,13 @@ def test_numbers_are_identified_within_their_standard_errors():
         error = found.standard_errors[found.names.index(name)]
         assert abs(found[name] - value) < 3.0 * error < 0.1 * value, name
     assert np.allclose(np.diag(found.correlation), 1.0)
-    # the found model runs with the found settings and has the residuals
+    # the fitted model with the fitted settings reproduces the residuals
     again = found.model.gradient(found.measurements, settings=found.settings, stop=0.4)
     assert again.value("fold.latch_time") == pytest.approx(data["fold.latch_time"] + SIGMA["fold.latch_time"] * found.residuals[found.measurements.index("fold.latch_time")])
-    # without the noise's size it is estimated from what is left; bounds hold; a robust loss limits an outlier
+    # an unknown noise level is estimated from the residuals; bounds hold; a robust loss limits an outlier
     bounded = wing.fit({"time": data["time"], "fold.angle": data["fold.angle"]}, {"fold.motor_damping": (0.0, 7e-4)}, start={"fold.motor_damping": 6e-4})
     assert bounded["fold.motor_damping"] == pytest.approx(7e-4) and 0.0 < bounded.noise < 1.0
-    # steps stay in the ranges of the parameters: a damping does not become negative, whatever the measurements
+    # steps stay within the ranges of the parameters: a damping does not become negative, whatever the measurements
     quick = {"time": data["time"][:8], "fold.angle": data["fold.angle"][:8] - 0.05 * np.arange(8)}
     assert 0.0 <= wing.fit(quick, ["fold.motor_damping"], max_runs=10)["fold.motor_damping"] < 7e-4
     data["gauge.root.strain"][9] += 50.0 * SIGMA["gauge.root.strain"]
@@ -160,7 +161,8 @@ def test_numbers_are_identified_within_their_standard_errors():
 
 
 def test_a_direction_that_is_not_determined_is_named():
-    """Width and density of the plate enter mass and stiffness as products with the modulus: width up, density and modulus down."""
+    """Mass and stiffness of the plate contain only products with its width: width up with density and modulus down changes nothing, so the
+    three are not determined."""
     wing = fw.load(WING)
     free = ["file:section.plate.width_m", "file:section.plate.density_kg_m3", "file:section.plate.youngs_modulus_Pa", "fold.motor_damping"]
     data = measured(wing, 2)
@@ -195,7 +197,8 @@ def test_data_that_do_not_fit_are_refused():
 
 
 def hats(times, rows):
-    """Second integral at the end of each row's share, and the first: angle and rate of an arm of 1 kg·m² by its values."""
+    """Second integral of each row's contribution at the end, and the first: angle and rate of an arm of 1 kg·m² as functions of the row
+    values."""
     grid = np.linspace(times[0], times[-1], 200_001)
     step = grid[1] - grid[0]
     rates, angles = [], []
@@ -249,8 +252,8 @@ def test_locks_that_close_during_the_run_are_refused():
 
 
 def test_optimize_finds_the_optimum_of_a_linear_program():
-    """GR-18: an arm of 1 kg·m² without a spring turns as far as it can to rest within 1 s, by 9 values of a torque of at most 2 N·m: a linear
-    program in the values, solved by another method."""
+    """GR-18: the largest rest-to-rest rotation of an arm of 1 kg·m² without a spring within 1 s, by 9 values of a torque of at most 2 N·m:
+    a linear program in the values, solved by another method."""
     from scipy.optimize import linprog
 
     arm = fw.Model(ARM)
@@ -272,7 +275,7 @@ def test_optimize_finds_the_optimum_of_a_linear_program():
 
 
 def test_optimize_meets_a_constraint_of_the_latch_time():
-    """The least peak strain within a bound of the latch time: no number of 40 within the bounds is better, which also fulfils it."""
+    """The smallest peak strain with a bound on the latch time: none of 40 numbers within the bounds that also satisfies it is better."""
     wing = fw.load(WING)
     of, name = ["peak(gauge.root.strain)", "fold.latch_time"], "fold.motor_damping"
     found = wing.optimize(of[0], {name: (0.0, 2e-3)}, constraints={of[1]: (None, 0.15)}, tolerance=1e-8)
@@ -285,15 +288,15 @@ def test_optimize_meets_a_constraint_of_the_latch_time():
 
 
 def test_optimize_returns_the_best_point_when_the_runs_are_used_up():
-    """Not the start: its peak strain is 1.2 times that of the sixth run."""
+    """The result is the best run, not the start, whose peak strain is 1.2 times that of the sixth run."""
     found = fw.load(WING).optimize("peak(gauge.root.strain)", {"fold.motor_damping": (0.0, 2e-3)}, max_runs=6)
     assert not found.converged and found.runs == 6 and "max_runs=6 is reached" in found.message
     assert found.objective <= min(found.history) and found.objective < 0.9 * found.history[0]
 
 
 def test_optimize_goes_on_where_trials_fail():
-    """The latest closing of the latch by the damping of the motor: beyond it the latch is not reached within the run, and trials fail there. The
-    search ends near the limit, and is not called converged."""
+    """The latest closing of the latch as a function of the motor's damping: beyond it the latch is not reached within the run, and trials
+    fail there. The search ends near the limit, and is not reported as converged."""
     wing, name = fw.load(WING), "fold.motor_damping"
     found = wing.optimize({"fold.latch_time": -1.0}, {name: (0.0, 1.0)}, stop=0.3, max_runs=150)
     assert not found.converged and "trials fail beyond the best point: the run has no closing" in found.message, found.message
@@ -303,7 +306,7 @@ def test_optimize_goes_on_where_trials_fail():
 
 
 def test_fit_identifies_rows_of_an_input():
-    """A torque over time, and a number of the model beside it, from the motion that it causes."""
+    """A torque over time and a parameter of the model, identified from the motion that they cause."""
     wing = fw.load(WING)
     truth = {"time": [0.0, 0.04, 0.08], "fold.external_torque": [0.01, -0.005, 0.008]}
     times = np.linspace(0.005, 0.09, 18)

@@ -1,4 +1,4 @@
-"""Linear models: against the engine in time, against their own frequency responses, through python-control."""
+"""Linear models: against simulations, against their own frequency responses, through python-control."""
 
 import json
 import re
@@ -15,7 +15,7 @@ TORQUE, STRAIN, PATCH = "fold.external_torque", "gauge.root.strain", "load.inner
 
 
 def latched(wing):
-    """The wing at rest in its latch, from a moment on the inner wing to root strain and tip."""
+    """Linear model of the latched wing in equilibrium, from a moment on the inner wing to root strain and tip."""
     return wing.linearize(inputs=PATCH, outputs=[STRAIN, "tip.position.z"])
 
 
@@ -35,9 +35,9 @@ def test_a_model_says_which_wing_it_is_of(wing):
 
 
 def test_step_response_of_to_control_is_that_of_the_engine(wing):
-    """A moment on the inner wing, up and down so that its quadratic part cancels; its cubic part stays below 1e-7 of the
-    response. A step excites the fastest modes, up to 4e7 1/s: the engine follows what the strain shows of them with internal steps of
-    2 µs (at 4 µs 8e-7 are missing, at 1 µs 9e-8, with its own choice of steps 3e-5 at its smallest tolerance).
+    """A moment on the inner wing, up and down so that its quadratic part cancels; its cubic part stays below 1e-7 of the response. A step
+    excites the fastest modes, up to 4e7 1/s: internal steps of 2 µs resolve their effect on the strain (the error is 8e-7 at 4 µs, 9e-8 at
+    1 µs, and 3e-5 with error control at the smallest tolerance).
     """
     model = wing.linearize(inputs=PATCH, outputs=[STRAIN, "tip.position.z"])
     system = model.to_control()
@@ -57,7 +57,7 @@ def test_step_response_of_to_control_is_that_of_the_engine(wing):
 
     engine = np.zeros((2, len(times)))
     engine[:, 1:] = (run(amount) - run(-amount)) / (2 * amount)
-    # the strain answers to the torque at once, through D
+    # the strain responds to the torque at once, through D
     error = np.abs(engine[:, 1:] - response.outputs[:, 0, 1:]).max(axis=1) / np.abs(engine).max(axis=1)
     print(f"step response against the engine: {error}")
     assert error.max() < 1e-6
@@ -110,7 +110,8 @@ def test_the_command_reduces_alike(wing, command, tmp_path):
 
 
 def test_a_band_keeps_the_slow_modes(wing):
-    """In a band the error is the one that is stated, at frequencies in between too; without one the omitted modes are reported."""
+    """In a frequency band the error is the reported one, also between sampled frequencies; without a band the omitted modes are
+    reported."""
     model = wing.linearize(inputs="fold.external_torque", outputs=[STRAIN, "tip.position.z", "tip.acceleration.z"])
     band = model.reduce(12, max_frequency_Hz=40.0)
     assert len(band.A) <= 12 and band.error_bound is None and band.accuracy.error.shape == (3, 1)
@@ -153,8 +154,8 @@ def test_statics_and_modes_are_those_of_the_command(wing, command):
 
 
 def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
-    """With the air of a lattice the model has its step; a gust is an input by its names and prefix; reductions keep the step and their
-    bound; modes are refused without an option of the command line."""
+    """With a lattice the model has the aerodynamic step; a gust is an input by its names or prefix; reductions preserve the step and their
+    error bound; modes are rejected without an option of the command line."""
     text = open("examples/models/folding_wing_in_tunnel.toml").read()
     for old, new in [
         ("strips = 10", "strips = 3"),
@@ -192,7 +193,7 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
         assert off <= small.error_bound * (1 + 1e-6), frequency_1_s
     with pytest.raises(fw.FoldwingError, match="balanced truncation only, not by modal truncation"):
         whole.reduce(4, method="modal")
-    # for a band: the error is the one that it says, at frequencies in between too
+    # for a band: the error is the reported one, also between sampled frequencies
     band = whole.reduce(10, max_frequency_Hz=30.0)
     assert band.dt == whole.dt and len(band.A) <= 10 and band.error_bound is None
     frequencies_1_s = 2.0 * np.pi * np.linspace(0.0, 30.0, 77)
@@ -206,7 +207,8 @@ def test_a_lattice_is_linear_in_discrete_time(tmp_path, command):
 
 
 def test_gusts_are_inputs_with_strips(tmp_path, command):
-    """The columns of a uniform gust are those of the command; alone, by prefix, and without linear aerodynamics an error that names what has them."""
+    """The columns of a uniform gust are those of the command; selected alone, by prefix, and without linear aerodynamics an error that
+    names the supported models."""
     goland = fw.load("examples/models/goland_wing.toml")
     file = tmp_path / "goland.json"
     words = ["linearize", "examples/models/goland_wing.toml", "--inputs", "gust.z,wind.velocity.z", "--outputs", "tip.position", "-o", file, "--quiet"]

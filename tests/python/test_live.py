@@ -1,4 +1,4 @@
-"""A live simulation from Python: the page starts at the state of the simulation, in a process that ends with it."""
+"""A live simulation from Python: the page starts from the state of the simulation, in a process that ends with the block."""
 
 import json
 import re
@@ -19,7 +19,7 @@ def page(address):
 
 
 def test_a_view_begins_at_the_present_state(wing):
-    """Inputs, parameters and time of the page are those of the simulation, which does not change; the process ends with the block."""
+    """Inputs, parameters and time of the page are those of the simulation, which is unaffected; the process ends with the block."""
     sim = wing.start()
     sim["fold.motor_damping"] = 0.002
     sim["load.outer[4].force.z"] = -0.1
@@ -30,7 +30,7 @@ def test_a_view_begins_at_the_present_state(wing):
         text = page(shown.address)
         live = json.loads(re.search(r'class="live">(.*?)</script', text)[1])
         assert live["speed"] == 0.5
-        # a slider reaches to twice the size of the value
+        # the range of a slider is twice the magnitude of the value
         sliders = {one["name"]: one["slider"] for one in live["controls"]}
         assert sliders["load.outer[4].force.z"] == [-0.2, 0.2]
         assert sliders["fold.motor_damping"][1] == 0.004
@@ -46,7 +46,7 @@ def test_a_view_begins_at_the_present_state(wing):
 
 
 def test_wrong_arguments_are_refused(wing):
-    """A taken port, and numbers out of range, by the name of the argument."""
+    """An occupied port, and numbers out of range: the error names the argument."""
     sim = wing.start()
     for arguments, message in [({"port": 70000}, "port=70000: must be from 0 to 65535"), ({"speed": 0.0}, "speed=0.0: must be from 0.001 to 100"),
                                ({"speed": float("nan")}, "speed=nan: must be from 0.001")]:

@@ -1,4 +1,4 @@
-"""The package as a whole: sweeps, FMUs, the command inside, documentation, types, contents of the wheel."""
+"""The package as a whole: sweeps, FMUs, the included command, documentation, types, contents of the wheel."""
 
 import csv
 import doctest
@@ -52,7 +52,7 @@ def test_fmus_are_those_of_the_command(wing, command, tmp_path):
 
 
 def test_fmus_of_every_kind_are_those_of_the_command(wing, command, tmp_path):
-    """Version, interface types and form of the variables, with the command's bytes and its refusals."""
+    """Version, interface types and form of the variables give the same bytes as the command, and the same errors."""
     kinds = [
         (dict(fmi=3), ["--fmi", "3"]),
         (dict(interface="me"), ["--interface", "me"]),
@@ -63,7 +63,7 @@ def test_fmus_of_every_kind_are_those_of_the_command(wing, command, tmp_path):
         wing.package(ours, reference=False, **given)
         subprocess.run([command, "package", MODEL, "-o", theirs, "--no-reference", "-q", *words], check=True)
         assert ours.read_bytes() == theirs.read_bytes(), given
-    # reference results belong to FMI 2.0; asked for with 3 they are left out, as in the command
+    # reference results are for FMI 2.0; with FMI 3.0 they are omitted, as in the command
     wing.package(tmp_path / "c.fmu", fmi=3)
     assert (tmp_path / "c.fmu").read_bytes() == (tmp_path / "a0.fmu").read_bytes()
     for given, words in [
@@ -102,7 +102,7 @@ def test_the_command_is_inside(tmp_path):
     subprocess.run([foldwing, "package", MODEL, "-o", tmp_path / "w.fmu", "--no-reference"], check=True)
     with zipfile.ZipFile(tmp_path / "w.fmu") as archive:
         assert any(name.startswith("binaries/") for name in archive.namelist())
-    # models to start from come with it
+    # it includes the templates
     subprocess.run([foldwing, "new", tmp_path / "plane.toml", "--template", "aircraft", "-q"], check=True)
     subprocess.run([foldwing, "examples", "turbine/nrel_5mw_wind.toml", "-o", tmp_path / "try", "-q"], check=True)
     assert fw.load(tmp_path / "plane.toml").name == "plane"
@@ -146,7 +146,8 @@ def test_arguments_of_wrong_types_are_named_with_what_is_allowed():
 
 
 def test_numbers_of_other_libraries_are_numbers():
-    """What an argument accepts is what converts to it: scalars of NumPy and pandas, integers for reals, arrays and ranges for several."""
+    """Arguments accept values that convert to their type: scalars of NumPy and pandas, integers for reals, arrays and ranges for
+    several."""
     model = fw.load(MODEL)
     held = {"fold.release": False}
     expected = model.modes(2, settings=held).frequency_Hz
@@ -161,7 +162,7 @@ def test_numbers_of_other_libraries_are_numbers():
 
 
 class Unwrapped(doctest.DocTestFinder):
-    """Finds the examples of functions whose arguments are checked: the checking functions around them are of another module."""
+    """Finds the examples of functions with checked arguments: the functions that wrap them are from another module."""
 
     def _from_module(self, module, object):
         return super()._from_module(module, inspect.unwrap(object))
@@ -181,7 +182,7 @@ def test_examples_of_the_documentation_work():
 
 
 def test_stubs_are_those_of_the_module():
-    """Every name of the native part is in its stub, and the other way round."""
+    """Every name of the native part is in its stub, and vice versa."""
     import ast
 
     import foldwing._native as native

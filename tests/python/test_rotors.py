@@ -1,4 +1,4 @@
-"""Rotors: periodic steady states, operating points; the numbers of the command."""
+"""Rotors: periodic steady states and operating points, against the command."""
 
 import json
 import subprocess
@@ -78,6 +78,6 @@ def test_linear_models_have_the_states_of_wake_and_stall(tmp_path):
     (tmp_path / "rotor.toml").write_text('name = "rotor"\n' + blade + air)
     model = fw.load(tmp_path / "rotor.toml").linearize("start", inputs="wind.velocity.x", outputs="rotor.thrust")
     names = [state.name for state in model.states if ".station[" in state.name]
-    # neither root nor tip carries a load
+    # neither root nor tip has an aerodynamic load
     assert len(names) == 8 and "blade.station[2].attachment" in names and model.D[0, 0] > 0.0
     assert np.linalg.eigvals(model.A).real.max() < 100.0

@@ -1,4 +1,4 @@
-"""Runs: the bits of the command, inputs of every form, exceptions with its words, Ctrl-C."""
+"""Runs: bit-identical to the command, inputs of every form, exceptions with the command's messages, Ctrl-C."""
 
 import csv
 import pickle
@@ -20,7 +20,7 @@ COLUMNS = ["fold.angle", "gauge.root.strain", "fold.latched"]
 
 
 def of_command(command, tmp_path, *options):
-    """Columns that the command writes."""
+    """Columns written by the command."""
     out = tmp_path / "out.csv"
     named = [word for name in COLUMNS for word in ("--variables", name)]
     subprocess.run([command, "simulate", MODEL, "--csv", out, "-q", *named, *options], check=True)
@@ -37,8 +37,8 @@ def test_a_run_has_the_bits_of_the_command(wing, command, tmp_path):
 
 
 def test_inputs_of_every_form_act_alike(wing, command, tmp_path):
-    """A mapping of arrays and a DataFrame have the bits of the command with the same CSV; functions sampled at the same points
-    those of each other."""
+    """Results with a mapping of arrays and with a DataFrame are bit-identical to the command with the same CSV; functions sampled at the
+    same points are bit-identical to each other."""
     times = np.array([0.0, 0.013, 0.05, 0.2])
     pull, free = np.array([0.0, -0.02, 0.05, 0.01]), np.array([0, 1, 1, 1])
     table = tmp_path / "in.csv"
@@ -66,7 +66,7 @@ def test_inputs_of_every_form_act_alike(wing, command, tmp_path):
 
 
 def test_a_controller_is_a_loop_over_steps(wing):
-    """The function reads the machine as it starts: the first action too is that of the loop by hand, to the bit."""
+    """The function reads the machine at its start: with it also the first action is bit-identical to that of a manual loop."""
     names = ["fold.angle", "fold.angular_velocity", "tip.position"]
     seen = []
 
@@ -87,7 +87,7 @@ def test_a_controller_is_a_loop_over_steps(wing):
 
 
 def test_messages_name_keywords_and_not_options(wing):
-    """The messages of the command for its options have the arguments of the functions here."""
+    """The messages of the command about its options name the arguments of the functions here."""
     refused = [
         (fw.UsageError, "^stop=-1", lambda: wing.simulate(stop=-1.0)),
         (fw.UsageError, "^step=0", lambda: wing.simulate(step=0.0)),
@@ -102,7 +102,7 @@ def test_messages_name_keywords_and_not_options(wing):
 
 
 def test_a_loop_is_the_run(wing):
-    """Stepping by hand, from saved states, in steps or at once."""
+    """Stepping manually, from saved states, in steps or at once."""
     run = wing.simulate(stop=0.25, outputs=["fold.angle", "fold.latch_time", "tip.position"])
     sim = wing.start()
     states = {}
@@ -156,7 +156,7 @@ def test_a_summary_has_the_warnings_of_the_command():
 
 def test_settings_take_degrees_and_name_keys_of_the_file(wing):
     degrees, radians = (wing.simulate(0.01, settings={"fold.start_angle": start}) for start in ("60 deg", math.pi / 3))
-    # 180/pi rounds otherwise
+    # 180/pi rounds differently
     assert abs(degrees["fold.angle"] - radians["fold.angle"]).max() < 1e-15
     for name, value, words in [
         ("fold.start_angle", "60 mm", "'mm' is not one of its units; allowed: rad and deg"),
@@ -176,7 +176,7 @@ def test_refusals_have_the_words_of_the_command(command, tmp_path):
     said = subprocess.run([command, "check", file], capture_output=True, text=True).stderr
     with pytest.raises(fw.ModelError) as refused:
         fw.load(file)
-    # the command sets the words around an excerpt of the file
+    # the command formats the message around an excerpt of the file
     pieces = str(refused.value).split("; ")
     assert len(pieces) == 3 and all(piece in said for piece in pieces), said
     line, key, words = refused.value.problems[0]
@@ -187,7 +187,7 @@ def test_refusals_have_the_words_of_the_command(command, tmp_path):
 
 
 def test_a_model_takes_the_files_that_it_names_with_it(command, tmp_path):
-    """Polars are read from the model's own folder, and travel with the model into pickles and FMUs."""
+    """Polars are read from the model's folder, and are included in pickles and FMUs of the model."""
     folder = Path("examples/turbine")
     (tmp_path / "polars").mkdir()
     for polar in (folder / "polars").iterdir():
@@ -270,7 +270,7 @@ def test_results_go_where_they_are_wanted(wing, tmp_path):
 
 
 def test_films_are_decoded_with_their_length(wing, tmp_path, command):
-    """The GIF by Pillow, the MP4 by FFmpeg where PyAV is installed: pictures, length, size, and the wing in the last picture."""
+    """The GIF by Pillow, the MP4 by FFmpeg if PyAV is installed: pictures, length, size, and the wing in the last picture."""
     from PIL import Image
 
     run = wing.simulate(stop=0.2, outputs=["fold.angle"])
@@ -289,7 +289,7 @@ def test_films_are_decoded_with_their_length(wing, tmp_path, command):
     assert len(exact.files) == 21
     with Image.open(exact.files[-1]) as image:
         drawn = np.asarray(image.convert("RGB"), dtype=float)
-    # 255 colours for the film: a few per cent where colours are rare
+    # 255 colours for the film: a few per cent error for rare colours
     assert np.abs(shown - drawn).mean() < 1.0 and (drawn < 250).any(axis=2).mean() > 0.02
     subprocess.run([command, "render", "examples/models/folding_wing.toml", "--stop", "0.2", "--video", tmp_path / "same.gif",
                     "--size", "320x180", "--fps", "10", "--speed", "0.1", "--camera", "side,fixed"], check=True, capture_output=True)  # fmt: skip
@@ -311,7 +311,7 @@ def test_films_are_decoded_with_their_length(wing, tmp_path, command):
 
 @pytest.fixture
 def interruptible():
-    """SIGINT raises KeyboardInterrupt however the tests were started: `nohup make test &` ignores it, and Python leaves it so."""
+    """SIGINT raises KeyboardInterrupt however the tests were started: `nohup make test &` ignores it, and Python does not change this."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -329,7 +329,7 @@ def test_ctrl_c_ends_whatever_lasts(wing, interruptible):
         lambda: turbine.operating_points(np.linspace(4.0, 10.0, 5000), speed_rpm=9.0, steps=144),
         lambda: turbine.campbell(np.linspace(0.0, 10.0, 5000), undeformed=True),
     ):
-        # a signal after the end of the work would hit pytest
+        # a signal after the end of the work would interrupt pytest
         working = threading.Event()
         working.set()
         sent = []
@@ -350,12 +350,12 @@ def test_ctrl_c_ends_whatever_lasts(wing, interruptible):
         finally:
             timer.cancel()
             timer.join()
-        # of the processor: how long the work goes on, whatever else the machine does
+        # processor time: how long the work continues, whatever the load of the computer
         assert time.process_time() - sent[0] < 5.0
 
 
 def test_threads_run_beside_each_other(wing):
-    """The interpreter is released: two threads make two runs while a third counts."""
+    """The interpreter lock is released: two threads simulate while a third counts."""
     counted = []
     stop = threading.Event()
 
@@ -396,7 +396,7 @@ def test_models_from_code(wing):
 
 
 def test_vectors_are_start_values(wing):
-    """The name of a vector stands for its components in every function with `settings`."""
+    """The name of a vector represents its components in every function with `settings`."""
     vector = {"gravity": [0.0, 0.0, -1.62]}
     parts = {"gravity.x": 0.0, "gravity.y": 0.0, "gravity.z": -1.62}
     runs = [wing.simulate(0.02, outputs="tip.position", settings=given)["tip.position"] for given in (vector, parts, {})]
@@ -418,11 +418,11 @@ def test_vectors_are_start_values(wing):
 
 
 def test_steps_keep_the_pace(wing, monkeypatch):
-    """Paced steps return on a schedule of their own, make up for late ones, and change no result."""
+    """Paced steps return on a fixed schedule, make up for late steps, and do not change results."""
     import foldwing.simulation as module
 
     class Clock:
-        """A clock on which a step of the simulation takes `cost_s`."""
+        """A clock for which a step of the simulation takes `cost_s`."""
 
         now_s, cost_s = 100.0, 0.0
 
@@ -437,20 +437,20 @@ def test_steps_keep_the_pace(wing, monkeypatch):
     sim, plain = wing.start(), wing.start()
     sim.step(0.01, speed=1.0)
     assert clock.now_s == pytest.approx(100.01, abs=1e-12) and sim.late_s == 0.0
-    # half speed begins a new schedule
+    # half speed starts a new schedule
     sim.step(0.01, speed=0.5)
     assert clock.now_s == pytest.approx(100.03, abs=1e-12)
-    # other work between two steps comes off the wait
+    # other work between two steps shortens the wait
     clock.now_s += 0.015
     sim.step(0.01, speed=0.5)
     assert clock.now_s == pytest.approx(100.05, abs=1e-12) and sim.late_s == 0.0
-    # a late step waits for nothing, and the next one is in time again
+    # a late step does not wait, and the next one is on time again
     clock.now_s += 0.03
     sim.step(0.01, speed=0.5)
     assert clock.now_s == pytest.approx(100.08, abs=1e-12) and sim.late_s == pytest.approx(0.01, abs=1e-12)
     sim.step(0.01, speed=0.5)
     assert clock.now_s == pytest.approx(100.09, abs=1e-12) and sim.late_s == 0.0
-    # a step without pace ends the schedule, a restored state begins another one
+    # a step without pace ends the schedule, a restored state starts another one
     state = sim.save()
     sim.step(0.01)
     clock.now_s += 5.0

@@ -1,4 +1,4 @@
-"""Statics, modes, flutter and trim: the numbers of the command."""
+"""Statics, modes, flutter and trim, against the command."""
 
 import json
 import pickle
@@ -23,7 +23,7 @@ def test_flutter_is_that_of_the_command(command):
     assert found.data == theirs
     assert found.flutter_m_s.tolist() == [flutter["speed_m_s"] for flutter in theirs["flutter"] if flutter["begins"]]
     assert found.eigenvalues_1_s.shape == (len(found.speed_m_s), 3) and set(found.speed_m_s) >= {125.0, 135.0, 145.0}
-    # the second mode grows from the speed of flutter on, and only there
+    # the second mode grows above the flutter speed, and only there
     growing = found.damping_ratio[:, 1] < 0.0
     assert np.array_equal(growing, found.speed_m_s > found.flutter_m_s[0])
     assert found.frequency_Hz[0, 0] == pytest.approx(abs(found.eigenvalues_1_s[0, 0]) / (2.0 * np.pi), rel=1e-15)
@@ -115,7 +115,8 @@ def test_what_cannot_be_asked_is_refused_by_name(wing):
 
 
 def test_progress_is_reported(monkeypatch):
-    """Studies report the share that is done, which rises to 1. How often depends on the machine: the longest ones more than once."""
+    """Studies report the completed fraction, which rises to 1. The number of reports depends on the computer: the longest studies give more
+    than one."""
     import foldwing.model
     import foldwing.rotor
     from contextlib import contextmanager
@@ -159,7 +160,8 @@ def test_campbell_diagrams_are_those_of_the_command(command):
 
 
 def test_equilibria_have_the_warnings_of_the_command(tmp_path):
-    """A pendulum that hangs at 90 deg beside its latch at 120 deg: `static` and `trim` name the open latch, and nothing with the latch off."""
+    """A pendulum in equilibrium at 90 deg, away from its latch at 120 deg: `static` and `trim` report the open latch, and nothing with the
+    latch disabled."""
     path = tmp_path / "pendulum.toml"
     path.write_text(
         'name = "Pendulum"\ngravity_m_s2 = [0.0, 0.0, -9.81]\n[rigid_body.arm]\nmass_kg = 1.0\ninertia_kg_m2 = [0.01, 0.1, 0.1, 0.0, 0.0, 0.0]\n'

@@ -1,4 +1,4 @@
-"""The tutorial: its model and script are the shipped ones, what it prints is what the page says, the same wing without a file."""
+"""The tutorial: its model and script are the shipped ones, the output is the one on the page, and the same wing without a file."""
 
 import re
 import shutil
@@ -23,7 +23,7 @@ def test_the_page_shows_the_shipped_files():
 
 
 def test_the_feedback_reduces_the_strain_as_the_page_says(tmp_path):
-    """TU-01. The line that the script prints is the page's."""
+    """TU-01. The line printed by the script is that of the page."""
     for file in FOLDER.iterdir():
         shutil.copy(file, tmp_path)
     done = subprocess.run([sys.executable, "alleviate_gust.py"], cwd=tmp_path, capture_output=True, text=True)
@@ -40,7 +40,7 @@ def test_the_wing_without_a_file_is_that_of_the_page(tmp_path):
 
 
 def test_figures_of_the_page():
-    """TU-03. Speed of level flight, state there, latch times of the sweep, flutter: as printed on the page."""
+    """TU-03. Speed of level flight, the state there, latch times of the sweep, flutter: as printed on the page."""
     wing = fw.load(FOLDER / "sketch.toml")
     deployed = {"fold1.start_angle": 0.0, "fold2.start_angle": 0.0}
     trim = wing.trim("wind.velocity.y", {"root.force.z": 41.2}, settings=deployed)

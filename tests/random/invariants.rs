@@ -13,34 +13,34 @@ use foldwing::plant::{Holding, Hybrid, Outputs, Plant, Snapshot};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::sync::Arc;
 
-/// A run of the machine as drawn, or none if it is refused.
+/// A run of the machine in its original view; `None` if it is rejected.
 fn plain(model: &Model) -> Option<Vec<Outputs>> {
     machine(model, &View::plain()).and_then(start).and_then(|plant| run(plant, model, &View::plain(), 1)).ok()
 }
 
-/// A machine in another view against the machine as drawn. Both take the same steps but for round-off, which Newton's iteration and
-/// the motion carry on.
+/// A machine in another view against the original machine. Both take the same steps except for round-off, which Newton's iteration and the
+/// motion amplify.
 pub fn seen_otherwise(model: &Model, view: &View) -> Verdict {
-    // turbulence of a seed is not symmetric
+    // seeded turbulence is not symmetric
     if view.mirror && model.has("wind.turbulence") {
         return Verdict::Silent;
     }
-    // copies in a mirror are numbered the other way round: the second of three is the third
+    // copies in the mirror image are numbered in the opposite order: the second of three becomes the third
     if view.mirror && model.copies().is_some_and(|count| count > 2) {
         return Verdict::Silent;
     }
-    // with the file's own tolerance most agree to 1e-10; Newton's iteration may leave 1e-8 of its own, and accelerations of stiff parts
-    // show it
+    // at the file's tolerance most agree to 1e-10; Newton's iteration may leave errors of 1e-8, which appear in the accelerations of stiff
+    // parts
     match seen_otherwise_with(model, view, None, 1e-7) {
         Verdict::Holds => {}
         verdict => return verdict,
     }
-    // forces of loops are gaps of 1e-16 m times a stiffness of 1e5 N/m, which light sections answer
+    // forces of loops are gaps of 1e-16 m times a stiffness of 1e5 N/m, to which light sections respond
     let bound = if model.has("loop") { 1e-8 } else { 1e-9 };
     match seen_otherwise_with(model, view, Some(1e-11), bound) {
-        // where iterations cannot reach round-off
+        // if iterations cannot reach round-off
         Verdict::Silent | Verdict::Holds => Verdict::Holds,
-        // what iterations have left falls with their tolerance
+        // the error of the iterations falls with their tolerance
         Verdict::Broken(why) => match seen_otherwise_with(model, view, Some(1e-13), bound) {
             Verdict::Holds => Verdict::Holds,
             Verdict::Silent | Verdict::Broken(_) => Verdict::Broken(why),
@@ -48,7 +48,7 @@ pub fn seen_otherwise(model: &Model, view: &View) -> Verdict {
     }
 }
 
-/// The same with the file's solver, or with fixed steps and iterations that leave no more than round-off.
+/// The comparison with the file's solver, or with fixed steps and iterations to round-off.
 fn seen_otherwise_with(model: &Model, view: &View, tolerance: Option<f64>, bound: f64) -> Verdict {
     let of = |view: &View| {
         let mut machine = machine(model, view)?;
@@ -63,13 +63,13 @@ fn seen_otherwise_with(model: &Model, view: &View, tolerance: Option<f64>, bound
         Ok((outputs, plant.statistics()))
     };
     let Ok(parsed) = of(&View::plain()) else { return Verdict::Silent };
-    // a row of masses without moments of inertia may turn about itself by round-off alone
+    // a row of masses without moments of inertia can rotate about itself due to round-off
     let spins = |body: &Body| body.is_modal() && matches!(body.joint.kind, JointKind::Spatial(_));
     if parsed.bodies.iter().any(spins) {
         return Verdict::Silent;
     }
     let Ok::<_, String>((here, own)) = run_of(parsed.clone(), &View::plain()) else { return Verdict::Silent };
-    // iterations to round-off may end for either view: the file's own are compared before
+    // iterations to round-off may fail for either view: those of the file were compared before
     let exact = tolerance.is_some();
     let other: Machine = match of(view) {
         Ok(other) => other,
@@ -87,7 +87,7 @@ fn seen_otherwise_with(model: &Model, view: &View, tolerance: Option<f64>, bound
     } else if own.failures == 0 {
         return Verdict::Broken(format!("{steps:?} steps and failures, {other_steps:?} in another view"));
     } else {
-        // where Newton's iteration gives up round-off may decide, and other steps follow: within what the tolerance leaves
+        // if Newton's iteration fails, round-off may decide this, and other steps follow: compare within the tolerance
         let mut looser = parsed.clone();
         looser.solver.tolerance *= 1.1;
         match run_of(looser, &View::plain()) {
@@ -98,7 +98,7 @@ fn seen_otherwise_with(model: &Model, view: &View, tolerance: Option<f64>, bound
     if off < bound { Verdict::Holds } else { Verdict::Broken(format!("{off:.1e}, {what}")) }
 }
 
-/// Differences of runs with other steps, over that of two runs whose tolerances are a tenth apart.
+/// Allowed difference of runs with different steps, relative to that of two runs whose tolerances differ by a factor of ten.
 const SAME_TOLERANCE: f64 = 10.0;
 
 /// Fixed steps, and iterations to a given tolerance, whatever the solver settings of the file.
@@ -111,8 +111,8 @@ fn exactly(machine: &mut Machine, tolerance: f64) {
     }
 }
 
-/// Drift of the account over the largest energy that is exchanged, or that bodies and springs store: what the tolerance leaves of strains is
-/// a share of that.
+/// Drift of the energy balance relative to the largest energy that is exchanged, or stored in bodies and springs: the error of strains at a
+/// tolerance is a fraction of it.
 fn drift(outputs: &[Outputs]) -> f64 {
     let account = |outputs: &Outputs| {
         let energy = outputs.energy();
@@ -138,8 +138,8 @@ fn by_tolerance(machine: &mut Machine, tolerance: f64) {
     machine.solver = Solver { tolerance, method: Method::Esdirk4, max_step_s, ..Solver::default() };
 }
 
-/// The account is closed to ten tolerances, or to what the tolerance leaves: then a tighter one closes it further. A power that is booked
-/// wrongly stays. By the method of fourth order, for which tight tolerances are cheap: the account does not depend on the method.
+/// The energy balance closes to ten tolerances, or to the discretisation error: then a tighter tolerance reduces it. An error in a power
+/// would remain. Uses the fourth-order method, for which tight tolerances are cheap: the balance does not depend on the method.
 pub fn energy(model: &Model) -> Verdict {
     let at = |tolerance: f64| {
         let mut machine = machine(model, &View::plain())?;
@@ -154,8 +154,8 @@ pub fn energy(model: &Model) -> Verdict {
     if coarse < 10.0 * tolerance {
         return Verdict::Holds;
     }
-    // a method of fourth order gains a factor of 1000 from tolerances that much tighter, less where the largest step allowed has bounded
-    // the error before, where steps pass corners of a table, or where stiff strains begin to move; 1e-7 is what round-off leaves of these
+    // a method of fourth order gains a factor of 1000 from tolerances that much tighter, less if the maximum step bounded the error before,
+    // if steps pass corners of a table, or if stiff strains start to move; 1e-7 is the effect of round-off on these
     let gain = if model.tables.iter().any(|table| table.has("table_rpm_N_m")) { 0.3 } else { 0.1 };
     let mut found = String::new();
     for share in [1e-4, 1e-6] {
@@ -168,7 +168,7 @@ pub fn energy(model: &Model) -> Verdict {
     Verdict::Broken(format!("the account drifts by {coarse:.1e} at a tolerance of {tolerance:.0e}{found}"))
 }
 
-/// Going back from later, going on elsewhere, and beginning again.
+/// Rollback, continuation in another instance, and reinitialisation.
 pub fn states(model: &Model) -> Verdict {
     let view = View::plain();
     let Some(outputs) = plain(model) else { return Verdict::Silent };
@@ -179,7 +179,7 @@ pub fn states(model: &Model) -> Verdict {
         plant
     };
     let same = |plant: &Plant, at: usize, what: &str| {
-        // switches and all: the very bits
+        // bit-identical, switches included
         let (found, expected) = (plant.outputs(), &outputs[at]);
         let bits = |outputs: &Outputs| outputs.values().iter().map(|value| value.to_bits()).collect::<Vec<_>>();
         (bits(found) != bits(expected)).then(|| format!("{what}, at {} s", expected.time_s))
@@ -196,7 +196,7 @@ pub fn states(model: &Model) -> Verdict {
         None
     };
     let mut plant = fresh();
-    // everywhere between the events that a machine has, and with the integrator ahead in the midst of its step
+    // everywhere between the events of a machine, also with the integrator ahead in the middle of a step
     let [first, second] = [STEPS / 3, 2 * STEPS / 3];
     let mut saved = Vec::new();
     for step in 0..STEPS {
@@ -210,7 +210,7 @@ pub fn states(model: &Model) -> Verdict {
             return Verdict::Broken(broken);
         }
     }
-    // every step is taken, taken back and taken again: whatever happens inside, an event has come and gone in between
+    // every step is taken, undone and repeated: for any event inside, it has occurred and been undone
     let mut undone = fresh();
     for step in 0..STEPS {
         let before = undone.snapshot();
@@ -265,12 +265,12 @@ pub fn states(model: &Model) -> Verdict {
     }
 }
 
-/// The integrator runs ahead of the caller. With changed inputs it does not, so none changes here.
+/// The integrator runs ahead of the communication points. With changed inputs it does not, so inputs are constant here.
 pub fn communication(model: &Model) -> Verdict {
     let model = &Model { actions: Vec::new(), ..model.clone() };
     let Some(here) = plain(model) else { return Verdict::Silent };
     let parsed = machine(model, &View::plain()).expect("it ran");
-    // steps of a fixed length divide the communication step: shorter ones are another run
+    // fixed steps divide the communication step: shorter communication steps give a different run
     if parsed.solver.fixed_step_s.is_some() {
         return Verdict::Silent;
     }
@@ -284,7 +284,7 @@ pub fn communication(model: &Model) -> Verdict {
     }
 }
 
-/// Read twice, and read from the same tables as JSON, as the package for Python hands them over.
+/// A file read twice, and read from the same tables as JSON, as passed by the Python package.
 pub fn files(model: &Model) -> Verdict {
     let text = model.text(&View::plain());
     let Ok(machine) = config::parse(&text, "machine.toml") else { return Verdict::Silent };
@@ -299,13 +299,13 @@ pub fn files(model: &Model) -> Verdict {
     }
 }
 
-/// Velocity of the other frame in m/s: along the ground of a lattice, so that the ground stays.
+/// Velocity of the other frame in m/s: along the ground of a lattice, so that the ground is unchanged.
 const FRAME_M_S: Vector3<f64> = Vector3::new(4.0, -2.5, 0.0);
 
-/// A machine that flies, in air or without, against the same one seen from a frame that moves uniformly.
+/// A flying machine, with or without aerodynamics, against the same one in a uniformly moving frame.
 pub fn galilei(model: &Model) -> Verdict {
     let Ok(parsed) = machine(model, &View::plain()) else { return Verdict::Silent };
-    // what stands still in the root frame would move
+    // parts fixed in the root frame would move
     let on_root = parsed.bodies.iter().filter(|body| matches!(body.joint.parent, Parent::Root { .. })).count();
     let turns = model.actions.iter().any(|action| matches!(action.doing, Doing::RootSpin(..)));
     let flies = parsed.spatials().any(|(_, spatial)| spatial.freedom == SpatialFreedom::Free);
@@ -328,7 +328,7 @@ pub fn galilei(model: &Model) -> Verdict {
         Ok(there) => there,
         Err(error) => return Verdict::Broken(format!("stops in a frame that moves along: {error}")),
     };
-    // the tolerances are shares of the wing's length; Newton's iteration leaves a hundredth of them
+    // the tolerances are fractions of the wing's length; the error of Newton's iteration is a hundredth of them
     let bound = if model.says("free_wake") { 1e-4 } else { 1e-6 };
     let mut worst = (0.0, String::new());
     let mut see = |off: f64, size: f64, what: String| {
@@ -358,7 +358,7 @@ fn slopes(hybrid: &mut Hybrid<'_>, time_s: f64, x: &[f64]) -> Option<DVector<f64
     Some(f)
 }
 
-/// Implicit midpoint rule on the hybrid system over a span, with a Jacobian of differences from its begin.
+/// Implicit midpoint rule for the hybrid system over a span, with a Jacobian by differences at its start.
 fn integrated(hybrid: &mut Hybrid<'_>, begin: &[f64], begin_s: f64, span_s: f64, parts: usize) -> Option<Vec<f64>> {
     let n = begin.len();
     let step_s = span_s / parts as f64;
@@ -375,7 +375,7 @@ fn integrated(hybrid: &mut Hybrid<'_>, begin: &[f64], begin_s: f64, span_s: f64,
     let mut f = base;
     for part in 0..parts {
         let middle_s = begin_s + step_s * (part as f64 + 0.5);
-        // the simplified Newton iteration gains a factor of a hundred each time over spans this short
+        // the simplified Newton iteration gains a factor of a hundred per iteration over spans this short
         for iteration in 0..12 {
             let middle = &x + &f * (0.5 * step_s);
             let off = slopes(hybrid, middle_s, middle.as_slice())? - &f;
@@ -396,17 +396,17 @@ fn integrated(hybrid: &mut Hybrid<'_>, begin: &[f64], begin_s: f64, span_s: f64,
     Some(x.as_slice().to_vec())
 }
 
-/// Tolerance of the co-simulation that Model Exchange is compared with.
+/// Tolerance of the co-simulation with which Model Exchange is compared.
 const EXCHANGE_TOLERANCE: f64 = 1e-9;
-/// Steps of the air in co-simulation in s, from long to short.
+/// Aerodynamic steps in co-simulation in s, from long to short.
 const AIR_STEPS_S: [f64; 3] = [2.5e-4, 6.25e-5, 1.5625e-5];
-/// Share of the way by which Model Exchange and co-simulation may end apart.
+/// Allowed difference between Model Exchange and co-simulation at the end, relative to the motion.
 const APART: f64 = 1e-4;
 
-/// Model Exchange, integrated by a rule of its own in three step sizes, against co-simulation over communication steps without events.
+/// Model Exchange, integrated by a separate rule with three step sizes, against co-simulation over communication steps without events.
 ///
-/// Co-simulation takes the air in steps of its own: their error falls with the square of the step, to the first order where a gust has a
-/// kink. Wrong derivatives stay: what exceeds the bound has to fall with the step, to half of it or less over a sixteenth of the step.
+/// Co-simulation uses aerodynamic steps: their error falls with the square of the step, or with the step if a gust has a kink. The effect
+/// of wrong derivatives would remain: a difference beyond the bound must fall to half or less for a sixteenth of the step.
 pub fn exchange(model: &Model) -> Verdict {
     let mut found = Vec::<Apart>::new();
     for air_step_s in AIR_STEPS_S {
@@ -431,13 +431,13 @@ pub fn exchange(model: &Model) -> Verdict {
 
 /// The largest difference between Model Exchange and co-simulation.
 struct Apart {
-    /// Part of it that the errors of both sides do not explain, over the way.
+    /// Part of the difference not explained by the errors of both sides, relative to the motion.
     share: f64,
     place: String,
     in_air: bool,
 }
 
-/// Compares Model Exchange and co-simulation with steps of the air of a length in s; `None` where no step can be compared.
+/// Compares Model Exchange and co-simulation for an aerodynamic step in s; `None` if no step can be compared.
 fn exchanged(model: &Model, air_step_s: f64) -> Option<Apart> {
     let view = View::plain();
     let mut parsed = machine(model, &view).ok()?;
@@ -453,7 +453,7 @@ fn exchanged(model: &Model, air_step_s: f64) -> Option<Apart> {
         let changes = model.actions.iter().any(|action| action.step == step);
         let (snapshot, events) = (plant.snapshot(), plant.statistics().events);
         advance(&mut plant, model, &view, step, 1).ok()?;
-        // an indicator that an event disarms, or that comes back, has the same sign at both ends
+        // an indicator that is disarmed by an event, or that returns, has the same sign at both ends
         if changes || step % 6 != 4 || plant.statistics().events != events {
             continue;
         }
@@ -472,7 +472,7 @@ fn exchanged(model: &Model, air_step_s: f64) -> Option<Apart> {
         if begin.is_empty() || hybrid.next_kink_s() <= begin_s + step_s {
             continue;
         }
-        // not multiples: the error of a step with a kink depends on the kink's place in it
+        // not multiples of each other: the error of a step with a kink depends on the position of the kink in the step
         let ends = [23, 31, 40].map(|parts| integrated(&mut hybrid, &begin, begin_s, step_s, parts));
         let [Some(coarse), Some(medium), Some(fine)] = ends else { continue };
         if indicators(&hybrid) != before {
@@ -481,14 +481,15 @@ fn exchanged(model: &Model, air_step_s: f64) -> Option<Apart> {
         let mut end = Plant::new(Arc::new(parsed.clone()));
         end.restore(&plant.snapshot()).expect("its own");
         end.hybrid().expect("as before").read(&mut expected);
-        // coordinates, not rates: those of stiff strains swing by what the tolerances leave of them
+        // coordinates, not rates: rates of stiff strains oscillate within the tolerances
         let lags = other.system_mut().exchange_lags().len();
         let coordinates = 0..(begin.len() - lags) / 2;
         let [coarse, medium, off] = [&coarse, &medium, &expected]
             .map(|other| coordinates.clone().map(|k| (fine[k] - other[k]).abs()).fold(0.0, f64::max));
         let own = coarse.max(medium);
         let moved = coordinates.clone().map(|k| (fine[k] - begin[k]).abs()).fold(1e-6, f64::max);
-        // the rule's error falls with the square of its steps, at kinks with the step; some hundred steps of co-simulation leave its tolerance each
+        // the rule's error falls with the square of its steps, at kinks with the step; each of a few hundred steps of co-simulation
+        // contributes its tolerance
         let share = ((off - 2.0 * own - 100.0 * EXCHANGE_TOLERANCE) / moved).max(0.0);
         if worst.as_ref().is_none_or(|worst| share > worst.share) {
             let place = format!("step {step}: off by {off:.1e} of {moved:.1e}, own error {own:.1e}");
@@ -498,8 +499,8 @@ fn exchanged(model: &Model, air_step_s: f64) -> Option<Apart> {
     worst
 }
 
-/// A machine whose laws of motion stand still at their places of the start: its equilibrium is that of the machine with the laws, NOTATION
-/// (L1), and its motion starts there without accelerations of the laws.
+/// The machine with prescribed motions held at their initial positions: its equilibrium is that of the machine with the motions, NOTATION
+/// (L1), and its simulation starts there without accelerations due to them.
 fn with_laws_standing(mut machine: Machine) -> Option<Machine> {
     let start_s = machine.experiment.start_time_s;
     let mut plant = Plant::new(Arc::new(machine.clone()));
@@ -517,7 +518,7 @@ fn with_laws_standing(mut machine: Machine) -> Option<Machine> {
     Some(machine)
 }
 
-/// Rows of the linear model against differences of the machine, after a third of the run, where no event has just happened.
+/// Rows of the linear model against differences of the machine, after a third of the run, at an instant without an event just before.
 pub fn linear(model: &Model) -> Verdict {
     let view = View::plain();
     let Ok(mut parsed) = machine(model, &view) else { return Verdict::Silent };
@@ -526,7 +527,7 @@ pub fn linear(model: &Model) -> Verdict {
     let start_s = parsed.experiment.start_time_s;
     let mut plant = Plant::new(Arc::new(parsed));
     if rests {
-        // linear models about rest only: the laws stand still there
+        // linear models only about an equilibrium: the prescribed motions are held there
         if plant.study().equilibrium(start_s, Holding::AsReleased).is_err() {
             return Verdict::Silent;
         }
@@ -567,7 +568,7 @@ fn linear_models_differ(one: &mut Plant, other: &mut Plant) -> Option<String> {
             (interface.real_inputs().collect::<Vec<_>>(), interface.real_outputs().collect::<Vec<_>>());
         interface.linearize(plant, &inputs, &outputs).map_err(|error| error.to_string())
     });
-    // a law that has a rate leaves no state of rest, and the machine is refused
+    // a prescribed motion with a rate permits no equilibrium, and the machine is rejected
     let (Ok(a), Ok(b)) = (a, b) else { return None };
     let [a_parts, b_parts] = [&a, &b].map(|model| {
         let matrices = &model.matrices;

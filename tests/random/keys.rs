@@ -1,9 +1,9 @@
-//! Keys and words of the file format, from its schema, and those of a model file.
+//! Keys and words of the file format, from its schema, and those used in a model file.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// Keys of the schema as paths, `*` for a name, and words of the format as `path = "word"`; of a model file only those that it has.
+/// Keys of the schema as paths, with `*` for a name, and words of the format as `path = "word"`; for a model file only those that it uses.
 pub fn said(schema: &Value, file: Option<&Value>) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     walk(schema, schema, file, "", &mut found);

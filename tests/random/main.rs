@@ -1,7 +1,7 @@
-//! Invariants of random machines: properties of every machine. X-xx.
+//! Invariants of random machines: properties that hold for every machine. X-xx.
 //!
-//! Each invariant is a function of a machine; the first machine that violates one is shrunk to the smallest that does, and printed as a
-//! model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number.
+//! Each invariant is a function of a machine; the first machine that violates one is reduced to the smallest one that still does, and
+//! printed as a model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number.
 
 mod gradients;
 mod invariants;
@@ -26,17 +26,17 @@ pub const STEPS: usize = crate::machines::STEPS;
 /// Reason why an invariant does not apply to a machine, or its violation.
 pub enum Verdict {
     Holds,
-    /// Does not apply, or the machine ends with an error.
+    /// The invariant does not apply, or the machine ends with an error.
     Silent,
     Broken(String),
 }
 
-/// A machine as it is seen.
+/// The machine in a view.
 pub fn machine(model: &Model, view: &View) -> Result<Machine, String> {
     config::parse(&model.text(view), "machine.toml").map_err(|error| error.to_string())
 }
 
-/// Before its first step.
+/// A plant before its first step.
 pub fn start(machine: Machine) -> Result<Plant, String> {
     let mut plant = Plant::new(Arc::new(machine));
     let start_s = plant.machine().experiment.start_time_s;
@@ -49,7 +49,7 @@ pub fn step_s(plant: &Plant) -> f64 {
     plant.machine().experiment.step_s
 }
 
-/// Applies the actions that are due, and steps to the end of a communication step counted from 0, in so many parts.
+/// Applies the actions that are due, and steps to the end of a communication step, counted from 0, in a number of parts.
 pub fn advance(plant: &mut Plant, model: &Model, view: &View, step: usize, parts: u32) -> Result<(), String> {
     for action in model.actions.iter().filter(|action| action.step == step) {
         action.apply(plant, view);
@@ -68,7 +68,7 @@ pub fn run(mut plant: Plant, model: &Model, view: &View, parts: u32) -> Result<V
     run_on(&mut plant, model, view, parts)
 }
 
-/// The same of a plant whose statistics are read afterwards.
+/// The same for a plant whose statistics are read afterwards.
 pub fn run_on(plant: &mut Plant, model: &Model, view: &View, parts: u32) -> Result<Vec<Outputs>, String> {
     let mut outputs = vec![plant.outputs().clone()];
     for step in 0..STEPS {
@@ -78,7 +78,7 @@ pub fn run_on(plant: &mut Plant, model: &Model, view: &View, parts: u32) -> Resu
     Ok(outputs)
 }
 
-/// Draws machines, checks one invariant, shrinks the first machine that breaks it.
+/// Generates machines, checks one invariant, and reduces the first machine that violates it.
 fn hold(name: &str, usual: u64, invariant: impl Fn(&Model) -> Verdict) {
     let (mut held, mut silent) = (0, 0);
     let mut broken = Vec::new();
@@ -105,11 +105,11 @@ fn hold(name: &str, usual: u64, invariant: impl Fn(&Model) -> Verdict) {
         panic!("{name} is broken by seed {seed}; the least machine that breaks it: {why}\n{text}\n{:?}", least.actions);
     }
     assert!(broken.is_empty(), "{name} is broken");
-    // an invariant that applies to no machine tests nothing
+    // an invariant that does not apply to any machine tests nothing
     assert!(held > 0, "{name} holds for none of {} machines", held + silent);
 }
 
-/// Machines are drawn so that they run. The few that do not are refused with a reason, when they are read or while they run.
+/// Machines are generated so that they run. The few that do not are rejected with a reason, when they are read or while they run.
 #[test]
 fn x01_random_machines_run() {
     let mut refused = BTreeMap::<String, Vec<u64>>::new();
@@ -127,65 +127,65 @@ fn x01_random_machines_run() {
     }
     let lost: usize = refused.values().map(Vec::len).sum();
     println!("X-01: {lost} of {count} machines do not run");
-    // a share of 5 % is the aim of the generator; a few machines more or less than that are chance
+    // the generator aims at 5 % or less; a few machines more may be chance
     assert!(lost as f64 <= 0.05 * count as f64 + 3.0, "{lost} of {count} machines do not run");
 }
 
-/// A machine that is turned as a whole moves alike: every output, resolved in the turned frame.
+/// A machine rotated as a whole has the same motion: every output, resolved in the rotated frame.
 #[test]
 fn x02_turned_machines_move_alike() {
     hold("X-02", 60, |model| invariants::seen_otherwise(model, &View::turned([0.7, -1.1, 0.5].into())));
 }
 
-/// So does its mirror image.
+/// The same for its mirror image.
 #[test]
 fn x03_mirror_images_move_alike() {
     hold("X-03", 60, |model| invariants::seen_otherwise(model, &View::mirrored()));
 }
 
-/// The energy account is closed.
+/// The energy balance closes.
 #[test]
 fn x04_energy_accounts_are_closed() {
     hold("X-04", 60, invariants::energy);
 }
 
-/// Going back, going on in another instance, and initialising again: to the bit.
+/// Rollback, continuation in another instance, and reinitialisation are bit-identical.
 #[test]
 fn x05_states_are_whole() {
     hold("X-05", 60, invariants::states);
 }
 
-/// Communication steps do not matter where nothing is done in between.
+/// Communication steps do not matter if nothing changes at them.
 #[test]
 fn x06_communication_steps_do_not_matter() {
     hold("X-06", 60, invariants::communication);
 }
 
-/// A model file, and the same as JSON, give one machine.
+/// A model file and its tables as JSON give the same machine.
 #[test]
 fn x07_files_give_one_machine() {
     hold("X-07", 60, invariants::files);
 }
 
-/// Machines that fly, and the same in a frame that moves along.
+/// Flying machines, against the same in a uniformly moving frame.
 #[test]
 fn x08_frames_that_move_along_see_one_motion() {
     hold("X-08", 60, invariants::galilei);
 }
 
-/// Model Exchange: the derivatives that it gives are those of the motion that co-simulation finds.
+/// Model Exchange: its derivatives are those of the motion found by co-simulation.
 #[test]
 fn x09_exchanged_derivatives_are_those_of_the_motion() {
     hold("X-09", 60, invariants::exchange);
 }
 
-/// Every row of the linear model about a state of motion, or about rest where a joint has several freedoms.
+/// Every row of the linear model about a moving state, or about equilibrium if a joint has several degrees of freedom.
 #[test]
 fn x11_rows_of_linear_models_are_those_of_the_machine() {
     hold("X-11", 12, invariants::linear);
 }
 
-/// Derivatives of the run by numbers of the machine, forward and adjoint, without the parts that gradients do not cover.
+/// Derivatives of the run with respect to numbers of the machine, forward and adjoint, without parts that gradients do not cover.
 #[test]
 fn x13_gradients_are_the_same_both_ways() {
     hold("X-13", 60, gradients::both_ways);
@@ -207,10 +207,10 @@ const NOT_DRAWN: [(&str, &str); 12] = [
     ("wind.field_centre_height_m", "goes with such a file"),
 ];
 
-/// The generator draws every key of the file format and every word that a key allows, but for those with a reason.
+/// The generator uses every key of the file format and every word allowed for a key, except those with a reason.
 #[test]
 fn x10_the_generator_draws_the_whole_format() {
-    // drawing takes milliseconds: nothing is run here
+    // generating takes milliseconds: nothing is simulated here
     const SEEDS: u64 = 2000;
     let schema: serde_json::Value = serde_json::from_str(&config::schema()).expect("JSON");
     let mut drawn = std::collections::BTreeSet::new();
@@ -243,7 +243,7 @@ fn writes_model_files() {
         let text = draw(seed).text(&View::plain());
         let path = folder.join(format!("random_{seed:04}.toml"));
         std::fs::write(&path, &text).expect("writable");
-        // what is drawn again is the same
+        // generation is reproducible
         assert_eq!(draw(seed).text(&View::plain()), text);
     }
     if std::env::var_os("FOLDWING_MODELS").is_none() {

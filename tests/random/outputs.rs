@@ -1,19 +1,19 @@
-//! Outputs of two runs of one machine in two views, compared.
+//! Comparison of the outputs of two runs of one machine in two views.
 
 use crate::machines::{Frame, View};
 use foldwing::machine::{JointKind, Machine, Parent, SpatialFreedom};
 use foldwing::plant::Outputs;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// An output by name, as three numbers or four of an attitude.
+/// An output by name, as three numbers, or nine of a rotation matrix.
 struct Row {
     name: String,
     values: Vec<f64>,
-    /// Angles of joints and times are compared by their own size, vectors by the size of the vector.
+    /// Angles of joints and times are compared relative to their own magnitude, vectors relative to the magnitude of the vector.
     size_of_switch: bool,
 }
 
-/// All outputs as a view shows those of a plain machine.
+/// All outputs of the original machine, transformed to a view.
 fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
     let mut rows = Vec::new();
     let mut add = |name: String, values: Vec<f64>, size_of_switch| rows.push(Row { name, values, size_of_switch });
@@ -24,7 +24,7 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
     let axial_inside = |v: Vector3<f64>| of(view.axial(v, Frame::Body));
     let attitude = |rotation: UnitQuaternion<f64>, frame| {
         let q = view.attitude(rotation, frame);
-        // the matrix has no sign to choose
+        // the rotation matrix has no ambiguous sign
         q.to_rotation_matrix().matrix().as_slice().to_vec()
     };
     for (i, joint) in outputs.joints().iter().enumerate() {
@@ -46,7 +46,7 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
         add(format!("spatial {i} rotation"), attitude(joint.rotation, frame), false);
         add(format!("spatial {i} rate"), of(view.axial(joint.angular_velocity_rad_s, frame)), false);
     }
-    // a free joint transmits nothing: its reaction is round-off, and no output of an FMU
+    // a free joint transmits nothing: its reaction is round-off, and is not an output of an FMU
     let is_free = |body: usize| match &machine.bodies[body].joint.kind {
         JointKind::Spatial(joint) => joint.freedom == SpatialFreedom::Free,
         JointKind::Clamped | JointKind::Revolute(_) | JointKind::Prismatic(_) => false,
@@ -104,7 +104,7 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
         ] {
             add(format!("rotor {i} {name}"), vec![value], false);
         }
-        // the sense of the shaft stays downwind, the rotor turns the other way in a mirror
+        // the direction of the shaft remains downwind; the rotor rotates the other way in the mirror image
         add(format!("rotor {i} speed"), vec![rotor.speed_rad_s.abs()], false);
     }
     for (i, flap) in outputs.flaps().iter().enumerate() {
@@ -128,7 +128,7 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
     rows
 }
 
-/// What an output measures: loads and energies that are small are measured by others of their unit, and by no others.
+/// Unit of an output: small loads and energies are compared relative to others of the same unit only.
 #[derive(Clone, Copy, PartialEq)]
 enum Unit {
     Newton,
@@ -144,7 +144,7 @@ enum Unit {
 }
 
 impl Unit {
-    /// That of a kind of output; joints that slide have forces where others have torques.
+    /// Unit of a kind of output; prismatic joints have forces where revolute joints have torques.
     fn of(kind: &str, slides: bool) -> Self {
         let has = |words: &[&str]| words.iter().any(|word| kind.contains(word));
         let of_joint = kind.starts_with("joint ") && has(&["torque", "motor", "spring", "holding"]);
@@ -160,20 +160,21 @@ impl Unit {
         }
     }
 
-    /// Smallest size by which differences are measured, from the largest value of this unit in a run. What vanishes by symmetry is
-    /// round-off of that: all reactions of a body that flies, the work of forces in balance.
+    /// Smallest scale for differences, from the largest value of this unit in a run. Values that vanish by symmetry are round-off of it:
+    /// all reactions of a flying body, the work of balanced forces.
     fn floor(self, largest: f64) -> f64 {
         match self {
-            // these machines weigh 1 N and more
+            // these machines weigh at least 1 N
             Self::Newton => 1e-2 * largest.max(1.0),
-            // and are 0.1 m long and more
+            // and are at least 0.1 m long
             Self::NewtonMetre => 1e-2 * largest.max(0.1),
             Self::Joule => 1e-4 * largest.max(1e-5),
-            // accelerations are differences of axial forces of stiff bodies: round-off of these left 4e-11 at rest and 1e-9 in flight
+            // accelerations follow from differences of axial forces of stiff bodies: their round-off is 4e-11 at standstill and 1e-9 in
+            // flight
             Self::Acceleration => 10.0,
-            // 3e-14 at rest
+            // 3e-14 at standstill
             Self::Rate => 1e-4,
-            // round-off of positions of 0.1 m and more
+            // round-off of positions of at least 0.1 m
             Self::Metre => 1e-6,
             Self::Other => 1e-9,
         }
@@ -185,7 +186,7 @@ fn kind(name: &str) -> String {
     name.chars().filter(|c| !c.is_ascii_digit()).collect()
 }
 
-/// Units of the rows of a machine.
+/// Units of the outputs of a machine.
 fn units(machine: &Machine, rows: &[Row]) -> Vec<Unit> {
     let slides: Vec<bool> = machine
         .one_freedoms()
@@ -199,12 +200,12 @@ fn units(machine: &Machine, rows: &[Row]) -> Vec<Unit> {
     rows.iter().map(|row| Unit::of(&kind(&row.name), joint(&row.name) == Some(&true))).collect()
 }
 
-/// Sizes by which the rows of two runs are compared: the largest value of their kind and unit, and at least the floor of the unit.
+/// Scales for comparing the outputs of two runs: the largest value of their kind and unit, and at least the floor of the unit.
 fn sizes(rows: &[Row], units: &[Unit], cover: &[f64]) -> Vec<f64> {
     let kinds: Vec<String> = rows.iter().map(|row| kind(&row.name)).collect();
     let most =
         |chosen: &dyn Fn(usize) -> bool| (0..rows.len()).filter(|&j| chosen(j)).map(|j| cover[j]).fold(0.0, f64::max);
-    // of all members of a kind the largest: a moment that vanishes by symmetry is round-off of the others
+    // the largest of all outputs of a kind: a moment that vanishes by symmetry is round-off of the others
     let size = |i: usize| {
         let floor = units[i].floor(most(&|j| units[j] == units[i]));
         floor.max(most(&|j| kinds[j] == kinds[i] && units[j] == units[i]))
@@ -212,8 +213,8 @@ fn sizes(rows: &[Row], units: &[Unit], cover: &[f64]) -> Vec<f64> {
     (0..rows.len()).map(size).collect()
 }
 
-/// Outputs of a plain run as a view shows them, against those of a run of the viewed machine: the largest difference over what the
-/// output covers, by name. Outputs that are round-off compared with others of their kind have the scale of those.
+/// Outputs of the original run, transformed to a view, against those of a run of the machine in this view: the largest difference relative
+/// to the range of the output, by name. Outputs that are round-off of others of their kind have the scale of those.
 pub fn worst(machine: &Machine, plain: &[Outputs], other: &[Outputs], view: &View) -> (f64, String) {
     let here: Vec<Vec<Row>> = plain.iter().map(|outputs| rows(machine, outputs, view)).collect();
     let there: Vec<Vec<Row>> = other.iter().map(|outputs| rows(machine, outputs, &View::plain())).collect();
@@ -248,8 +249,8 @@ fn time_s(plain: &[Outputs], here: &[Vec<Row>], rows: &[Row]) -> f64 {
     plain[at].time_s
 }
 
-/// Small loads and accounts are compared by what they cover themselves, down to a floor of their own unit: the force of 3 N is not lost
-/// beside a moment of 10⁶ N·m, nor 4 kJ dissipated beside 10 MJ of kinetic energy.
+/// Small loads and energies are compared relative to their own range, down to a floor of their unit: a force of 3 N is not lost next to a
+/// moment of 10⁶ N·m, nor 4 kJ dissipated next to 10 MJ of kinetic energy.
 #[test]
 fn floors_are_those_of_the_unit() {
     let row = |name: &str| Row { name: name.into(), values: vec![0.0], size_of_switch: false };

@@ -1,4 +1,4 @@
-"""Which way `make fmu-all` takes to the Windows library, and what it says where there is none."""
+"""How `make fmu-all` builds the Windows library, and its message if there is no way."""
 
 import subprocess
 import sys
@@ -12,7 +12,7 @@ TARGET = "x86_64-pc-windows-gnu"
 
 @pytest.fixture
 def routes(tmp_path):
-    """Output and exit code of the script on a machine that has just the given commands, as shell lines."""
+    """Output and exit code of the script on a computer that has only the given commands, as shell lines."""
 
     def run(commands, *platforms, look=True):
         folder = tmp_path / "bin"
@@ -42,7 +42,7 @@ def sources(tmp_path):
 
 
 def test_t20_target_of_rustup_is_taken_first(routes, sources):
-    """T-20. Where rustup has the target, nothing else is looked at."""
+    """T-20. If rustup has the target, nothing else is checked."""
     outcome = routes({"rustup": f"echo {TARGET}", "rustc": compiler("1.96.0", sources)})
     assert outcome.returncode == 0, outcome.stderr
     assert "win64: by rustup's target" in outcome.stdout
@@ -50,7 +50,7 @@ def test_t20_target_of_rustup_is_taken_first(routes, sources):
 
 
 def test_t21_sources_are_the_second_route(routes, sources):
-    """T-21. Where rustup lacks the target, a compiler with its standard library's sources is taken, and named."""
+    """T-21. If rustup lacks the target, a compiler with its standard library's sources is used, and named."""
     outcome = routes({"rustup": "exit 1", "rustc": compiler("1.96.0", sources)}, "win64")
     assert outcome.returncode == 0, outcome.stderr
     assert "win64: by the standard library built from the sources of rustc 1.96.0" in outcome.stdout
@@ -59,14 +59,14 @@ def test_t21_sources_are_the_second_route(routes, sources):
 
 @pytest.mark.parametrize("version", ["1.85.0", ""])
 def test_t22_compiler_that_is_too_old_is_no_route(routes, sources, version):
-    """T-22. Debian's older compiler (1.85) cannot build this package; neither is one without a version taken."""
+    """T-22. Debian's older compiler (1.85) cannot build this package; a compiler without a version is not used either."""
     outcome = routes({"rustc": compiler(version, sources)}, "win64")
     assert outcome.returncode != 0
     assert "no standard library for Windows" in outcome.stderr
 
 
 def test_t23_what_is_missing_is_said_with_the_line_to_type(routes):
-    """T-23. Without a route both lines that mend it are printed, and nothing is installed."""
+    """T-23. Without any way to build, both lines that remedy this are printed, and nothing is installed."""
     outcome = routes({"rustup": "exit 1", "apt-get": "echo installed"}, "win64", look=False)
     assert outcome.returncode != 0
     assert f"rustup target add {TARGET}" in outcome.stderr
@@ -75,7 +75,7 @@ def test_t23_what_is_missing_is_said_with_the_line_to_type(routes):
 
 
 def test_t24_unknown_platform_is_refused_with_the_known_ones(routes):
-    """T-24. A slip in a platform's name."""
+    """T-24. A misspelt platform name."""
     outcome = routes({}, "windows")
     assert outcome.returncode == 2
     assert "unknown platform windows; allowed: linux64, win64" in outcome.stderr

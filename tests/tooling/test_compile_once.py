@@ -1,4 +1,4 @@
-"""Every build compiles the shared packages with the same features, so that `make test` uses what `make` has compiled."""
+"""Every build compiles the shared packages with the same features, so that `make test` reuses what `make` has compiled."""
 
 import os
 import re
@@ -9,8 +9,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# the builds of `make test` beside `cargo build`, by the arguments that choose packages and features; build scripts and macros apart, which
-# have features of their own
+# the builds of `make test` in addition to `cargo build`, by the arguments that select packages and features; build scripts and macros are
+# excluded, because they have separate features
 BUILDS = {
     "tests": ["--edges", "normal,dev"],
     "foldwing run": ["--edges", "normal", "--features", "import"],
@@ -21,7 +21,7 @@ BUILDS = {
 
 
 def features(arguments):
-    """Sets of features of every package from a registry, by name and version; one that macros use too may have two."""
+    """Feature sets of every registry package, by name and version; a package also used by macros may have two."""
     cargo = os.environ.get("CARGO", "cargo")
     command = [cargo, "tree", "--locked", "--prefix", "none", "--format", "{p} [{f}]", *arguments]
     tree = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout

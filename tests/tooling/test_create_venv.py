@@ -1,4 +1,4 @@
-"""The bootstrap of the Python environment: with pip fetched by its hash, from every kind of index, and when it fails."""
+"""Creation of the Python environment: with pip fetched by its hash, from every kind of index, and failures."""
 
 import hashlib
 import http.server
@@ -16,13 +16,13 @@ ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "tools/create_venv.py"
 WHEEL = b"stands for the wheel of pip"
 
-# The smallest requirement that proves an installation: pure Python, no dependencies, pinned as the real ones are.
+# The smallest requirement that proves an installation: pure Python, no dependencies, pinned like the real ones.
 SMALL = "iniconfig==2.1.0 --hash=sha256:9deba5723312380e77435581c6bf4935c94cbfab9b1ed33ef8d238ea168eb760\n"
 
 
 @pytest.fixture
 def bootstrap(monkeypatch):
-    """The script as a module, without any setting of pip from this machine."""
+    """The script as a module, without pip settings of this computer."""
     spec = importlib.util.spec_from_file_location("create_venv", SCRIPT)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -35,7 +35,7 @@ def bootstrap(monkeypatch):
 
 @pytest.fixture
 def index(tmp_path, monkeypatch):
-    """A package index on this machine that answers in HTML or JSON; returns the function that chooses."""
+    """A package index on this computer that answers in HTML or JSON; returns the function that selects the answer."""
 
     class Handler(http.server.BaseHTTPRequestHandler):
         pages = {}
@@ -64,7 +64,7 @@ def index(tmp_path, monkeypatch):
 
 
 def run(*arguments, **environment):
-    """Runs the script; settings of pip on this machine stay as they are."""
+    """Runs the script with the pip settings of this computer unchanged."""
     return subprocess.run(
         [sys.executable, SCRIPT, *arguments], env={**os.environ, **environment}, capture_output=True, text=True
     )
@@ -73,8 +73,8 @@ def run(*arguments, **environment):
 def test_t01_pinned_pip_installs_where_ensurepip_is_missing(tmp_path):
     """T-01. Without ensurepip the pinned wheel of pip is fetched and installs hash-checked requirements.
 
-    This takes the path that Debian and Ubuntu without python3-venv take, against the package index that this machine
-    is set up for. A second call finds the environment up to date and leaves it alone.
+    This is the case of Debian and Ubuntu without python3-venv, with the package index configured on this computer. A second call finds the
+    environment up to date and does not change it.
     """
     requirements = tmp_path / "requirements.txt"
     requirements.write_text(SMALL)
@@ -90,8 +90,8 @@ def test_t01_pinned_pip_installs_where_ensurepip_is_missing(tmp_path):
 
 
 def test_t02_wrong_hash_of_a_requirement_is_refused_and_leaves_no_stamp(tmp_path):
-    """T-02. A requirement whose hash does not match is refused; the next call starts afresh instead of believing it. With the fetched
-    pip: the way through ensurepip, seconds per environment, has made the environment that these tests run in."""
+    """T-02. A requirement whose hash does not match is rejected; the next call starts again instead of using the incomplete environment.
+    With the fetched pip: the slower ensurepip, seconds per environment, was used for the environment of these tests."""
     requirements = tmp_path / "requirements.txt"
     requirements.write_text(SMALL.replace("sha256:9", "sha256:0"))
     folder = tmp_path / "venv"
@@ -103,7 +103,7 @@ def test_t02_wrong_hash_of_a_requirement_is_refused_and_leaves_no_stamp(tmp_path
 
 
 def test_t03_foreign_folder_is_not_removed(tmp_path):
-    """T-03. A folder that exists and is no Python environment is left alone, with a message that says so."""
+    """T-03. An existing folder that is not a Python environment is not changed, and the message says so."""
     (tmp_path / "thesis.txt").write_text("years of work")
     outcome = run(tmp_path, "--requirements", ROOT / "python/requirements.txt")
     assert outcome.returncode != 0 and "is not a Python environment" in outcome.stderr
@@ -123,13 +123,13 @@ def test_t04_index_pages_are_understood(bootstrap, index, kind):
 
 
 def test_t05_wheel_with_another_hash_is_refused(bootstrap):
-    """T-05. Anything but the pinned wheel is refused before it runs, and the message has both hashes."""
+    """T-05. Any other file than the pinned wheel is rejected before it runs, and the message gives both hashes."""
     with pytest.raises(bootstrap.SetupError, match="SHA-256 is"):
         bootstrap.checked(WHEEL + b"!")
 
 
 def test_t06_unreachable_index_says_what_to_do(bootstrap, monkeypatch):
-    """T-06. An index that cannot be reached gives a message with both ways out and without the password."""
+    """T-06. For an index that cannot be reached the message gives both remedies and no password."""
     monkeypatch.setenv("PIP_INDEX_URL", "http://user:secret@127.0.0.1:9/simple")
     with pytest.raises(bootstrap.SetupError) as failure:
         bootstrap.fetch_pip()
@@ -146,7 +146,7 @@ def test_t07_index_without_the_wheel_is_an_error(bootstrap, index):
 
 
 def test_t08_folder_of_wheels_and_configuration_file_are_respected(bootstrap, monkeypatch, tmp_path):
-    """T-08. A folder of wheels set for pip serves the wheel; settings come from a configuration file too."""
+    """T-08. A folder of wheels configured for pip provides the wheel; settings are also read from a configuration file."""
     (tmp_path / bootstrap.PIP_WHEEL).write_bytes(WHEEL)
     configuration = tmp_path / "pip.conf"
     configuration.write_text(f"[global]\nfind-links = {tmp_path}\nindex-url = https://packages.example/simple\n")
@@ -158,7 +158,7 @@ def test_t08_folder_of_wheels_and_configuration_file_are_respected(bootstrap, mo
 
 
 def test_t09_broken_interpreter_versions_are_told(bootstrap, monkeypatch, tmp_path):
-    """T-09. A Python that is too old is refused by name before anything is written."""
+    """T-09. A Python that is too old is rejected, with its version, before anything is written."""
     monkeypatch.setattr(bootstrap, "OLDEST_PYTHON", (99, 0))
     with pytest.raises(bootstrap.SetupError, match="Python 99.0 or newer is needed"):
         bootstrap.create(tmp_path / "venv", ROOT / "python/requirements.txt", False)

@@ -1,5 +1,5 @@
-"""Phrases of a private dialect that must not come back into what users read, nor into the comments of the crates below: the field's
-words are in `docs/guide/glossary.md`."""
+"""Phrases of a private dialect that must not return to texts for users, nor to the comments of the crates below: the terms of the field are
+in `docs/guide/glossary.md`."""
 
 import re
 from pathlib import Path
@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "docs/COMMAND_LINE.md", "docs/PLATFORMS.md", "docs/ARCHITECTURE.md", "docs/NOTATION.md")]
 PAGES += sorted((ROOT / "docs/guide").glob("*.md"))
-# written from the program; messages.md quotes messages in its first column
+# generated from the program; messages.md quotes messages in its first column
 GENERATED = {"commands.md", "variables.md"}
 PHRASES = [
     r"\b(is|are|was|were|be|been) told\b",
@@ -50,13 +50,13 @@ PHRASES = [
     r"\btext behind\b|\bbehind a bar\b|\bgoes on below\b|\bwithout haste\b|\bof a GIF\b",
     r"\bmotion that every turn repeats\b|\bturns? (that )?repeats?\b",
 ]
-# folders of Rust files whose comments are checked, and the phrases that must not be in them besides those above
+# folders of Rust files whose comments are checked, and the phrases forbidden in them in addition to those above
 SOURCES = sorted(path for path in (ROOT / "crates/engine/src").iterdir() if path.is_dir()) + [
     ROOT / f"crates/{name}/src" for name in ("file", "fmi", "fmu", "python", "recording", "study", "web")]
-# FMI's own words, in the crates of its interface
+# terms of FMI, in the crates of its interface
 _OF_FMI = {"fmi": r"\bexperiments?\b", "fmu": r"\bexperiments?\b"}
 COMMENT_PHRASES = PHRASES + [
-    # a field, type or constant is a noun phrase, a function a verb in the third person
+    # a field, type or constant is described by a noun phrase, a function by a verb in the third person
     r"(^|[.;:] )(what|who|whose|whom|whoever|whatever|where|how|why)\b",
     r"\bwhat\b|\bwho\b|\bwhatever\b",
     r"\b(hears?|heard|knows?|knew|asks|asked|sees|seen|wants?|wanted|says?|said|speaks?|feels?|felt)\b",
@@ -76,7 +76,7 @@ COMMENT_PHRASES = PHRASES + [
 
 
 def prose(page):
-    """Lines of a page with their numbers, without code and, of the page of messages, without what it quotes."""
+    """Lines of a page with their numbers, without code and, for the page of messages, without the quoted messages."""
     fenced = False
     for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
         if line.lstrip().startswith("```"):
@@ -88,7 +88,7 @@ def prose(page):
 
 
 def comments(file):
-    """Comments of a Rust file, one of several lines as one text, with the number of its first line and without code."""
+    """Comments of a Rust file without code, adjacent lines joined, with the number of the first line."""
     block, first = [], 0
     for number, line in enumerate(file.read_text(encoding="utf-8").splitlines() + [""], 1):
         comment = re.match(r"\s*//[/!]?(?: (.*))?$", line)

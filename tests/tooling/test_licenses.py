@@ -1,4 +1,4 @@
-"""The notices of what is linked into the library."""
+"""The licence notices of packages linked into the library."""
 
 import os
 import re
@@ -12,14 +12,15 @@ NOTICES = ROOT / "licenses/THIRD_PARTY.txt"
 
 
 def test_notices_fit_the_lock_file():
-    """The committed notices are what the tool makes of Cargo.lock now: `make licenses` after a change of dependencies."""
+    """The committed notices are those the tool generates from the present Cargo.lock: run `make licenses` after a change of
+    dependencies."""
     done = subprocess.run([sys.executable, COLLECT, "--check"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
 def test_every_linked_package_has_a_notice():
-    """Completeness by another way: what `cargo tree` says is linked, procedural macros aside, is listed, and each listed
-    package stands above a text that holds a copyright line or is a licence in full.
+    """Independent check of completeness: all packages linked according to `cargo tree`, except procedural macros, are listed, and each
+    listed package is above a text that contains a copyright line or is a complete licence.
     """
     command = [os.environ.get("CARGO", "cargo"), "tree", "--locked", "--edges", "normal", "--prefix", "none"]
     tree = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
@@ -31,7 +32,7 @@ def test_every_linked_package_has_a_notice():
     text = NOTICES.read_text(encoding="utf-8")
     listing, *blocks = text.split("=" * 100 + "\n")
     listed = set(re.findall(r"^(\S+ \d\S*): ", listing, flags=re.MULTILINE))
-    # macros of macros are linked into no library either
+    # dependencies of macros are not linked into the library either
     macros = {"proc-macro2", "quote", "syn", "unicode-ident", "serde_derive_internals", "heck"}
     missing = {package for package in packages - listed if package.split()[0] not in macros}
     assert not missing, missing
@@ -44,8 +45,8 @@ def test_every_linked_package_has_a_notice():
 
 
 def test_vendored_libraries_have_their_notices():
-    """The JavaScript in the page that plays a run: name, version and licence stand in the notices and, as a comment, in the page;
-    the page uses what was bundled and nothing else.
+    """The JavaScript in the page that plays a run: name, version and licence are in the notices and, as a comment, in the page; the page
+    uses only the bundled code.
     """
     folder = ROOT / "crates/command/src/report/viewer"
     notices = NOTICES.read_text(encoding="utf-8")

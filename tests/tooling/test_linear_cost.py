@@ -11,7 +11,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 
 import linear_cost  # noqa: E402
 
-# Two beams on hinges, one of them with a spring, that fall.
+# Two falling beams on hinges, one of them with a spring.
 CHAIN = """\
 name = "Chain"
 gravity_m_s2 = [0.0, 0.0, -9.8]
@@ -61,8 +61,8 @@ stop_time_s = 0.04
 
 @pytest.mark.long
 def test_the_cost_of_an_iteration_is_linear_in_the_elements():
-    """X-12. A chain with 8, 16 and 32 elements in each body: the second doubling adds twice the instructions that the first one adds, and
-    no more than `make linear-cost` allows, where a cost that is quadratic adds four times as many. Instructions are counted, not timed."""
+    """X-12. A chain with 8, 16 and 32 elements in each body: the second doubling adds twice as many instructions as the first one, within
+    the limit of `make linear-cost`; a quadratic cost would add four times as many. Instructions are counted, not timed."""
     if shutil.which("valgrind") is None:
         pytest.skip("valgrind is not installed (Debian: valgrind): `.ci/run` installs it")
     command = pathlib.Path(os.environ["FOLDWING"])

@@ -1,4 +1,4 @@
-"""What `make msrv` does: compiles with the declared Rust where rustup has it, and else says so and fails."""
+"""`make msrv` compiles with the declared Rust version if rustup has it, and otherwise reports this and fails."""
 
 import os
 import shutil
@@ -14,7 +14,7 @@ INSTALL = "rustup toolchain install 1.89 --profile minimal"
 
 @pytest.fixture
 def check(tmp_path):
-    """Runs the script where rustup lists the given toolchains (`None`: no rustup) and prints what it is told to run."""
+    """Runs the script with a rustup that lists the given toolchains (`None`: no rustup) and prints the commands it is given."""
 
     def run(toolchains):
         folder = tmp_path / "bin"
@@ -36,7 +36,7 @@ def check(tmp_path):
 
 @pytest.mark.parametrize("toolchain", ["1.89-x86_64-unknown-linux-gnu", "1.89.1-x86_64-unknown-linux-gnu (default)"])
 def test_t40_the_declared_toolchain_compiles(check, toolchain):
-    """T-40. The toolchain is taken by its whole name, with or without a patch number."""
+    """T-40. The toolchain is selected by its full name, with or without a patch number."""
     outcome = check(["stable-x86_64-unknown-linux-gnu", toolchain])
     assert outcome.returncode == 0, outcome.stderr
     assert f"ran run {toolchain.split()[0]} cargo check --locked --workspace --lib --bins --target-dir out" in outcome.stdout
@@ -51,7 +51,7 @@ def test_t40_the_declared_toolchain_compiles(check, toolchain):
     ],
 )
 def test_t41_another_toolchain_is_no_substitute(check, toolchains):
-    """T-41. Newer ones prove nothing: refused with the line that installs the right one."""
+    """T-41. Newer toolchains prove nothing: rejected with the line that installs the right one."""
     outcome = check(toolchains)
     assert outcome.returncode == 1 and "ran" not in outcome.stdout
     assert "Rust 1.89, the oldest that Cargo.toml declares, is not installed" in outcome.stderr
@@ -59,6 +59,6 @@ def test_t41_another_toolchain_is_no_substitute(check, toolchains):
 
 
 def test_t42_without_rustup(check):
-    """T-42. A Rust of the system's packages cannot be chosen by version."""
+    """T-42. A Rust from the system's packages cannot be selected by version."""
     outcome = check(None)
     assert outcome.returncode == 1 and "rustup is missing" in outcome.stderr and INSTALL in outcome.stderr

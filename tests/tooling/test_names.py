@@ -1,4 +1,4 @@
-"""The table of all names: current, complete, and its terms belong to names that exist."""
+"""The table of all names: up to date, complete, and its terms belong to existing names."""
 
 import importlib.util
 import json
@@ -14,7 +14,7 @@ SPEC.loader.exec_module(name_table)
 
 
 def schema_keys(value):
-    """Every property that the schema of model files has anywhere."""
+    """Every property anywhere in the schema of model files."""
     if isinstance(value, dict):
         for key, part in (value.get("properties") or {}).items() if isinstance(value.get("properties"), dict) else ():
             yield key
@@ -32,7 +32,7 @@ def test_the_page_is_current():
 
 
 def test_no_key_lacks_a_row():
-    """Keys of the schema, not of the page from which the table is made."""
+    """Keys of the schema, not of the page from which the table is generated."""
     schema = json.loads((ROOT / "examples/models/foldwing.schema.json").read_text(encoding="utf-8"))
     listed = {name for names in name_table.keys().values() for name in names} | set(name_table.FORMS)
     page = name_table.PAGE.read_text(encoding="utf-8")

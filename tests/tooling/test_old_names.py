@@ -1,4 +1,4 @@
-"""Models in the names of 0.1.0, for comparisons with commands of that version."""
+"""Models with the names of 0.1.0, for comparisons with commands of that version."""
 
 import sys
 from pathlib import Path

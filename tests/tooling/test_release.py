@@ -1,4 +1,4 @@
-"""What a release uploads: crates that hold what they include, and the checks of `make release-check`."""
+"""What a release uploads: crates that contain the files they include, and the checks of `make release-check`."""
 
 import io
 import json
@@ -30,7 +30,7 @@ def published():
 
 @pytest.mark.parametrize("name", sorted(published()))
 def test_crates_hold_what_they_include(name):
-    """Every file that a crate includes at compile time, its build script among them, is in the archive that crates.io gets."""
+    """Every file that a crate includes at compile time, its build script among them, is in the archive for crates.io."""
     folder = published()[name]
     command = [CARGO, "package", "--list", "--offline", "--allow-dirty", "--package", name]
     listed = set(subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\n"))
@@ -48,7 +48,7 @@ def test_crates_hold_what_they_include(name):
 
 
 def test_dependencies_have_versions():
-    """crates.io takes no dependency by path alone, except those of tests."""
+    """crates.io does not accept dependencies by path only, except for tests."""
     for package in metadata()["packages"]:
         for dependency in package["dependencies"]:
             if dependency["name"].startswith("foldwing") and package["publish"] is None:
@@ -103,7 +103,7 @@ def test_the_target_runs_both_checks():
 
 
 def test_the_copy_with_faults_has_the_folders_that_are_links(tmp_path):
-    """`make mutants` compiles a copy of what git lists: the examples in the command are a link to their folder."""
+    """`make mutants` compiles a copy of the files listed by git: the examples in the command are a link to their folder."""
     sys.path.insert(0, str(ROOT / "tools"))
     from mutants import copy_tree
 

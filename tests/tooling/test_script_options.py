@@ -1,4 +1,4 @@
-"""Scripts read the options that they declare: a renamed option that is still read by its old name fails only when the script runs."""
+"""Scripts read only options that they declare: a renamed option that is still read by its old name fails only when the script runs."""
 import ast
 from pathlib import Path
 
@@ -11,7 +11,7 @@ SCRIPTS = sorted(
 
 
 def declared(tree):
-    """Names of the attributes that `add_argument` makes."""
+    """Names of the attributes created by `add_argument`."""
     names = set()
     for call in ast.walk(tree):
         if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute) and call.func.attr == "add_argument"):
@@ -24,7 +24,7 @@ def declared(tree):
 
 
 def read(tree):
-    """Attributes read of the values of `parse_args`, also of parameters of the same name."""
+    """Attributes read from the values of `parse_args`, also from parameters of the same name."""
     values = {
         target.id
         for node in ast.walk(tree)

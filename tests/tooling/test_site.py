@@ -1,4 +1,4 @@
-"""The documentation site: built from the documents as they are, complete, whole without a network."""
+"""The documentation site: built from the unchanged documents, complete, and independent of a network."""
 
 import fcntl
 import importlib
@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/fmi"))
 browser = importlib.import_module("browser")
 
-# What a page loads, by element and attribute; a plain hyperlink (`a href`) may lead anywhere.
+# Elements and attributes by which a page loads files; a plain hyperlink (`a href`) may lead anywhere.
 LOADS = {("link", "href"), ("script", "src"), ("img", "src"), ("iframe", "src"), ("source", "src"), ("object", "data")}
 
 
@@ -41,7 +41,7 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """Folder of the site, built once by the environment of `make site`."""
+    """Folder of the site, built once with the environment of `make site`."""
     python = Path(os.environ.get("FOLDWING_SITE", ROOT / "target/venv-site")) / "bin/python"
     if not python.exists():
         pytest.skip("no environment with Sphinx, MyST and Furo: `make site` creates it")
@@ -63,7 +63,7 @@ def pages(site):
 
 
 def test_nothing_comes_from_a_network(site, pages):
-    """Neither a page nor a style sheet loads from elsewhere: `data:` and relative addresses only."""
+    """Neither a page nor a style sheet loads external files: `data:` and relative addresses only."""
     foreign = [(path.name, load) for path, page in pages.items() for load in page.loads if re.match(r"(?!data:)[a-z]+:|//", load)]
     assert len(pages) > 50 and not foreign, foreign
     for sheet in site.rglob("*.css"):
@@ -97,7 +97,7 @@ def test_every_document_is_in_the_navigation(site, pages):
 
 
 def test_the_navigation_is_in_the_order_of_learning(pages, site):
-    """Sections as a newcomer needs them; links in text have titles, not names of files."""
+    """Sections in the order for newcomers; links in text have titles, not file names."""
     sidebar = (site / "index.html").read_text(encoding="utf-8")
     captions = re.findall(r'caption-text">([^<]+)<', sidebar)
     wanted = ["Install", "Tutorial", "How to", "Reference", "Models", "Theory", "What agrees", "Development"]
@@ -120,7 +120,7 @@ def test_the_search_finds_a_hollow_tube(site):
 
 
 def test_equations_are_typeset(site):
-    """In a browser, from the disk: all numbers are there, KaTeX understood every equation, no address but files was asked for."""
+    """In a browser, from disk: all numbers are present, KaTeX accepted every equation, and only files were requested."""
     source = (ROOT / "docs/NOTATION.md").read_text(encoding="utf-8")
     numbers = re.findall(r"^\*\*(\([A-Z]\d+\))\*\*", source, flags=re.MULTILINE)
     written = len(re.findall(r"\$\$\n.*?\n\$\$|\$[^$]+\$", source, flags=re.DOTALL))
@@ -138,7 +138,7 @@ def test_equations_are_typeset(site):
 
 
 def test_vendored_katex_has_its_notice():
-    """Name, version and licence stand beside the library and in it; the tool that renews it says the same version."""
+    """Name, version and licence are next to the library and in it; the tool that updates it has the same version."""
     folder = ROOT / "tools/site/vendor"
     name, version = re.fullmatch(r"(katex) (\S+): MIT\n", (folder / "versions.txt").read_text(encoding="utf-8")).groups()
     notice = (folder / "katex.LICENSE.txt").read_text(encoding="utf-8").strip()

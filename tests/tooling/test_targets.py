@@ -1,4 +1,4 @@
-"""What `make test` leaves out, `make validate` or another target runs."""
+"""Everything that `make test` omits is run by `make validate` or another target."""
 
 import re
 from pathlib import Path
@@ -6,8 +6,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 
-# Sources of `tests/verification` and `tests/command` with studies that are short unless FOLDWING_WHOLE is set, and in how many places. What is left out
-# altogether is `#[ignore]`d instead: it then does not say ok.
+# Sources of `tests/verification` and `tests/command` with studies that are short unless FOLDWING_WHOLE is set, and the number of places.
+# Tests omitted altogether are `#[ignore]`d instead, so that they do not report ok.
 SHORT = {
     "../command/verdicts.rs": 2,
     "conventional/angles.rs": 1,
@@ -37,7 +37,7 @@ SHORT = {
     "turbine/wind.rs": 7,
 }
 
-# The same of `tests/fmi`: how many words WHOLE and whole beside their import.
+# The same for `tests/fmi`: the number of words WHOLE and whole, apart from their import.
 SHORT_IN_PYTHON = {
     "test_failures.py": 1,
     "test_fmi3.py": 2,
@@ -46,7 +46,7 @@ SHORT_IN_PYTHON = {
     "test_wind_tunnel.py": 3,
 }
 
-# Tests that `make test` leaves to `make long`, which CI runs at every landing; each with a test of the same capability that `make test` runs.
+# Tests that `make test` leaves to `make long`, which CI runs at every merge; each with a test of the same capability in `make test`.
 LONG = {
     "rc02_random_calls_under_valgrind": "rc01_random_calls",
     "c11_ball_and_universal": "c10_ball_and_ball",
@@ -77,7 +77,7 @@ LONG = {
     "wt78_exponents_are_floquets": "wt80_random_machines",
 }
 
-# Scripts that no target runs, and why.
+# Scripts that no target runs, with the reason.
 RUN_OTHERWISE = {
     "blade_frequencies.py": "by hand: the figures of one section of docs/validation",
     "casadi_model_exchange.py": "by hand: needs CasADi; row CA-01",
@@ -124,7 +124,7 @@ def test_one_call_of_validate_runs_all_of_verification():
 
 
 def test_no_test_says_ok_without_doing_anything():
-    """A test that begins with leaving unless the studies are whole has to be `#[ignore]`d."""
+    """A test that returns at once unless the studies are full must be `#[ignore]`d."""
     for path in (ROOT / "tests/verification").rglob("*.rs"):
         text = path.read_text(encoding="utf-8")
         found = re.search(r"#\[test\]\s*fn (\w+)\(\) \{\s*if !is_whole\(\) \{\s*return;", text)
@@ -132,7 +132,7 @@ def test_no_test_says_ok_without_doing_anything():
 
 
 def test_long_tests_have_a_short_one_beside_them():
-    """What `make test` leaves out for its time is listed, CI runs it, and a test of the same capability stays."""
+    """Tests omitted from `make test` because of their duration are listed, CI runs them, and a test of the same capability remains."""
     run, left_out = set(), set()
     for folder in ("tests", "crates"):
         for path in (ROOT / folder).rglob("*.rs"):
@@ -167,7 +167,7 @@ def test_every_study_is_run_by_a_target():
 
 
 def test_slow_tests_are_tests():
-    """Every test that `make check` leaves out exists, so that the list does not hide one of the same name later."""
+    """Every test omitted from `make check` exists, so that the list cannot hide a later one of the same name."""
     functions = set()
     for folder in ("tests", "crates", "src"):
         for path in (ROOT / folder).rglob("*.rs"):

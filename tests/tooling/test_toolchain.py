@@ -1,4 +1,4 @@
-"""What `make` says when something is missing or too old: one line to type for each."""
+"""Output of `make` if something is missing or too old: one line to type for each."""
 
 import os
 import shutil
@@ -21,7 +21,7 @@ GOOD = {
 
 @pytest.fixture
 def check(tmp_path):
-    """Runs the check on a machine that has just the given commands, as shell one-liners."""
+    """Runs the check on a computer that has only the given commands, as shell one-liners."""
 
     def run(commands, make_version="4.3"):
         folder = tmp_path / "bin"
@@ -40,12 +40,12 @@ def check(tmp_path):
 
 
 def without(*names):
-    """A good machine but for some commands."""
+    """A complete computer except for some commands."""
     return {name: line for name, line in GOOD.items() if name not in names}
 
 
 def test_t10_complete_machine_passes_in_silence(check):
-    """T-10. Nothing is printed where nothing is missing; 1.95 is newer than 1.89 and 3.11 newer than 3.9."""
+    """T-10. Nothing is printed if nothing is missing; 1.95 is newer than 1.89 and 3.11 newer than 3.9."""
     outcome = check(GOOD)
     assert (outcome.returncode, outcome.stdout, outcome.stderr) == (0, "", "")
 
@@ -64,7 +64,7 @@ def test_t10_complete_machine_passes_in_silence(check):
     ],
 )
 def test_t11_each_gap_is_named_with_the_line_to_type(check, commands, words, line):
-    """T-11. Whatever is missing or too old is named, followed by one line that mends it; the check fails."""
+    """T-11. Everything missing or too old is named, followed by one line that remedies it; the check fails."""
     outcome = check(commands)
     assert outcome.returncode != 0
     complaint, remedy = outcome.stderr.splitlines()
@@ -79,6 +79,6 @@ def test_t12_old_make_is_named(check):
 
 
 def test_t13_all_gaps_are_named_at_once(check):
-    """T-13. On an empty machine every gap is named in one go, not one per attempt."""
+    """T-13. On an empty computer everything missing is named at once, not one item per attempt."""
     outcome = check({})
     assert [word in outcome.stderr for word in ("cargo", "C compiler", "python3")] == [True] * 3

@@ -1,16 +1,16 @@
-"""Each id of the validation pages belongs to one page, and one kind of test has it."""
+"""Each id of the validation pages belongs to one page, and is used by one kind of test."""
 import collections
 import pathlib
 import re
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# Name the tests of other pages, beside rows of their own.
+# These pages name the tests of other pages, in addition to rows of their own.
 TABLES_OF_TESTS = {"audit.md", "corrections.md"}
 ID = r"[A-Z]{1,2}-\d{2,3}"
 
 
 def first_cells(text):
-    """Ids of the first cells of table rows, ranges written out."""
+    """Ids in the first cells of table rows, with ranges expanded."""
     for line in text.splitlines():
         cell = re.match(r"\|([^|]*)\|", line)
         if cell is None:
@@ -24,7 +24,7 @@ def first_cells(text):
 
 
 def test_ids_are_used_once():
-    """Two pages with one id: a test that names it is found in the wrong one."""
+    """With the same id on two pages, a test could be looked up on the wrong page."""
     pages = collections.defaultdict(set)
     for page in sorted((ROOT / "docs/validation").glob("*.md")):
         if page.name not in TABLES_OF_TESTS:

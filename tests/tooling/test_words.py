@@ -1,4 +1,4 @@
-"""What a person is led through (front page, tutorial, how-to, theory in brief) is at most 30 000 words; reference is looked up."""
+"""The pages to be read through (front page, tutorial, how-to, theory in brief) have at most 30 000 words; reference pages are excluded."""
 
 import importlib.util
 import re
@@ -9,12 +9,12 @@ SPEC = importlib.util.spec_from_file_location("build_site", ROOT / "tools/build_
 build_site = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(build_site)
 MOST = 30_000
-# pages of reference in the folder of the guide
+# reference pages in the folder of the guide
 REFERENCE = {"commands.md", "variables.md", "names.md", "messages.md", "glossary.md"}
 
 
 def words(path):
-    """Words of a page without its code, which is read where it is used."""
+    """Number of words of a page without its code, which is read where it is used."""
     return len(re.sub(r"```.*?```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL).split())
 
 

@@ -226,7 +226,7 @@ pub struct State {
     pub damping: Vec<Damping>,
     /// Loads of each station.
     pub loads: Vec<Wrench>,
-    /// Hinge terms of each degree of freedom.
+    /// Hinge terms of each body's joint.
     pub hinges: Vec<FreedomTangent>,
 }
 

@@ -1,21 +1,20 @@
-//! The lines of the documents and of `--help` that call the command. Shared by the tests that parse them and those that
-//! run them.
+//! The lines of the documents and of `--help` that call the command. Shared by the tests that parse them and those that run them.
 
 use std::path::{Path, PathBuf};
 
-/// A call of the command as a text shows it.
+/// A call of the command shown in a text.
 pub struct CommandLine {
     /// Page and line, for messages.
     pub place: String,
-    /// Words behind `foldwing`.
+    /// Words after `foldwing`.
     pub words: Vec<String>,
-    /// The call is on a line of its own, to be typed unchanged; otherwise it is in a sentence and may lack arguments.
+    /// The call is on a separate line, to be typed unchanged; otherwise it is in a sentence and may lack arguments.
     pub whole: bool,
 }
 
-/// The pages whose command lines must be right: the front page, everything in `docs/`, and the guide.
+/// The pages whose command lines must be valid: the front page, everything in `docs/`, and the guide.
 pub fn pages() -> Vec<PathBuf> {
-    let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors(); // of the command's unit tests: crates/command
+    let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors(); // for the command's unit tests: crates/command
     let root = folders.find(|folder| folder.join("docs/guide").is_dir()).expect("a folder of the repository");
     let mut pages = vec![root.join("README.md")];
     for folder in ["docs", "docs/guide", "docs/validation"] {
@@ -43,7 +42,7 @@ pub fn of_page(page: &Path) -> Vec<CommandLine> {
         .collect()
 }
 
-/// Calls in lines of text, each on a line of its own.
+/// Calls in lines of text, each on a separate line.
 pub fn of_lines(place: &str, text: &str) -> Vec<CommandLine> {
     let joined = text.replace("\\\n", " ");
     joined.lines().filter_map(|line| call(place, line.trim(), true)).collect()
@@ -53,12 +52,12 @@ fn call(place: &str, line: &str, whole: bool) -> Option<CommandLine> {
     let (program, rest) = line.split_once(' ')?;
     let is_command = program.rsplit('/').next() == Some("foldwing");
     let words = words(rest);
-    // `foldwing COMMAND` stands for all of them
+    // `foldwing COMMAND` represents all commands
     let named = words.first().is_some_and(|word| !word.starts_with(|c: char| c.is_ascii_uppercase()));
     (is_command && named).then(|| CommandLine { place: format!("{place}: {line}"), words, whole })
 }
 
-/// Words of a shell line up to a remark, a redirection, a pipe or what stands behind a gap.
+/// Words of a shell line up to a comment, a redirection, a pipe or an explanation after a gap.
 fn words(line: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let (mut quote, mut spaces) = (false, 0);

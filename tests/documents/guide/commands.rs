@@ -16,7 +16,7 @@ the options: [COMMAND_LINE.md](../COMMAND_LINE.md).
 /// Runs the command in a folder.
 pub fn foldwing(folder: &std::path::Path, words: &[String]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_foldwing"));
-    // without a terminal and without this variable, help is 100 letters wide
+    // without a terminal and without this variable, help is 100 characters wide
     command.args(words).current_dir(folder).env_remove("COLUMNS").output().expect("the command runs")
 }
 
@@ -29,7 +29,7 @@ fn help(words: &[&str]) -> String {
     text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
 }
 
-/// The commands, as the help lists them.
+/// The commands listed in the help.
 fn commands(help: &str) -> Vec<String> {
     let list = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     list.filter(|line| !line.starts_with("    "))
@@ -51,7 +51,7 @@ fn f244_the_page_of_commands_is_current() {
     assert_current("docs/guide/commands.md", &page);
 }
 
-/// The shared library that Cargo built beside this test.
+/// The shared library that Cargo built next to this test.
 pub fn library() -> PathBuf {
     let name = format!("{}foldwing_fmu{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     std::env::current_exe().unwrap().with_file_name(name)
@@ -121,7 +121,7 @@ fn interrupted(folder: &Path, words: &[String]) -> Output {
     use std::io::{BufRead, BufReader};
     let mut command = Command::new(env!("CARGO_BIN_EXE_foldwing"));
     command.args(words).current_dir(folder).stdout(Stdio::piped()).stderr(Stdio::piped());
-    // no browser on a computer with a display
+    // do not open a browser on a computer with a display
     command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
     let mut child = command.spawn().unwrap();
     let mut address = String::new();
@@ -131,7 +131,7 @@ fn interrupted(folder: &Path, words: &[String]) -> Output {
     child.wait_with_output().unwrap()
 }
 
-/// F-246. Lines of the guide, of the front page and of the help that call the command succeed as they stand.
+/// F-246. Lines of the guide, of the front page and of the help that call the command run successfully as printed.
 #[test]
 fn f246_the_lines_of_the_guide_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -155,19 +155,19 @@ fn f246_the_lines_of_the_guide_run() {
         if !can_run(&call) || !ran.insert(words.clone()) {
             continue;
         }
-        // as many steps as a minute is for are not needed to see that a line runs
+        // fewer steps than for a minute are sufficient to see that a line runs
         words.iter_mut().filter(|word| *word == "100000").for_each(|word| *word = "100".to_owned());
-        // nor as many speeds as divergence is bracketed by, or over which a tip without springs is followed from three start angles
+        // so are fewer speeds than those that bracket divergence, or over which a tip without springs is tracked from three start angles
         words.iter_mut().filter(|word| *word == "10:40:4").for_each(|word| *word = "10:20:2".to_owned());
         words.iter_mut().filter(|word| *word == "10:40:10").for_each(|word| *word = "10:20:10".to_owned());
         words.iter_mut().filter(|word| *word == "10:80:8").for_each(|word| *word = "10:20:2".to_owned());
-        // nor as many pixels
+        // and fewer pixels
         words.iter_mut().filter(|word| *word == "1920x1080").for_each(|word| *word = "320x180".to_owned());
         if words[0] == "new" {
-            let _ = std::fs::remove_file(folder.path().join(&words[1])); // it overwrites nothing
+            let _ = std::fs::remove_file(folder.path().join(&words[1])); // the command does not overwrite files
         }
         if words[0] == "view" {
-            words.push("--no-open".to_owned()); // nobody looks
+            words.push("--no-open".to_owned()); // nobody watches
         }
         if words[0] == "package" && !words.iter().any(|word| word == "--description-only" || word == "--library") {
             words.extend(["--library".to_owned(), library().to_str().unwrap().to_owned()]);
@@ -179,7 +179,7 @@ fn f246_the_lines_of_the_guide_run() {
         let output =
             if words[0] == "live" { interrupted(folder.path(), &words) } else { foldwing(folder.path(), &words) };
         if words[0] == "new" {
-            std::fs::write(folder.path().join(&words[1]), &model).unwrap(); // the other lines have the wing of the pages
+            std::fs::write(folder.path().join(&words[1]), &model).unwrap(); // the other lines use the wing of the pages
         }
         println!("{:6.2} s  foldwing {}", clock.elapsed().as_secs_f64(), words.join(" "));
         assert!(output.status.success(), "{}\n{}", call.place, String::from_utf8_lossy(&output.stderr));

@@ -1,7 +1,7 @@
-//! `docs/guide/messages.md`: every quoted message is one of the program's, and none of the program's is missing.
+//! `docs/guide/messages.md`: every quoted message is one of the program's, and none is missing.
 //!
-//! Three sources. *Produced here*: messages of the command in the cases below. *Produced elsewhere*: the whole messages with which
-//! `tests/robustness` compares those of the program, word for word. *Source*: texts of the program that neither of the two produces.
+//! Three sources. *Produced here*: messages of the command in the cases below. *Produced elsewhere*: the complete messages that
+//! `tests/robustness` expects from the program. *Source*: texts of the program produced in neither of the two.
 
 use crate::guide::commands::foldwing;
 use crate::guide::in_package;
@@ -9,7 +9,7 @@ use crate::guide::rotor_slips;
 use std::fs;
 use std::path::Path;
 
-/// A row's messages, as pieces that follow each other.
+/// The messages of a row, as consecutive pieces.
 struct Quote {
     section: String,
     text: String,
@@ -22,7 +22,7 @@ impl Quote {
         Self { section: section.to_owned(), text: text.to_owned(), pieces }
     }
 
-    /// Returns whether the pieces occur in `text` in their order.
+    /// Returns whether the pieces occur in `text` in this order.
     fn is_in(&self, text: &str) -> bool {
         let mut rest = text;
         !self.pieces.is_empty()
@@ -55,7 +55,7 @@ fn quotes() -> Vec<Quote> {
     quotes
 }
 
-/// String literals of Rust source, with `{…}` as `…`. Those of tests in the same file are left out.
+/// String literals of Rust source, with `{…}` as `…`, except those of tests in the same file.
 fn literals(text: &str) -> Vec<String> {
     let code = text.split("#[cfg(test)]").next().unwrap();
     let mut letters = code.chars().peekable();
@@ -63,7 +63,7 @@ fn literals(text: &str) -> Vec<String> {
     while let Some(letter) = letters.next() {
         match letter {
             '/' if letters.peek() == Some(&'/') => letters.by_ref().take_while(|c| *c != '\n').for_each(drop),
-            // a letter in quotes; lifetimes have no second quote so near
+            // a character literal; lifetimes have no second quote this close
             '\'' => {
                 let next: String = letters.clone().take(3).collect();
                 let skipped = if next.starts_with('\\') { 3 } else { 2 };
@@ -124,7 +124,7 @@ fn literals_of(files: &[String]) -> Vec<String> {
     files.iter().flat_map(|file| literals(file)).collect()
 }
 
-/// Whole messages with which tests compare those of the program: of model files, and of the C functions.
+/// Complete messages expected by tests: for model files, and for the C functions.
 fn asserted() -> (Vec<String>, Vec<String>) {
     let literals = literals_below("tests/robustness");
     let lines = literals.iter().flat_map(|text| text.lines().map(str::to_owned));
@@ -178,7 +178,7 @@ const FILES: &[(&str, &[u8])] = &[
     ("other.csv.sweep", b"something\n"),
 ];
 
-/// Slips on the command line, in a folder with [`FILES`] and the shipped models; `LIBRARY` and `COMMAND` stand for ours.
+/// Mistakes on the command line, in a folder with [`FILES`] and the shipped models; `LIBRARY` and `COMMAND` stand for the built ones.
 const SLIPS: &[&str] = &[
     "new wing.toml",
     "new wing",
@@ -277,7 +277,7 @@ const SLIPS: &[&str] = &[
     "package wing.toml -o x.fmu --no-reference --library COMMAND",
 ];
 
-/// The same with FMUs, where the build runs them. A `+` is a space inside a word.
+/// Mistakes with FMUs, if the build can run them. A `+` is a space inside a word.
 const SLIPS_WITH_FMUS: &[&str] = if cfg!(feature = "import") {
     &[
         "run wing.toml --csv -",
@@ -359,7 +359,7 @@ fn produced() -> Vec<String> {
     write("fast.toml", keys("speed_of_sound_m_s = 10.0").as_bytes());
     let ground = "ground_normal = [0.0, 0.0, 1.0]\nground_distance_m = -1.0";
     write("low.toml", keys(ground).replace("\"strip\"", "\"uvlm\"").as_bytes());
-    // profiles that a lattice cannot take
+    // profiles that are invalid for a lattice
     let polar = "[surface.inner]\npolar = [[-10.0, -1.0, 0.01, 0.0], [10.0, 1.0, 0.01, 0.0]]";
     let tunnel = shipped("folding_wing_in_tunnel.toml");
     write("no_suction.toml", tunnel.replace("[surface.inner]", polar).as_bytes());
@@ -375,7 +375,7 @@ fn produced() -> Vec<String> {
     write("stalled.toml", stalled.replace("\nwake_rows", "\nleading_edge_suction = true\nwake_rows").as_bytes());
     write("diverges.toml", goland.replace("elastic_axis_fraction = 0.33", "elastic_axis_fraction = 0.5").as_bytes());
     write("spins.toml", SPINS.as_bytes());
-    // a model whose own experiment fails, and one with a load where no station is
+    // a model whose own experiment fails, and one with a load at a position without a station
     let failing = model.replace("[simulation]", "[solver]\nmin_step_s = 1e-3\ntolerance = 1e-9\n[simulation]");
     write("failing.toml", failing.as_bytes());
     let brake = "[failure.x]\nkind = \"brake_applied\"\njoint = \"fold\"\ntorque_N_m = 1.0\n";
@@ -383,7 +383,7 @@ fn produced() -> Vec<String> {
     write("braked.toml", model.replace("[simulation]", &braked).as_bytes());
     let station = "[load.tip]\nbody = \"outer\"\nstation = 1\n[body.outer]\nload_stations = 0";
     write("loaded.toml", model.replace("[body.outer]", station).as_bytes());
-    // more stations than all bodies may have, and two arms that latch at one instant
+    // more stations than the maximum for all bodies, and two arms that latch at the same instant
     let many = model.replace("elements = 4", "elements = 4\nload_stations = 1000");
     let third = "\n[body.third]\nlength_m = 0.1\nsection = \"plate\"\nelements = 1\nload_stations = 1000\n\
                  [joint.third]\ntype = \"clamped\"\nparent = \"outer\"\nchild = \"third\"\n";
@@ -405,7 +405,7 @@ fn produced() -> Vec<String> {
         let words: Vec<String> = line.split(' ').map(|word| word.replace('+', " ")).collect();
         foldwing(folder.path(), &words)
     };
-    // an FMU, and results of a sweep that another one would overwrite
+    // an FMU, and results of a sweep that another sweep would overwrite
     for line in [
         "package wing.toml -o wing.fmu --no-reference --library LIBRARY",
         "sweep wing.toml --vary fold.angle_command=1,2 --stop 0.001 --output done.csv",
@@ -491,7 +491,7 @@ fn produced() -> Vec<String> {
         "package failing.toml -o x.fmu --library LIBRARY",
     ];
     let slips = SLIPS.iter().chain(SLIPS_WITH_FMUS).chain(&more).chain(rotor_slips::LINES);
-    // the command shows the parts of a file's problem in different places; importers log it as a line
+    // the command shows the parts of a file's error separately; importers log it as a line
     let whole = FILES.iter().filter(|(name, _)| name.ends_with(".toml")).filter_map(|(name, text)| {
         Some(foldwing::config::parse(std::str::from_utf8(text).ok()?, name).err()?.to_string())
     });
@@ -528,14 +528,14 @@ fn produced() -> Vec<String> {
             .replace("[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]", &format!("{rows}]\naspect_ratio = 10"));
         foldwing::config::parse(&text, "rotor.toml").expect_err(rows).to_string()
     });
-    // what only programs can ask for
+    // errors that only programs can cause
     let one = || nalgebra::DMatrix::from_element(1, 1, -1.0);
     let model = foldwing::plant::StateSpace { a: one(), b: one(), c: one(), d: one() };
     let modal = foldwing::plant::reduce(&model, 1, foldwing::plant::Keep::Modes, Some(50.0)).expect_err("a band");
     said.chain(warned).chain(whole).chain(extended).chain(rotor_slips::refused()).chain([modal.to_string()]).collect()
 }
 
-/// F-247. Every message that the page quotes is one of the program's: most are produced, the others stand in the source.
+/// F-247. Every message quoted by the page is one of the program's: most are produced, the others are found in the source.
 #[test]
 fn f247_quoted_messages_are_the_programs() {
     let (model_file, calls) = asserted();
@@ -546,7 +546,7 @@ fn f247_quoted_messages_are_the_programs() {
     for quote in quotes() {
         let from_function = quote.text.split_once(": ").filter(|(function, _)| function.starts_with("fmi2"));
         let text = Quote::new("", from_function.map_or(quote.text.as_str(), |(_, text)| text));
-        // tests of instances compare what stands behind the function's name
+        // tests of instances compare the text after the function's name
         if said.iter().any(|message| quote.is_in(message) || text.is_in(message)) {
             seen += 1;
         } else if source.iter().any(|literal| text.is_in(literal)) {
@@ -560,7 +560,7 @@ fn f247_quoted_messages_are_the_programs() {
     assert!(seen > 5 * read.len(), "{seen} were produced, {} stand in the source", read.len());
 }
 
-/// Whether the pieces of a formatted text occur one behind the other.
+/// Whether the pieces of a formatted text occur in this order.
 fn in_order(pieces: &[&str], text: &str) -> bool {
     let mut rest = text;
     for piece in pieces {
@@ -570,7 +570,7 @@ fn in_order(pieces: &[&str], text: &str) -> bool {
     true
 }
 
-/// F-248. Pieces in another order are another message.
+/// F-248. The same pieces in another order are a different message.
 #[test]
 fn f248_a_quote_is_the_message_itself() {
     assert!(in_order(&["the mass of ", " is not positive"], "the mass of body 'a' is not positive"));
@@ -578,7 +578,7 @@ fn f248_a_quote_is_the_message_itself() {
     assert!(!in_order(&["mass of ", "mass of "], "the mass of body 'a' is not positive"));
 }
 
-/// F-248. No message is missing: each refusal of a model file that the tests know, and each text of an error type.
+/// F-248. No message is missing: each error in a model file known to the tests, and each text of an error type.
 #[test]
 fn f248_every_message_of_the_program_is_quoted() {
     let quotes = quotes();
@@ -597,7 +597,7 @@ fn f248_every_message_of_the_program_is_quoted() {
     let mut files = Vec::new();
     for folder in fs::read_dir(in_package("crates")).unwrap() {
         let folder = folder.unwrap().path();
-        // errors of studies name fields of their options; the page has the words of the command for them
+        // errors of studies name fields of their options; the page uses the command's words for them
         if !folder.ends_with("study") {
             sources(&folder, &mut files);
         }
@@ -605,7 +605,7 @@ fn f248_every_message_of_the_program_is_quoted() {
     let mut count = 0;
     for attribute in files.iter().flat_map(|file| file.split("#[error(").skip(1)) {
         let Some(text) = literals(attribute.split(")]").next().unwrap()).into_iter().next() else { continue };
-        // a text that only passes on another's
+        // a text that only passes on another one
         let own = text.chars().filter(|c| c.is_alphabetic()).count() > 3;
         if !own || INTERNAL.iter().any(|internal| text.starts_with(internal)) {
             continue;
@@ -621,7 +621,7 @@ fn f248_every_message_of_the_program_is_quoted() {
                     .filter(|(f, _)| f.starts_with("fmi2"))
                     .map_or(&quote.text, |(_, text)| text),
             );
-            // either may be the shorter one: the page fills in what the format leaves open, or leaves out its end
+            // either may be shorter: the page fills in fields of the format, or omits its end
             quote.is_in(&text) || in_order(&words, &quote.text)
         });
         if !quoted {
@@ -632,7 +632,7 @@ fn f248_every_message_of_the_program_is_quoted() {
     assert!(missing.is_empty(), "docs/guide/messages.md does not know\n{}", missing.join("\n"));
 }
 
-/// Texts that no user meets as they are: they are wrapped by others, or end a command quietly.
+/// Texts that no user sees unchanged: they are wrapped by others, or end a command silently.
 const INTERNAL: &[&str] = &[
     "standard output was closed",
     "figure `…`",
@@ -640,7 +640,7 @@ const INTERNAL: &[&str] = &[
     "…:…: column …",
     "the pivot of coordinate",
     "the static tangent is singular",
-    // its cause and place become a message with the joint's name
+    // its cause and location become a message with the joint's name
     "no stiffness in coordinate",
     "no convergence in … iterations, last correction",
     "the residual is not finite in iteration",

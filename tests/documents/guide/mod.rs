@@ -1,4 +1,4 @@
-//! The guide in `docs/guide` and the program say the same.
+//! The guide in `docs/guide` and the program agree.
 
 mod command_lines;
 mod commands;
@@ -20,7 +20,7 @@ fn in_package(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// A page that is written from the program is what the program gives. `make bless` writes it anew.
+/// Asserts that a generated page is up to date. `make bless` writes it again.
 fn assert_current(page: &str, text: &str) {
     if std::env::var_os("FOLDWING_BLESS").is_some() {
         std::fs::write(in_package(page), text).unwrap();
@@ -30,7 +30,7 @@ fn assert_current(page: &str, text: &str) {
     assert!(found == text, "{page} is stale: `make bless` writes it anew; first {difference:?}");
 }
 
-/// F-259. The example in Rust of the page of first scripts is the crate's first doc test, line for line but for its hidden end.
+/// F-259. The Rust example of the page of first scripts is the crate's first doc test, line for line except its hidden end.
 #[test]
 fn f259_the_rust_example_of_the_guide_is_the_doc_test() {
     let read = |path: &str| std::fs::read_to_string(in_package(path)).expect("a file of the repository");
@@ -50,7 +50,7 @@ fn f259_the_rust_example_of_the_guide_is_the_doc_test() {
     assert_eq!(shown.iter().map(|line| line.trim()).collect::<Vec<_>>(), code);
 }
 
-/// F-260. The examples in Rust: a wing built in code unfolds and has modes, a model file becomes an FMU.
+/// F-260. The Rust examples: a wing built in code unfolds and has modes, a model file becomes an FMU.
 #[test]
 fn f260_the_rust_examples_do_what_they_say() {
     let latch_time_s = wing::unfold(wing::wing(0.15).unwrap()).unwrap();
@@ -58,7 +58,7 @@ fn f260_the_rust_examples_do_what_they_say() {
     let modes = wing::latched_modes(wing::wing(0.15).unwrap()).unwrap();
     assert_eq!(modes.len(), 4);
     assert!(modes.iter().all(|(hz, ratio)| *hz > 0.1 && *ratio > 0.0), "a damped wing at rest: {modes:?}");
-    // half the length, with a mass per length that stays: bending four times as fast
+    // half the length with constant mass per length: bending is four times as fast
     let short = wing::latched_modes(wing::wing(0.075).unwrap()).unwrap();
     assert!((3.0..5.0).contains(&(short[0].0 / modes[0].0)), "{short:?} beside {modes:?}");
 

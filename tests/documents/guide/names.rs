@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Code in sentences and tables of a page, and texts in quotes with a dot inside in its scripts.
+/// Code in sentences and tables of a page, and quoted texts with a dot inside in its scripts.
 fn spans(text: &str) -> Vec<String> {
     let prose: String = text.split("```").step_by(2).collect();
     let code =
@@ -19,7 +19,7 @@ fn spans(text: &str) -> Vec<String> {
     prose.split('`').skip(1).step_by(2).chain(texts).map(|span| span.replace('\n', " ")).collect()
 }
 
-/// Names and values of the model file's schema.
+/// Names and values in the schema of the model file.
 fn words_of_the_schema() -> BTreeSet<String> {
     fn collect(value: &serde_json::Value, found: &mut BTreeSet<String>) {
         match value {
@@ -43,7 +43,7 @@ fn words_of_the_schema() -> BTreeSet<String> {
     found
 }
 
-/// Names of variables: patterns, and those of the shipped wing with and without air.
+/// Names of variables: patterns, and those of the shipped wing with and without aerodynamics.
 fn variables() -> BTreeSet<String> {
     let tables = [everything(), in_real_time(), with_rigid_latch(), sliding(false), sliding(true), rotor()];
     let mut names: BTreeSet<String> =
@@ -69,14 +69,14 @@ fn variables() -> BTreeSet<String> {
             names.insert(named(&machine, &row.name).replace("tip.<body>", "tip"));
         }
     }
-    // a group stands for all that begin so: `root.acceleration`, `load.`
+    // a group represents all names that begin with it: `root.acceleration`, `load.`
     let groups: Vec<String> =
         names.iter().flat_map(|name| name.match_indices('.').map(|(at, _)| name[..at].to_owned())).collect();
     names.extend(groups);
     names
 }
 
-/// Words in code that look like a name of ours and are someone else's.
+/// Words in code that look like names of variables or keys but belong to other software.
 const FOREIGN: &[&str] = &[
     "attitude.roll",
     "attitude.pitch",
@@ -97,7 +97,7 @@ const FOREIGN: &[&str] = &[
     "oms_ma",
     "oms_mav",
     "oms_mav2",
-    // fields of what `fit`, `--profile`, `--lattice`, `--vtk` and `sweep` write
+    // fields of the output of `fit`, `--profile`, `--lattice`, `--vtk` and `sweep`
     "degrees_of_freedom",
     "standard_error",
     "times_s",
@@ -109,7 +109,7 @@ const FOREIGN: &[&str] = &[
     "reduction.accuracy",
     "max_frequency_Hz",
     "largest_at_deg",
-    // inputs and states of linear models in air
+    // inputs and states of linear models with aerodynamics
     "gust.x",
     "gust.y",
     "gust.z",
@@ -135,7 +135,7 @@ const FOREIGN: &[&str] = &[
     "jax.vmap",
     // the delay of a paced step in Python
     "sim.late_s",
-    // what `modes --vary` calls a rotor's speed, and a joint of the turbine
+    // the rotor speed in `modes --vary`, and a joint of the turbine
     "rotor_speed_rpm",
     "drive_train",
     "fold_angles",
@@ -148,7 +148,7 @@ const FOREIGN: &[&str] = &[
     "energy.total − energy.work + energy.dissipated",
 ];
 
-/// Returns whether a word looks like a variable, a key or a path of keys: small letters with a dot or an underscore inside.
+/// Returns whether a word looks like a variable, a key or a path of keys: lower-case letters with a dot or an underscore inside.
 fn looks_like_a_name(word: &str) -> bool {
     let plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "._<>[]{},".contains(c));
     let inside = word.trim_end_matches('.').contains(['.', '_']);
@@ -212,7 +212,7 @@ fn f249_names_that_the_guide_quotes_exist() {
     assert!(count > 120, "{count} names were found");
 }
 
-/// The check finds invalid names.
+/// The check detects invalid names.
 #[test]
 fn a_wrong_name_is_seen() {
     let names = Names::new();
@@ -227,7 +227,7 @@ fn a_wrong_name_is_seen() {
     }
 }
 
-/// Every page of the repository's texts: those at its root and below the folders that hold pages.
+/// All pages of the repository: those at its root and in the folders that contain pages.
 fn all_pages() -> Vec<PathBuf> {
     fn below(folder: &Path, deep: bool, found: &mut Vec<PathBuf>) {
         for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
@@ -256,7 +256,7 @@ fn prose(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Links of a page's text to other pages and to sections: how many there are, those to sections, and what is wrong with them.
+/// Links in a page's text to other pages and to sections: their number, the number of those to sections, and errors.
 fn links(page: &Path, text: &str) -> (usize, usize, Vec<String>) {
     let (mut count, mut to_sections, mut wrong) = (0, 0, Vec::new());
     let text = prose(text).collect::<Vec<_>>().join("\n");
@@ -277,8 +277,8 @@ fn links(page: &Path, text: &str) -> (usize, usize, Vec<String>) {
     (count, to_sections, wrong)
 }
 
-/// F-255. Links within the documents, decisions and the texts beside examples and tests among them, lead to files, and to sections that
-/// these have. Half as many links as on the day of writing would mean that pages are not found.
+/// F-255. Links in the documents, including decisions and the texts next to examples and tests, lead to existing files and sections. A
+/// lower bound on the number of links, half of that at the time of writing, ensures that the pages are found.
 #[test]
 fn f255_links_lead_to_sections() {
     let (mut count, mut to_sections, mut wrong) = (0, 0, Vec::new());
@@ -294,7 +294,8 @@ fn f255_links_lead_to_sections() {
     assert!(pages.len() > 100 && count > 200 && to_sections > 30, "{} pages, {count}, {to_sections}", pages.len());
 }
 
-/// F-255 finds invalid links: to a missing page and section, to a comment in a code block, to a second section of a name that occurs once.
+/// F-255 detects invalid links: to a missing page or section, to a comment in a code block, to a second section with a name that occurs
+/// only once.
 #[test]
 fn a_link_that_leads_nowhere_is_seen() {
     let page = crate::guide::in_package("docs/guide/made_up.md");
@@ -306,7 +307,7 @@ fn a_link_that_leads_nowhere_is_seen() {
     assert_eq!(own.iter().map(String::as_str).collect::<Vec<_>>(), ["one", "one-1", "two-three"]);
 }
 
-/// Names of a page's sections, as links say them: a name that comes again is numbered.
+/// Names of a page's sections as used in links: repeated names are numbered.
 fn sections(text: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for title in prose(text).filter(|line| line.starts_with('#')) {
@@ -320,7 +321,8 @@ fn sections(text: &str) -> BTreeSet<String> {
     found
 }
 
-/// F-256. Figures of the table of speeds of docs/VALIDATION.md are those of `docs/BENCHMARKS.md`, and what is missed there is missed here.
+/// F-256. Values in the table of speeds of docs/VALIDATION.md are those of `docs/BENCHMARKS.md`, and targets missed there are marked as
+/// missed here.
 #[test]
 fn f256_speeds_of_the_validation_page_are_those_of_the_benchmarks() {
     let read = |path: &str| fs::read_to_string(crate::guide::in_package(path)).unwrap();

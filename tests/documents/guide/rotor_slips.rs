@@ -1,4 +1,4 @@
-//! Slips with rotors: models and lines of `modes --vary rotor_speed_rpm`, and refusals of a rotor's parts.
+//! Mistakes with rotors: models and lines of `modes --vary rotor_speed_rpm`, and errors in parts of a rotor.
 
 /// Lines in a folder with the files of [`files`] and `wing.toml`.
 pub const LINES: &[&str] = &[
@@ -163,7 +163,7 @@ pub fn refused() -> Vec<String> {
     let texts = [
         format!("{rotor}{}", second("[0, -90, 0]")),
         format!("{rotor}{}{surface}", second("[0, -90, 0]")),
-        // a wing beside the rotor
+        // a wing in addition to the rotor
         format!("{rotor}{}{surface}", second("[0, 0, 0]").replace("parent = \"bodynamea\"", "parent = \"root\"")),
         power,
         alone,

@@ -1,4 +1,4 @@
-//! `docs/guide/variables.md`: every variable that an FMU can have, written from the table in `crates/fmi/src/interface`.
+//! `docs/guide/variables.md`: every variable that an FMU can have, generated from the table in `crates/fmi/src/interface`.
 
 use crate::guide::{assert_current, in_package};
 use foldwing::config;
@@ -6,7 +6,7 @@ use foldwing::interface::{Causality, Interface, Value, Variability, Variable};
 use foldwing::machine::Machine;
 use std::collections::BTreeSet;
 
-/// One of everything that has variables. Its names are those that the page replaces.
+/// One of every part that has variables. Its names are those that the page replaces by placeholders.
 const EVERYTHING: &str = r#"
 name = "Everything"
 [section.plate]
@@ -147,7 +147,7 @@ spring = { stiffness_N_m = 0.1 }
 latch = { stiffness_ratio = 1e4 }
 "#;
 
-/// Condition for rows with this beginning of the name.
+/// Condition for variables whose name begins with this text.
 const WHERE: &[(&str, &str)] = &[
     ("<joint>.generator", "revolute joints with a generator"),
     ("rotor.", "with `aerodynamics.model = \"bem\"`"),
@@ -183,20 +183,20 @@ const WHERE: &[(&str, &str)] = &[
     ("body.", "each body"),
 ];
 
-/// Bodies that bend in given shapes.
+/// Modal bodies.
 const MODAL: &str = "each modal body";
 
 /// All revolute joints.
 const REVOLUTE: &str = "revolute joints";
 const SPRING: &str = "revolute joints with a `spring` and `motion = \"free\"`";
 
-/// Joints that hold something.
+/// Joints that constrain a body.
 const BOUND: &str = "all joints except free ones";
 
-/// Revolute joints whose angle is not a function of time.
+/// Revolute joints whose motion is not prescribed.
 const NOT_PRESCRIBED: &str = "revolute joints except prescribed ones";
 
-/// Condition for a row.
+/// Condition for a variable.
 fn place(variable: &Variable, pattern: &str, slides: bool) -> String {
     let name = format!("{pattern}.");
     let name = if slides && !name.contains("reaction") {
@@ -205,7 +205,7 @@ fn place(variable: &Variable, pattern: &str, slides: bool) -> String {
         name
     };
     match WHERE.iter().find(|(beginning, _)| name.starts_with(beginning)) {
-        // what only the ball joint has
+        // variables that only the ball joint has
         Some((_, place)) if variable.name.starts_with("jointnamea.") && place.starts_with("revolute") => {
             "universal and ball joints".to_owned()
         }
@@ -225,13 +225,13 @@ pub fn rotor() -> Interface {
     table(ROTOR)
 }
 
-/// The table of [`EVERYTHING`] in real-time mode, which has no air.
+/// The table of [`EVERYTHING`] in real-time mode, without aerodynamics.
 pub fn in_real_time() -> Interface {
     let (still, _) = EVERYTHING.split_once("[aerodynamics]").unwrap();
     table(&format!("{still}[solver]\nmode = \"real_time\"\n"))
 }
 
-/// The table of [`EVERYTHING`] with a prismatic joint in the place of the revolute one, whose latch is rigid or not.
+/// The table of [`EVERYTHING`] with a prismatic joint instead of the revolute one, with a rigid or an elastic latch.
 pub fn sliding(rigid: bool) -> Interface {
     let (begin, rest) = EVERYTHING.split_once("[joint.jointname]").unwrap();
     let (_, end) = rest.split_once("[joint.jointnamea]").unwrap();
@@ -259,7 +259,7 @@ fn generic(text: &str) -> String {
     })
 }
 
-/// Name with the components of a vector or quaternion as one, and what the component is.
+/// Name with the components of a vector or quaternion combined, and the component.
 pub fn pattern(name: &str) -> (String, Option<&str>) {
     let (stem, last) = name.rsplit_once('.').unwrap_or(("", name));
     let components = if stem.ends_with(".rotation") { "{w,x,y,z}" } else { "{x,y,z}" };
@@ -268,9 +268,9 @@ pub fn pattern(name: &str) -> (String, Option<&str>) {
     (generic(&name).replace("[1]", "[i]"), component)
 }
 
-/// The sentence of a row, of no particular component, station or place.
+/// The description of a variable, without its particular component, station or position.
 fn meaning(variable: &Variable, component: Option<&str>) -> String {
-    // the component is a part of its own between commas, not the beginning of a word
+    // the component is a separate part between commas, not the beginning of a word
     let parts = variable.description.split(", ").filter(|part| Some(*part) != component);
     let text =
         generic(&parts.collect::<Vec<_>>().join(", ")).replace("station 1", "station i").replace("strip 1", "strip i");
@@ -283,7 +283,7 @@ fn meaning(variable: &Variable, component: Option<&str>) -> String {
 
 fn range(variable: &Variable) -> String {
     let Some((least, most)) = variable.range else { return String::new() };
-    // the table's least positive number and its largest number stand for no bound
+    // the table's smallest positive number and its largest number mean that there is no bound
     match (least <= 0.0 || least > 1e-20, most < 1e30) {
         (false, false) => "> 0".to_owned(),
         (true, false) => format!("≥ {least}"),
@@ -296,7 +296,7 @@ fn shortest(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e4).contains(&value.abs()) { format!("{value:e}") } else { format!("{rounded}") }
 }
 
-/// The rows of one causality; each pattern once.
+/// The variables of one causality; each pattern once.
 fn rows(interfaces: &[Interface; 6], causality: Causality) -> String {
     let [ordinary, in_real_time, rigid, sliding, sliding_rigid, rotor] = interfaces;
     let mut seen = BTreeSet::new();
@@ -335,7 +335,7 @@ fn rows(interfaces: &[Interface; 6], causality: Causality) -> String {
     text
 }
 
-/// The page.
+/// The text of the page.
 fn page() -> String {
     let interfaces = [everything(), in_real_time(), with_rigid_latch(), sliding(false), sliding(true), rotor()];
     let parts = [
@@ -375,7 +375,7 @@ fn f242_the_page_of_variables_is_current() {
     assert_current("docs/guide/variables.md", &page());
 }
 
-/// F-243. Every variable of every shipped model stands on the page, under the pattern of its name.
+/// F-243. Every variable of every shipped model is on the page, under the pattern of its name.
 #[test]
 fn f243_every_variable_of_every_shipped_model_is_on_the_page() {
     let page = page();
@@ -400,7 +400,7 @@ fn f243_every_variable_of_every_shipped_model_is_on_the_page() {
     assert!(models >= 11, "{models} models");
 }
 
-/// F-245. Locked and prescribed joints have the rows that the page gives them, and no others. They have no latch.
+/// F-245. Locked and prescribed joints have exactly the variables given on the page. They have no latch.
 #[test]
 fn f245_the_page_says_which_joints_have_a_row() {
     let free = everything();

@@ -1,9 +1,9 @@
-"""Steady wings with a plain flap by a vortex lattice of horseshoes: an independent program, numpy alone.
+"""Steady wings with a plain flap by a vortex lattice of horseshoes: an independent program, with numpy only.
 
-Writes `vortex_lattice.json` beside this script: lift, rolling moment and hinge moment per radian of the flap, about flat wings in
-a flow along the chord. Two ways to turn the flap: its normals alone, and its panels with all their vortices (a slit opens at its
-ends), each at 0.1 and 10 degrees; the normals of the panels in front of the hinge turn by a quarter. Beside them plain lattices, whose
-panels in front of the hinge do not turn, with 20, 40 and 80 panels along the chord, and their limit.
+Writes `vortex_lattice.json` next to this script: lift, rolling moment and hinge moment per radian of the flap, for flat wings in a flow
+along the chord. The flap is rotated in two ways: only its normals, or its panels with all their vortices (a slit opens at its ends), each
+at 0.1 and 10 degrees; the normals of the panels in front of the hinge rotate by a quarter of the angle. Also plain lattices, whose panels
+in front of the hinge do not rotate, with 20, 40 and 80 panels along the chord, and their limit.
 
 Axes: x aft, y along the span, z up. Horseshoes with the bound vortex on the quarter chord of a panel, the legs along x to far
 behind, control points at three quarters of the panel. Tips are inset by a quarter of a strip. Angles move the trailing edge down.
@@ -33,7 +33,7 @@ def segment(point, begin, end):
 
 
 def strips(span, parts):
-    """Edges of strips: parts (end, count) one after the other from the inner tip, the outermost ones inset."""
+    """Edges of strips: consecutive parts (end, count) from the inner tip, the outermost edges inset."""
     edges, begin = [], 0.0
     for index, (end, count) in enumerate(parts):
         inset = [0.25 if index == 0 else 0.0, 0.25 if index == len(parts) - 1 else 0.0]
@@ -46,9 +46,9 @@ def strips(span, parts):
 
 
 def solve(case, angle, turn_vortices, front, rows):
-    """Lift, rolling moment about the middle and hinge moment over density, speed squared; unit density and speed.
+    """Lift, rolling moment about the middle and hinge moment, divided by density and speed squared; unit density and speed.
 
-    `front`: share of the angle by which the panels in front of the hinge turn.
+    `front`: fraction of the angle by which the panels in front of the hinge rotate.
     """
     span, hinge = case["span_m"], case["hinge_fraction"]
     edges = strips(span, case["parts"])
@@ -66,7 +66,7 @@ def solve(case, angle, turn_vortices, front, rows):
         origin = numpy.zeros(3) if about is None else about
         arm = point - origin
         angle = share * whole
-        # trailing edge down: from +x towards -z is a turn about +y
+        # trailing edge down: from +x towards -z is a rotation about +y
         return (
             origin
             + arm * math.cos(angle)
@@ -106,7 +106,7 @@ def solve(case, angle, turn_vortices, front, rows):
     circulation = numpy.linalg.solve(matrix, -normal @ flow)
     lift = roll = moment = 0.0
     for strength, (inner, outer), line in zip(circulation, bound, flapped):
-        # pressure of the undisturbed flow's speed: the normal force of thin wings
+        # pressure with the speed of the undisturbed flow: the normal force of thin wings
         force = numpy.cross(flow, (outer - inner) * strength)
         middle = 0.5 * (inner + outer)
         lift += force[2]
@@ -148,7 +148,7 @@ def main():
             for vortices in (False, True):
                 found = solve(case, math.radians(degrees), vortices, 0.25, case["chord_panels"])
                 case["results"].append({"angle_deg": degrees, "turned": "panels" if vortices else "normals", **found})
-        # plain lattices, first order in the panels: carried on to panels of no size by their second differences
+        # plain lattices, first order in the panels: extrapolated to zero panel size by their second differences
         fine = [solve(case, 1e-4, False, 0.0, rows) for rows in (20, 40, 80)]
         case["plain"] = [{"chord_panels": rows, **found} for rows, found in zip((20, 40, 80), fine)]
         twice = [{key: 2 * b[key] - a[key] for key in b} for a, b in zip(fine, fine[1:])]

@@ -1,10 +1,10 @@
 """A rigid blade of the NREL 5 MW turbine whose pitch link opens at 0 s: azimuth and pitch, blade elements, momentum theory with a lag,
-polars all round in quasi-steady flow or with dynamic stall. Numpy, classical Runge-Kutta; shares no code with Foldwing.
+polars over the full circle in quasi-steady flow or with dynamic stall. Numpy, classical Runge-Kutta; shares no code with Foldwing.
 
     python rigid_blade.py [step [folder]]      writes static.csv and stall.csv
 
-Equations: (J psi')' = Q, (I + Jp) theta'' = M + psi'^2/2 dJ/dtheta; J(theta) has the sections' second moments turned by pitch less twist.
-Dynamic stall: Hansen, Gaunaa and Madsen, Riso-R-1354 (2004), four states per section, integrated with everything else.
+Equations: (J psi')' = Q, (I + Jp) theta'' = M + psi'^2/2 dJ/dtheta; J(theta) contains the sections' second moments rotated by pitch minus
+twist. Dynamic stall: Hansen, Gaunaa and Madsen, Riso-R-1354 (2004), four states per section, integrated with everything else.
 """
 import csv
 import sys
@@ -69,7 +69,7 @@ ENDS = np.concatenate([[0.0], 0.5 * (PLACES[1:] + PLACES[:-1]), [LENGTH]])
 WIDTHS, RADII = np.diff(ENDS), HUB + PLACES
 TWIST = np.radians(np.interp(PLACES / LENGTH, BLADE["share"], BLADE["twist_deg"]))
 
-# inertia: 6000 midpoints of a blade that is linear between its stations
+# inertia: 6000 midpoints of a blade with linear properties between its stations
 CELLS = (np.arange(6000) + 0.5) / 6000.0
 STEP = LENGTH / 6000.0
 MASS, EDGE, FLAP, TURN = (np.interp(CELLS, BLADE["share"], BLADE[key]) for key in ("mass_kg_m", "edge_kg_m", "flap_kg_m", "twist_deg"))
@@ -81,14 +81,14 @@ HALF = [float(np.sum(0.5 * (EDGE - FLAP) * function(2.0 * TURN)) * STEP) for fun
 
 
 def inertia(theta):
-    """J of rotor and blade about the shaft, and its slope over the pitch."""
+    """J of rotor and blade about the shaft, and its derivative with respect to the pitch."""
     swing = HALF[0] * np.cos(2.0 * theta) + HALF[1] * np.sin(2.0 * theta)  # mean of cos(2 (theta - twist))
     slope = 2.0 * (HALF[1] * np.cos(2.0 * theta) - HALF[0] * np.sin(2.0 * theta))
     return ROTOR + OUT + 0.5 * POLAR_INERTIA + swing, slope
 
 
 def momentum(load):
-    """Velocity that momentum theory takes out of the wind for loads K in m^2/s^2."""
+    """Induced velocity by momentum theory for loads K in m^2/s^2."""
     ratio = load / WIND**2
     return np.where(ratio <= 0.96, 0.5 * WIND * (1.0 - np.sqrt(1.0 - np.minimum(ratio, 0.96))),
                     np.where(ratio <= 2.0, WIND * (0.4 + 0.5 * (ratio - 0.96)),
@@ -139,13 +139,13 @@ def stall_slopes(state, first=None):
 
 
 def air(state, stall):
-    """Torque on the shaft and on the pitch, rates of induced velocities and of the sections' states."""
+    """Torque on shaft and pitch, rates of the induced velocities and of the sections' states."""
     met, inflow, attack, rate = flow(state)
     scale = 0.5 * DENSITY * met**2 * CHORDS
     if stall:
         rates, rows = stall_slopes(state)
         lift, drag, moment = rows.T
-        # momentum theory takes the load of the static polar, as AeroDyn does
+        # momentum theory uses the load of the static polar, as in AeroDyn
         still_lift, still_drag, _ = np.array([POLARS[name].at(attack[i]) for i, name in enumerate(SECTIONS)]).T
         loading = scale * (still_lift * np.cos(inflow) + still_drag * np.sin(inflow))
     else:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Torsion of corners and junctions of walls: Laplace's and Poisson's equations by finite differences.
 
-Prints the constants of NOTATION (S17) and (S19): what a right-angled corner or a T-junction has beyond its straight walls up to the inner
-corner, with arms so long that the rest is that of straight walls. Needs numpy and scipy.
+Prints the constants of NOTATION (S17) and (S19): the contribution of a right-angled corner or a T-junction in addition to its straight
+walls up to the inner corner, with arms so long that the rest equals straight walls. Needs numpy and scipy.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ import scipy.sparse.linalg as spl
 
 
 def solve(inside, height, h, held):
-    """Solutions of ∇²u = 0 with u = `height` on the rim, and ∇²u = −2 with 0 there; rows and columns at the edge of the array mirror."""
+    """Solutions of ∇²u = 0 with u = `height` on the boundary, and ∇²u = −2 with 0 there; the edges of the array are symmetry lines."""
     nx, ny = inside.shape
     index = -np.ones((nx, ny), int)
     free = inside & ~held
@@ -44,7 +44,8 @@ def integral(u, cells, h):
 
 
 def corner(a, b, n, arms=4):
-    """κ over a b and λ: ∫h dA and the torsion constant beyond the walls up to the inner corner, walls of thickness a along y and b along x."""
+    """κ relative to a b, and λ: ∫h dA and the torsion constant in addition to the walls up to the inner corner, walls of thickness a along
+    y and b along x."""
     h = 1.0 / n
     na, nb = round(a / h), round(b / h)
     far = round(arms * max(a, b) / h)
@@ -61,11 +62,11 @@ def corner(a, b, n, arms=4):
 
 
 def junction(w, n, arms=4):
-    """Torsion constant of a T beyond a flange of thickness 1, whole, and a web of thickness w up to it."""
+    """Torsion constant of a T in addition to a complete flange of thickness 1 and a web of thickness w up to it."""
     h = 1.0 / n
     half = round(0.5 * w / h)
     far = round(arms * max(1.0, w) / h)
-    # half of it, mirrored at x = 0: flange 0 < y < 1, web below
+    # half of the section, symmetric about x = 0: flange 0 < y < 1, web below
     x, y = np.meshgrid(np.arange(half + far + 1), np.arange(far + n + 1), indexing="ij")
     outside = (x >= half) & (y <= far)
     held = outside | (y == far + n)
@@ -76,7 +77,7 @@ def junction(w, n, arms=4):
 
 
 def limit(of, n):
-    """From meshes n and 2n; the error falls with the power 4/3 of a re-entrant corner."""
+    """Extrapolated from meshes n and 2n; the error falls with the power 4/3 of a re-entrant corner."""
     coarse, fine = np.array(of(n)), np.array(of(2 * n))
     return fine + (fine - coarse) / (2 ** (4 / 3) - 1)
 

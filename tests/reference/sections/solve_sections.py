@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Cross-sections by finite elements: the reference of the sections by shape.
 
-Isotropic sections by sectionproperties (six-node triangles, Saint-Venant torsion and flexure); strips of plies by the solution below for
+Isotropic sections by sectionproperties (six-node triangles, Saint-Venant torsion and flexure); laminated strips by the solution below for
 anisotropic sections (8-node quadrilaterals, Giavotto et al., Computers & Structures 16 (1983) 403), which shares no code with it and is
-compared with it on an isotropic rectangle. Writes sections.json and prints the change of every figure from the next coarser mesh.
+compared with it for an isotropic rectangle. Writes sections.json and prints the change of every value from the next coarser mesh.
 
     python3 -m venv venv && venv/bin/pip install sectionproperties==3.10.2 scipy==1.17.1
     venv/bin/python solve_sections.py
@@ -52,7 +52,7 @@ def solve(parts, sizes):
         "coupling_flap_edge_N_m2": -mixed,
         "shear_stiffnesses_N": [area * shear_ratio for area in section.get_eas()],
         "tension_centre_m": list(section.get_c()),
-        # Trefftz's: independent of Poisson's ratio, as that of thin walls
+        # Trefftz's definition: independent of Poisson's ratio, like that of thin walls
         "shear_centre_m": list(section.get_sc_t()),
         "mass_kg_m": section.get_mass(),
         "warping_stiffness_N_m4": section.get_egamma(),
@@ -137,7 +137,7 @@ def profile_cases():
         # y of the section frame points to the leading edge
         outer = Polygon(np.c_[-outline[:, 0], outline[:, 1]])
         inner = outer.buffer(-skin, join_style="mitre", mitre_limit=10)
-        # webs share vertices with the inner side of the skin, bit for bit
+        # webs share vertices with the inner side of the skin exactly
         ring = [tuple(point) for point in inner.exterior.coords[:-1]]
         sides = [-p * chord + sign * w / 2 for p, w, _ in spars for sign in (-1, 1)]
         for x in sides:
@@ -185,9 +185,9 @@ def ply_stiffness(ply, angle):
 
 
 def strip(width, plies, across, per_ply):
-    """6x6 stiffness (gy, gz, ex with forces first: Fx, Fy, Fz, Mx, My, Mz) of a strip: plies as (thickness, 6x6 stiffness)."""
+    """6x6 stiffness (gy, gz, ex with forces first: Fx, Fy, Fz, Mx, My, Mz) of a strip with plies as (thickness, 6x6 stiffness)."""
     thickness = sum(t for t, _ in plies)
-    # graded towards the edges, where stresses are steep
+    # graded towards the edges, where stress gradients are large
     u = np.linspace(-1, 1, 2 * across + 1)
     ys = width / 2 * np.sin(np.pi / 2 * u) if across > 1 else width / 2 * u
     ys = np.interp(np.arange(2 * across + 1), np.arange(0, 2 * across + 1, 2), ys[::2])
@@ -281,12 +281,12 @@ def section_stiffness(nodes, elements):
     e_m, g_m, m_m = (
         sp.csr_matrix((np.concatenate([v[2] for v in rows[k]]), (np.concatenate([v[0] for v in rows[k]]), np.concatenate([v[1] for v in rows[k]]))),
                       shape=(3 * count, 3 * count)) for k in "EGM")
-    # rigid displacements of a section are no warping
+    # rigid displacements of a section are not warping
     d = np.zeros((3 * count, 6))
     for k, (y, z) in enumerate(nodes):
         d[3 * k : 3 * k + 3, :3] = np.eye(3)
         d[3 * k : 3 * k + 3, 3:] = [[0, z, -y], [-z, 0, 0], [y, 0, 0]]
-    # warping u and strain p per force; first their derivatives along x (forces derive to moments), then themselves
+    # warping u and strain p per unit force; first their derivatives along x (forces differentiate to moments), then their values
     tr = np.zeros((6, 6))
     tr[4, 2] = 1.0   # My' = Fz
     tr[5, 1] = -1.0  # Mz' = -Fy
@@ -305,7 +305,7 @@ def section_stiffness(nodes, elements):
     second = lu.solve(rhs)
     u, p = second[: 3 * count], second[3 * count : 3 * count + 6]
     k1 = np.vstack([u, ux, p])
-    # complementary energy: 2 W = forces' F forces
+    # complementary energy: 2 W = forcesᵀ F forces
     f = (u.T @ (e_m @ u) + u.T @ (g_m.T @ ux) + ux.T @ (g_m @ u) + ux.T @ (m_m @ ux)
          + u.T @ (r_matrix @ p) + p.T @ (r_matrix.T @ u) + ux.T @ (l @ p) + p.T @ (l.T @ ux) + p.T @ a @ p)
     return np.linalg.inv(0.5 * (f + f.T))
@@ -335,7 +335,7 @@ def laminate_results(scale):
         plies = [(t, ply_stiffness(ply, angle)) for angle in angles]
         k = strip(width, plies, 20 * scale, scale)
         f = np.linalg.inv(k)
-        # stiffness of the four strains with free shear, and the shear stiffnesses of forces of their own
+        # stiffness of the four strains with free shear, and the shear stiffnesses for shear forces alone
         keep = [0, 3, 4, 5]
         free = np.linalg.inv(f[np.ix_(keep, keep)])
         results[name] = {

@@ -1,12 +1,12 @@
-"""Steady flat wings in sideslip by a vortex lattice of horseshoes: an independent program, numpy alone.
+"""Steady flat wings in sideslip by a vortex lattice of horseshoes: an independent program, with numpy only.
 
-Writes `vortex_lattice.json` beside this script: force and moment about the middle of the quarter-chord line over density and speed
-squared, by the force on every bound segment (Kutta and Joukowski) and by its part normal to the wing with the velocity at the
-control point (pressure), for two meshes; and the rolling moment of the same wing for meshes up to 16 by 48.
+Writes `vortex_lattice.json` next to this script: force and moment about the middle of the quarter-chord line, divided by density and speed
+squared, by the force on every bound segment (Kutta–Joukowski) and by its part normal to the wing with the velocity at the control point
+(pressure), for two meshes; and the rolling moment of the same wing for meshes up to 16 by 48.
 
-Axes: x along the span, y forward, z up. The wind comes along -y, turned down by the incidence and to +x by the sideslip. Bound
-vortices on the quarter chord of a panel, control points at three quarters of it. The legs lie along the chord to the trailing edge
-and carry forces there; from the edge on they lie along the wind and carry none. Tips are inset by a quarter of a strip.
+Axes: x along the span, y forward, z up. The wind is along -y, rotated down by the incidence and towards +x by the sideslip. Bound vortices
+on the quarter chord of a panel, control points at three quarters of it. The legs lie along the chord to the trailing edge and carry forces
+there; from the edge on they lie along the wind and carry none. Tips are inset by a quarter of a strip.
 """
 
 import json
@@ -48,7 +48,7 @@ def solve(rows, strips, incidence, sideslip):
     edge = nodes[-1]
 
     def velocities(points):
-        """Of unit horseshoes, by point, row and strip."""
+        """Velocities of unit horseshoes, by point, row and strip."""
         behind = segments(points, edge, edge + FAR_M * wind)
         result = numpy.empty((len(points), rows, strips, 3))
         for row in range(rows):
@@ -79,7 +79,7 @@ def solve(rows, strips, incidence, sideslip):
     vortices = numpy.concatenate([leading, chordwise.reshape(-1, 3)])
     seen = wind + numpy.einsum("pqk,q->pk", velocities(points), strength)
     by_segments = wrench(numpy.cross(seen, vortices), points)
-    # pressure: each chordwise segment belongs to the panels beside it by halves
+    # pressure: half of each chordwise segment belongs to each adjacent panel
     seen = (wind + numpy.einsum("pqk,q->pk", influence, strength)).reshape(rows, strips, 3)
     share = numpy.full(strips + 1, 0.5)
     share[[0, -1]] = 1.0

@@ -17,7 +17,7 @@ pub const YOUNG_PA: f64 = 200e9;
 pub const SHEAR_PA: f64 = 80e9;
 /// Table 3: density in kg/m³.
 pub const DENSITY_KG_M3: f64 = 7800.0;
-/// Side of the square in m.
+/// Side of the square section in m.
 pub const SIDE_M: f64 = 0.02;
 /// Table 3: `I_yy = I_zz = 1.333 cm⁴`; `I_xx` is their sum.
 pub const SECOND_M4: f64 = SIDE_M * SIDE_M * SIDE_M * SIDE_M / 12.0;
@@ -41,7 +41,7 @@ impl Between {
     /// All three.
     pub const ALL: [Self; 3] = [Self::Ball, Self::Universal, Self::Revolute];
 
-    /// Side of the square section in m.
+    /// Name of the joint for file names.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ball => "ball",

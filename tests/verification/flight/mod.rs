@@ -266,8 +266,8 @@ fn slow_modes_are_those_of_the_whole_model() {
     }
 }
 
-/// Each name is given to one mode, and elastic modes have none, however many modes are requested. Folded by 60° the slow lateral mode
-/// that does not oscillate is the spiral, found alone or with the roll subsidence.
+/// Each name is given to one mode at most, and elastic modes have none, however many modes are requested. With the tips folded by 60°, the
+/// slow, non-oscillating lateral mode is the spiral, whether found alone or with the roll subsidence.
 #[test]
 fn elastic_modes_have_no_names_of_flight() {
     for (fold_deg, spiral_1_s) in [(0.0, None), (60.0, Some(-0.604))] {
@@ -306,8 +306,7 @@ fn modes_under_held_loads_have_no_names_of_flight() {
     assert_eq!(named(&modes), []);
 }
 
-/// Each name is given to one mode at most, and elastic modes have none, however many modes are requested. With the tips folded by 60°, the
-/// slow, non-oscillating lateral mode is the spiral, whether found alone or with the roll subsidence.
+/// FD-05: an aircraft out of trim is rejected with the name of its joint and the remaining load.
 #[test]
 fn an_unbalanced_flight_is_refused() {
     let mut plant = Plant::new(Arc::new(machine(0.0, &[])));

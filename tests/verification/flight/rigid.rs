@@ -17,7 +17,7 @@ struct Strip {
     width_m: f64,
 }
 
-/// FD-05: an aircraft out of trim is rejected with the name of its joint and the remaining load.
+/// The aircraft.
 pub struct Rigid {
     strips: Vec<Strip>,
     /// Mass matrix about the origin: forces and moments per acceleration and angular acceleration.

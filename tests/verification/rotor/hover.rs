@@ -245,7 +245,7 @@ fn rt13_flap_damping() {
         let root = modes.iter().map(|mode| mode.eigenvalue_1_s).find(|z| z.im.abs() > 0.1).expect("a swing");
         println!("γ {lock} ν {nu}: {root:.4}, closed form {:.4} {swing:.4}", -damping);
         worst[0] = worst[0].max((root.re + damping).abs() / natural).max((root.im.abs() - swing).abs() / natural);
-        // simulation
+        // in a simulation
         let off_rad = 0.01;
         let joint = machine.bodies.iter_mut().find(|body| body.joint.name == "blade").expect("a blade");
         let foldwing::machine::JointKind::Revolute(flap) = &mut joint.joint.kind else { panic!("a hinge") };
