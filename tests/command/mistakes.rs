@@ -166,7 +166,7 @@ const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["compare", "table.csv", "table.csv", "--tolerance", "fold.angle"], "fold.angle", "must be NAME=X", 2),
     (&["compare", "table.csv", "table.csv", "--variables", "fold.angel"], "fold.angel", "fold.angle", 2),
     (&["completions", "bahs"], "bahs", "bash", 2),
-    (&["latency", "wing.toml", "--steps", "0"], "0", "0 must be from 1 to 100000000", 2),
+    (&["latency", "wing.toml", "--steps", "0"], "0", "0 is not in 1..=100000000", 2),
 ];
 
 /// Every mistake on the command line is shown with a caret and its remedy.

@@ -228,7 +228,7 @@ fn k06_a_changed_sweep_is_refused() {
     );
     assert_eq!(fs::read_to_string(&out).unwrap(), results, "a refusal touches nothing");
     fs::remove_file(record_of(&out)).unwrap();
-    refuses(&mut with(&["--vary", "fold.start_angle=1,2"]), 2, &["results.csv: exists and has no record"]);
+    refuses(&mut with(&["--vary", "fold.start_angle=1,2"]), 2, &["results.csv: exists without the record"]);
     fs::write(record_of(&out), "something else\n").unwrap();
     refuses(&mut with(&["--vary", "fold.start_angle=1,2"]), 2, &["is not a record of a sweep"]);
     assert_eq!(fs::read_to_string(record_of(&out)).unwrap(), "something else\n");
