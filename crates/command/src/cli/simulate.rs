@@ -71,7 +71,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Arguments for a page alone.
+    /// Arguments that only write a page.
     pub(super) fn for_page(
         model: PathBuf,
         page: PathBuf,
