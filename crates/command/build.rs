@@ -1,4 +1,4 @@
-//! Stamps the git commit (where there is one) and the target into the command, and puts the examples into it. No date: builds are
+//! Embeds the git commit (in a repository), the target and the examples in the command. No date is embedded, so that builds are
 //! reproducible.
 
 use std::fmt::Write;
@@ -6,9 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Folder with files of the repository that the command contains: links, which `cargo package` replaces by the files.
+/// Folder of the repository files that the command embeds: symbolic links, which `cargo package` replaces by the files.
 const SHIPPED: &str = "shipped/examples";
-/// Endings of examples. Notebooks with their pictures would be four fifths of the size.
+/// File extensions of the examples. Notebooks with their pictures would be four fifths of the size and are left out.
 const ENDINGS: [&str; 6] = ["toml", "csv", "py", "md", "rs", "diff"];
 
 fn main() {
@@ -17,18 +17,19 @@ fn main() {
     let commit = git(&["rev-parse", "--short=10", "HEAD"]).unwrap_or_default();
     println!("cargo::rustc-env=FOLDWING_COMMIT={commit}");
 
-    // The log of HEAD grows with every commit and checkout; a file that does not exist would rebuild every time.
+    // Watch the log of HEAD, which grows with every commit and checkout; watching a file that does not exist would rebuild every
+    // time.
     if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]).filter(|log| Path::new(log).exists()) {
         println!("cargo::rerun-if-changed={log}");
     }
     examples();
 }
 
-/// Writes `examples.rs`: a table of the examples, names below their folder and contents, in the order of the names.
+/// Writes `examples.rs`: a table of the examples, each with its path below the folder and its contents, sorted by path.
 fn examples() {
     let own = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR"));
     let link = own.join(SHIPPED);
-    // a checkout without links (Windows) has a file with the path instead
+    // in a checkout without symbolic links (Windows), the link is a file that contains the path
     let folder = match fs::read_to_string(&link) {
         Ok(path) => link.with_file_name("").join(path.trim()),
         Err(_) => link,
@@ -50,9 +51,9 @@ fn examples() {
     fs::write(target, table).expect("OUT_DIR is writable");
 }
 
-/// Files of the known endings below a folder, and the folders to watch.
+/// Collects the files with these extensions below a folder, and tells Cargo to watch the folders.
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
-    println!("cargo::rerun-if-changed={}", folder.display()); // a new file
+    println!("cargo::rerun-if-changed={}", folder.display()); // reruns when a file is added
     for entry in fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
         let path = entry.expect("readable").path();
         let ending = path.extension().unwrap_or_default().to_string_lossy().into_owned();

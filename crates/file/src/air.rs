@@ -1,4 +1,5 @@
-//! Air of the file: the tables `[aerodynamics]`, `[surface.<name>]`, `[control_surface.<name>]` and `[gust.<name>]`.
+//! Aerodynamics of the model file: the tables `[aerodynamics]`, `[surface.<name>]`, `[control_surface.<name>]` and
+//! `[gust.<name>]`.
 
 use crate::air_file::{AirFile, AirModelFile, CouplingFile, IndicialFile, LeadingEdgeFile, SurfaceFile, TipLossFile};
 use crate::file::ModelFile;
@@ -13,7 +14,7 @@ use foldwing_engine::aero::surface::Profile;
 use foldwing_engine::machine::builder::{AirBuilder, FlapBuilder, MachineBuilder, SurfaceBuilder};
 use foldwing_engine::machine::{Air, Coupling, LiftingSurface};
 
-/// Adds air, surfaces and gusts to a machine. Surfaces on bodies with an invalid section are omitted.
+/// Adds aerodynamics, surfaces and gusts to a machine. Surfaces on bodies with an invalid section are omitted.
 pub(super) fn add(
     file: &ModelFile,
     lawless: &[&str],
@@ -41,7 +42,7 @@ pub(super) fn add(
             if let Some(path) = stray {
                 checker.refuse_as(&path, "a table without [aerodynamics]", "a model file with [aerodynamics]");
             }
-            machine = machine.air(Air::none()); // the tables are checked nevertheless
+            machine = machine.air(Air::none()); // so that the tables are checked nevertheless
         }
     }
     let air_model = file.aerodynamics.as_ref().map_or(AirModelFile::None, |air| air.model);
@@ -76,7 +77,8 @@ pub(super) fn add(
     machine
 }
 
-/// Reports keys that the aerodynamic model does not use. Without air all keys are accepted: the model is then only disabled.
+/// Reports keys that the aerodynamic model does not use. With the model "none" all keys are accepted, because aerodynamics
+/// is only switched off.
 fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
     let (keys, surface_keys, model) = match air.model {
         AirModelFile::None => return,
@@ -127,7 +129,7 @@ fn refuse_keys_without_effect(air: &AirFile, file: &ModelFile, checker: &mut Che
     }
 }
 
-/// Reports keys of a rotor without one, and with one the keys that its blades do not use.
+/// Reports keys of a rotor in a model without one, and in a model with one, keys that its blades do not use.
 fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
     let surfaces = |keys: &'static [&'static str]| {
         file.surface.keys().flat_map(move |name| keys.iter().map(move |key| ["surface", name, key]))
@@ -171,13 +173,13 @@ fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
     }
 }
 
-/// Keys of `[aerodynamics]` and of `[surface.<name>]` that only the lattice reads, and those that only strips read.
+/// Keys of `[aerodynamics]` and of `[surface.<name>]` that only the lattice uses, and those that only strip theory uses.
 const LATTICE_KEYS: &[&str] = &["free_wake", "wake_rows", "threads", "ground_normal", "ground_distance_m"];
-/// Keys of `[aerodynamics]` that the lattice and a lifting line read.
+/// Keys of `[aerodynamics]` used by the lattice and by a lifting line.
 const SPAN_KEYS: &[&str] = &["mirror_normal", "core_radius_m"];
 const LATTICE_SURFACE_KEYS: &[&str] = &["chord_panels"];
 const STRIP_KEYS: &[&str] = &["quasi_steady", "apparent_mass", "indicial", "tip_loss"];
-/// Keys of `[surface.<name>]` about the profile, which strips and the lattice read.
+/// Keys of `[surface.<name>]` that describe the profile, used by strip theory and the lattice.
 const PROFILE_KEYS: &[&str] =
     &["lift_slope_1_rad", "zero_lift_angle_deg", "moment_coefficient", "drag_coefficient", "polar"];
 
@@ -224,7 +226,7 @@ fn build(base: AirBuilder, air: &AirFile) -> AirBuilder {
     built
 }
 
-/// `None` after an error.
+/// Builds a surface; `None` after an error.
 fn build_surface(
     name: &str,
     surface: &SurfaceFile,

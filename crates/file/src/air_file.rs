@@ -1,5 +1,5 @@
-//! Air around the machine: the tables `[aerodynamics]`, `[surface.<name>]`, `[control_surface.<name>]` and `[gust.<name>]` of the model
-//! file.
+//! Aerodynamics of the machine: the tables `[aerodynamics]`, `[surface.<name>]`, `[control_surface.<name>]` and `[gust.<name>]` of the
+//! model file.
 
 use crate::function::FunctionFile;
 use crate::rotor_file::{EndRuleFile, PitchRateFile, SpreadFile, TurnsFile};

@@ -6,7 +6,7 @@ use foldwing_engine::machine::builder::MachineBuilder;
 use foldwing_engine::machine::{AttachedMass, Gauge, InternalLoad};
 use nalgebra::Matrix3;
 
-/// Adds them to a machine. Gauges on bodies with an invalid section are omitted.
+/// Adds the attachments to a machine. Gauges on bodies with an invalid section are omitted.
 pub(super) fn add(file: &ModelFile, lawless: &[&str], mut machine: MachineBuilder) -> MachineBuilder {
     for (name, mass) in &file.mass {
         let [xx, yy, zz, xy, xz, yz] = mass.inertia_kg_m2;

@@ -1,9 +1,9 @@
 //! Bytes as text: base64 of RFC 4648, section 4, for binary data in a model file.
 
-/// Letters of the code in the order of their values.
+/// Letters of the encoding in the order of their values.
 const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-/// Bytes as base64, padded.
+/// Encodes bytes as padded base64.
 pub(super) fn encoded(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
@@ -16,7 +16,7 @@ pub(super) fn encoded(bytes: &[u8]) -> String {
     text
 }
 
-/// Bytes of a base64 text; `None` for other texts.
+/// Decodes a base64 text; `None` if it is invalid.
 pub(super) fn decoded(text: &str) -> Option<Vec<u8>> {
     let mut values = [u8::MAX; 256];
     for (value, letter) in LETTERS.iter().enumerate() {
@@ -46,7 +46,7 @@ pub(super) fn decoded(text: &str) -> Option<Vec<u8>> {
 mod tests {
     use super::*;
 
-    /// The examples of RFC 4648, section 10, then every byte.
+    /// The examples of RFC 4648, section 10, and all byte values are encoded and decoded.
     #[test]
     fn both_ways() {
         for (bytes, text) in [

@@ -1,23 +1,23 @@
-//! BeamDyn's files: sections of a blade by 6×6 matrices, its axis by key points.
+//! BeamDyn's files: the sections of a blade as 6×6 matrices, and its axis as key points.
 //!
-//! BeamDyn's axes are `x` downwind, `y` towards the trailing edge, `z` along the blade; here `x` runs along the blade, `y` towards
-//! the leading edge, `z` downwind: `(x, y, z) = (z, −y, x)` of BeamDyn's. BeamDyn's twist turns against its `z`.
+//! BeamDyn's axes are `x` downwind, `y` towards the trailing edge, `z` along the blade; here `x` runs along the blade, `y` towards the
+//! leading edge, `z` downwind: `(x, y, z) = (z, −y, x)` in BeamDyn's axes. BeamDyn's twist is negative about its `z`.
 
 use crate::section_files::{Lines, Station, Stiffness};
 use crate::station_file::{StationFault, StationTable, fault};
 use foldwing_engine::math::quadrature::gauss_pieces;
 use foldwing_engine::math::spline::CubicSpline;
 
-/// Whether a text is a file of BeamDyn, by its first line. Lines that start with `#` are comments of a CSV file.
+/// Returns whether a text is a BeamDyn file, judged by its first line. Lines that start with `#` are comments of a CSV file.
 pub(super) fn is_beamdyn(text: &str) -> bool {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     lines.next().is_some_and(|line| line.to_ascii_uppercase().contains("BEAMDYN"))
 }
 
-/// Sections of a blade from BeamDyn's file of one.
+/// Reads the sections of a blade from BeamDyn's blade file.
 ///
 /// # Errors
-/// A truncated file, invalid numbers, stations that do not ascend from 0 to 1.
+/// A truncated file, invalid numbers, or stations that do not ascend from 0 to 1.
 pub(super) fn stations(text: &str) -> Result<Vec<Station>, StationFault> {
     let (mut lines, count) = to_stations(text)?;
     let mut stations: Vec<Station> = Vec::with_capacity(count);
@@ -37,7 +37,7 @@ pub(super) fn stations(text: &str) -> Result<Vec<Station>, StationFault> {
     Ok(stations)
 }
 
-/// Lines of a blade's file from its first station on, and the number of stations.
+/// Lines of a blade file from its first station on, and the number of stations.
 fn to_stations(text: &str) -> Result<(Lines<'_>, usize), StationFault> {
     let mut lines = Lines::of(text);
     let (_, count) = lines.labelled("station_total")?;
@@ -49,11 +49,11 @@ fn to_stations(text: &str) -> Result<(Lines<'_>, usize), StationFault> {
     }
 }
 
-/// Axis of a blade from BeamDyn's primary file, as columns of `[body.<name>.axis]`: arc lengths of the key points along natural
-/// cubic splines over the chords between them, and the points with their twist.
+/// Reads the axis of a blade from BeamDyn's primary file, as columns of `[body.<name>.axis]`: arc lengths of the key points along natural
+/// cubic splines parametrised by the chords between them, and the points with their twist.
 ///
 /// # Errors
-/// A file cut short, values that are no numbers, several members, points that coincide, a first point that is not the origin.
+/// A truncated file, values that are not numbers, several members, coincident points, or a first point that is not the origin.
 pub(super) fn read_key_points(text: &str) -> Result<StationTable, StationFault> {
     let mut lines = Lines::of(text);
     let (line, members) = lines.labelled("member_total")?;
@@ -70,7 +70,7 @@ pub(super) fn read_key_points(text: &str) -> Result<StationTable, StationFault> 
             break;
         }
     }
-    lines.next("its key points")?; // units
+    lines.next("its key points")?; // line of units
     let mut points: [Vec<f64>; 4] = [const { Vec::new() }; 4];
     let mut chord_m: Vec<f64> = Vec::with_capacity(count);
     for index in 0..count {
@@ -98,7 +98,7 @@ pub(super) fn read_key_points(text: &str) -> Result<StationTable, StationFault> 
     }
     let straight = |values: &[f64]| values.iter().all(|value| *value == 0.0);
     if straight(&x) && straight(&y) {
-        s_m = z; // to the last digit
+        s_m = z; // equal to the last digit
     }
     let negative = |values: &[f64]| values.iter().map(|value| 0.0 - value).collect::<Vec<f64>>();
     let names = ["s_m", "y_m", "z_m", "twist_deg"].map(str::to_owned).to_vec();
@@ -113,8 +113,8 @@ mod tests {
 
     const STATIONS: usize = 3;
 
-    /// Lines of a blade of uniform sections, and the indices of the lines of numbers: of each station its place, then six rows of
-    /// stiffness and six of inertia, a gap after each as the format has it.
+    /// Lines of a blade with uniform sections, and the indices of the lines with numbers: for each station its position, six rows of
+    /// stiffness and six of inertia, with an empty line after each matrix as in the format.
     fn blade() -> (Vec<String>, Vec<usize>) {
         let front = "BEAMDYN blade\nabout it\n 3 station_total\n 1 damp_type\n\n---- DISTRIBUTED PROPERTIES ----";
         let mut lines: Vec<String> = front.lines().map(str::to_owned).collect();
@@ -147,8 +147,7 @@ mod tests {
         lines.join("\n")
     }
 
-    /// A word that is no number, and a number that is missing, are reported at their own line with the matrix and station, whichever
-    /// line and column it is.
+    /// A word that is not a number, or a missing number, is reported at its line with the matrix and station, wherever it is.
     #[test]
     fn every_number_is_reported_at_its_line() {
         let (lines, numbers) = blade();
@@ -170,7 +169,7 @@ mod tests {
                 if row > 0 {
                     let text = spoiled(&lines, at, |words| words.truncate(column));
                     let expected = match column {
-                        // an empty line is a gap: the next is read for it, and it is the last that is missing
+                        // an empty line counts as a gap: the next line is read in its place, so that the last line is missing
                         0 => continue,
                         _ => format!("{column} numbers where {due} has 6"),
                     };
@@ -180,8 +179,8 @@ mod tests {
         }
     }
 
-    /// A matrix that is not symmetric, or not that of a section, is reported at its first line, with the row and column of the entry, for
-    /// every entry.
+    /// A matrix that is not symmetric, or is impossible for a section, is reported at its first line, with the row and column of the entry,
+    /// for every entry.
     #[test]
     fn every_matrix_is_reported_where_it_begins() {
         let (lines, numbers) = blade();
@@ -198,14 +197,14 @@ mod tests {
                         assert!(refused.reason.contains(&format!("in row {lower}, column {upper}")), "{refused}");
                     }
                 }
-                // five times the largest entry: impossible for a thin slice; a negative one for the shear stiffness
+                // an inertia of five times the largest entry is impossible for a thin slice; for the stiffness, a negative entry is used
                 for row in 0..6 {
                     let bad = if first == 1 { "-1" } else { "500" };
                     let text = spoiled(&lines, numbers[begin + row], |words| words[row] = bad.to_owned());
                     match (read_blade(&text), first, row) {
                         (Err(refused), ..) => assert_eq!(refused.line, numbers[begin] + 1, "{refused}"),
-                        // the four of the condensed stiffness are those of the section, which the model file checks; moments of inertia are
-                        // arbitrary as long as the polar one is their sum
+                        // the other four stiffness entries are part of the condensed section stiffness, which the model file checks;
+                        // moments of inertia are arbitrary as long as the polar one is their sum
                         (Ok(_), 1, 2..) => {}
                         (Ok(table), ..) => panic!("{what}, row {row}: {table:?}"),
                     }
@@ -214,7 +213,7 @@ mod tests {
         }
     }
 
-    /// Places that do not ascend are reported at their line, key points at theirs.
+    /// Positions that do not ascend are reported at their line, those of key points too.
     #[test]
     fn places_are_reported_at_their_line() {
         let (lines, numbers) = blade();
@@ -237,7 +236,7 @@ mod tests {
                 [(Some("x"), "\"x\" in key point"), (None, &*format!("{column} numbers where key point"))]
             {
                 if word.is_none() && column == 0 {
-                    continue; // an empty line is a gap
+                    continue; // an empty line counts as a gap
                 }
                 let text = spoiled(&lines, at, |words| match word {
                     Some(word) => words[column] = word.to_owned(),

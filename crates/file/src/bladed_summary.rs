@@ -1,24 +1,25 @@
-//! Text file of Bladed's full field (`.sum`), with the values from TurbSim and Bladed that are missing in the field itself.
+//! Text file (`.sum`) that accompanies a full-field wind file, with values from TurbSim and Bladed that the field file does not
+//! contain.
 
 use crate::wind_file::{BladedSettings, WindFault};
 
-/// Difference of heights in m below which they are the same: summaries state them with three digits behind the point.
+/// Difference of heights in m below which they count as equal: summaries state them with three decimals.
 const SAME_HEIGHT_M: f64 = 0.01;
 
-/// Values of a summary; `None` for missing ones.
+/// Values of a summary; `None` if missing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BladedSummary {
-    /// Height in m of the middle of the grid above the ground: `HUB HEIGHT` less `HEIGHT OFFSET`.
+    /// Height of the middle of the grid above ground in m: `HUB HEIGHT` minus `HEIGHT OFFSET`.
     pub middle_height_m: Option<f64>,
-    /// Whether points across are written from port to starboard: `CLOCKWISE`.
+    /// Whether lateral points are stored from port to starboard: `CLOCKWISE`.
     pub from_port: Option<bool>,
 }
 
-/// Reads the summary of a `.wnd`, like `InflowWind`: values are before `CLOCKWISE` and `HUB HEIGHT`, and behind the equals sign of
-/// `HEIGHT OFFSET`.
+/// Reads the summary of a `.wnd` file like `InflowWind`: values precede `CLOCKWISE` and `HUB HEIGHT`, and follow the equals sign
+/// of `HEIGHT OFFSET`.
 ///
 /// # Errors
-/// A line with one of these words and an invalid value, by its number.
+/// A line with one of these words and an invalid value; the error states its number.
 pub fn read_bladed_summary(text: &str) -> Result<BladedSummary, WindFault> {
     let mut summary = BladedSummary::default();
     let (mut hub_m, mut offset_m) = (None, 0.0);
@@ -48,7 +49,7 @@ pub fn read_bladed_summary(text: &str) -> Result<BladedSummary, WindFault> {
 }
 
 impl BladedSummary {
-    /// First setting that contradicts the summary, with the key that cures it.
+    /// First setting that contradicts the summary, with the key to change.
     pub fn contradiction(&self, settings: &BladedSettings) -> Option<String> {
         if let Some(height_m) = self.middle_height_m
             && (height_m - settings.middle_height_m).abs() > SAME_HEIGHT_M

@@ -1,4 +1,4 @@
-//! Bodies of the file: mesh, sections and natural shape along them, load stations.
+//! Bodies of the model file: mesh, sections and initial shape along them, load stations.
 
 use crate::file::RigidBodyFile;
 use crate::function::{FunctionFile, along_body};
@@ -132,7 +132,7 @@ impl From<LoadFrameFile> for LoadFrame {
     }
 }
 
-/// Builds a body. Invalid parts are replaced, such as a section law of `None`.
+/// Builds a body. Invalid parts are replaced by defaults, for example if the section law is `None`.
 pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checker: &mut Checker) -> BodyBuilder {
     if law.is_none() {
         for key in ["section", "width_taper", "height_taper", "outer_section"] {
@@ -182,7 +182,7 @@ pub(super) fn build_rigid(name: &str, file: &RigidBodyFile) -> BodyBuilder {
     if file.allow_nonphysical_inertia { body.allow_nonphysical_inertia() } else { body }
 }
 
-/// The section along the body, with its shear or without; `None` after an error.
+/// Section law along the body, with or without shear deformation; `None` after an error.
 pub(super) fn section_law(
     name: &str,
     file: &BodyFile,
@@ -199,7 +199,7 @@ pub(super) fn section_law(
     law
 }
 
-/// The section along the body: uniform, tapered, or between two named ones; `None` after an error.
+/// Section law along the body: uniform, tapered, or between two named sections; `None` after an error.
 fn own_law(name: &str, file: &BodyFile, sections: &Sections, checker: &mut Checker) -> Option<SectionLaw> {
     let mut named = |key: &str, section: &str| {
         let found = sections.get(section);
@@ -273,11 +273,11 @@ fn own_law(name: &str, file: &BodyFile, sections: &Sections, checker: &mut Check
             checker.refuse(&["body", name, key], allowed);
             None
         }
-        (Built::Table(_), _) => None, // above
+        (Built::Table(_), _) => None, // handled above
     }
 }
 
-/// The sections of a table at their places on a body, from end to end.
+/// Section law from a table whose sections are placed on a body from end to end.
 fn table_law(name: &str, file: &BodyFile, stations: &Stations, checker: &mut Checker) -> Option<SectionLaw> {
     let positions_m = match stations.places.on_body(file.length_m) {
         Ok(positions_m) => positions_m,
@@ -291,7 +291,7 @@ fn table_law(name: &str, file: &BodyFile, stations: &Stations, checker: &mut Che
     Some(SectionLaw::Table(positions_m.into_iter().zip(&stations.sections).map(station).collect()))
 }
 
-/// The shape without loads by the axis of the file; `None` after an error.
+/// Unloaded shape given by the axis in the file; `None` after an error.
 fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<NaturalShape> {
     let rivals = ["natural_curvature_1_m", "twist_1_m", "curvature_y_1_m", "curvature_z_1_m"];
     if let Some(key) = rivals.into_iter().find(|key| checker.states(&["body", name, key])) {
@@ -323,7 +323,7 @@ fn natural_shape(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<N
     }
 }
 
-/// A factor along the body; 1 by default.
+/// Factor as a function along the body; 1 by default.
 fn taper_law(
     name: &str,
     file: &BodyFile,
@@ -338,7 +338,7 @@ fn taper_law(
     }
 }
 
-/// Natural twist and curvatures along the body; `None` after an error.
+/// Initial twist and curvatures along the body; `None` after an error.
 fn natural_curvature(name: &str, file: &BodyFile, checker: &mut Checker) -> Option<[Profile; 3]> {
     let functions = [
         (NAMES[TWIST].key, &file.twist_1_m),

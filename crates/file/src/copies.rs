@@ -1,4 +1,4 @@
-//! Bodies written once in the file and copied in the machine: the blades of a rotor.
+//! Bodies that are defined once in the file and copied in the machine: the blades of a rotor.
 
 use crate::file::ModelFile;
 use crate::joint_file::JointFile;
@@ -8,12 +8,12 @@ use nalgebra::{Rotation3, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Copied bodies and their parts.
+/// Copied bodies and their attached parts.
 #[derive(Debug, Default)]
 pub(super) struct Copies {
     /// Names of copies, and their names in the file.
     pub names: BTreeMap<String, String>,
-    /// Table, name and copy for copies whose name is in use.
+    /// Table, original name and name of the copy for copies whose name is already in use.
     pub taken: Vec<(&'static str, String, String)>,
 }
 
@@ -57,7 +57,7 @@ pub(super) fn expand(file: &mut ModelFile) -> Copies {
     copies
 }
 
-/// A body and everything attached to it.
+/// Names of a body and of all bodies attached to it.
 fn family_of(name: &str, file: &ModelFile) -> Vec<String> {
     let mut family = vec![name.to_owned()];
     let mut next = 0;
@@ -71,7 +71,8 @@ fn family_of(name: &str, file: &ModelFile) -> Vec<String> {
     family
 }
 
-/// A table with the entries selected by `belongs` repeated `count` times, each changed by its number and suffix.
+/// Returns the table with the entries selected by `belongs` repeated `count` times, each modified by `change` with its
+/// index and suffix.
 fn repeated<T: Clone>(
     (kind, table): (&'static str, &IndexMap<String, T>),
     count: usize,
@@ -100,7 +101,7 @@ fn repeated<T: Clone>(
     all
 }
 
-/// Turns the place of a joint's child about the parent's `x` axis, with the joint's own axis.
+/// Rotates the mount of a joint's child about the parent's `x` axis, together with the axis of the joint.
 fn turn(joint: &mut JointFile, angle_rad: f64) {
     let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), angle_rad);
     let turned = |vector: [f64; 3]| (turn * Vector3::from(vector)).into();

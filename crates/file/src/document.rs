@@ -1,27 +1,27 @@
-//! The text as a tree in which every key and value has its position.
+//! Text of the model file as a tree in which every key and value has its position.
 
 use crate::error::{Fault, Problem};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Longest value that a message repeats, in characters.
+/// Maximum number of characters of a value that is quoted in a message.
 const LONGEST_VALUE: usize = 60;
 
-/// A parsed text. Keys are looked up by path; lines are numbered from 1.
+/// Parsed text. Keys are looked up by path; lines are numbered from 1.
 pub(super) struct Document<'a> {
     text: &'a str,
-    /// Byte offset of each line's beginning.
+    /// Byte offset of the beginning of each line.
     lines: Vec<usize>,
     root: DeTable<'a>,
 }
 
-/// A key and its value in a [`Document`].
+/// Key and value in a [`Document`].
 #[derive(Clone, Copy)]
 pub(super) struct Entry<'t, 'a> {
     /// Byte offset of the key.
     pub offset: usize,
-    /// The value.
+    /// Value of the key.
     pub value: &'t Spanned<DeValue<'a>>,
 }
 
@@ -29,7 +29,7 @@ impl<'a> Document<'a> {
     /// Parses TOML.
     ///
     /// # Errors
-    /// One problem with the parser's message.
+    /// A problem with the parser's message.
     pub fn parse(text: &'a str) -> Result<Self, Vec<Problem>> {
         let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
         let mut document = Self { text, lines, root: DeTable::new() };
@@ -40,17 +40,17 @@ impl<'a> Document<'a> {
         Ok(document)
     }
 
-    /// The whole file.
+    /// Table of the whole file.
     pub fn root(&self) -> &DeTable<'a> {
         &self.root
     }
 
-    /// Line of a byte offset.
+    /// Line number at a byte offset.
     pub fn line(&self, offset: usize) -> usize {
         self.lines.partition_point(|start| *start <= offset).max(1)
     }
 
-    /// The parser's error as a problem.
+    /// Converts an error of the parser to a problem.
     pub fn syntax_problem(&self, error: &toml::de::Error) -> Problem {
         let mut message = error.message().lines().collect::<Vec<_>>().join(", ");
         let mut span = error.span().unwrap_or(0..0);
@@ -63,7 +63,7 @@ impl<'a> Document<'a> {
         Problem { line, span, key: String::new(), fault: Fault::Syntax { message } }
     }
 
-    /// Bytes of the value behind the `=` of a line.
+    /// Byte range of the value after the `=` in a line.
     fn value_on(&self, line: usize) -> Option<Range<usize>> {
         let begin = *self.lines.get(line - 1)?;
         let code = self.text[begin..].lines().next()?.split('#').next()?;
@@ -82,12 +82,12 @@ impl<'a> Document<'a> {
         Some(entry)
     }
 
-    /// Line of a key, or of the nearest table around it that is written in the file.
+    /// Line of a key, or of the innermost enclosing table that is written in the file.
     pub fn line_of(&self, path: &[&str]) -> usize {
         (1..=path.len()).rev().find_map(|n| self.find(&path[..n])).map_or(1, |entry| self.line(entry.offset))
     }
 
-    /// The value as a message repeats it.
+    /// Text of a value as quoted in a message.
     pub fn value_text(&self, value: &Spanned<DeValue<'a>>) -> String {
         match value.get_ref() {
             DeValue::Table(table) if table.is_empty() => "an empty table".to_owned(),
@@ -104,7 +104,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The error for an invalid or missing value at `path`.
+    /// Error for an invalid or missing value at `path`.
     pub fn refusal(&self, path: &[&str], allowed: String) -> Problem {
         let (fault, span) = match self.find(path) {
             Some(entry) => {
@@ -116,13 +116,13 @@ impl<'a> Document<'a> {
         Problem { line: self.line_of(path), span, key: key_text(path), fault }
     }
 
-    /// Bytes of a key, or of the nearest table around it that is written in the file.
+    /// Byte range of a key, or of the innermost enclosing table that is written in the file.
     pub fn span_of(&self, path: &[&str]) -> Range<usize> {
         let entry = (1..=path.len()).rev().find_map(|n| self.find(&path[..n]));
         entry.map_or(0..0, |entry| self.key_span(entry.offset))
     }
 
-    /// Bytes of the key that starts at `offset`, with its quotes.
+    /// Byte range of the key that starts at `offset`, including its quotes.
     pub fn key_span(&self, offset: usize) -> Range<usize> {
         let rest = self.text.get(offset..).unwrap_or_default();
         let bare = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
@@ -134,17 +134,17 @@ impl<'a> Document<'a> {
         offset..(offset + length).min(self.text.len())
     }
 
-    /// Bytes of a value whose key starts at `offset`; for a table, which may have many lines, those of its key.
+    /// Byte range of a value whose key starts at `offset`; for a table, which may have many lines, that of its key.
     pub fn value_span(&self, offset: usize, value: &Spanned<DeValue<'a>>) -> Range<usize> {
         let own = value.span();
         if value.get_ref().is_table() || own.is_empty() { self.key_span(offset) } else { own }
     }
 }
 
-/// Start of the advice on decimal commas.
+/// Beginning of the hint on decimal commas.
 const COMMA: &str = "; a decimal comma?";
 
-/// Suggestion for a line that is no TOML; empty if there is none.
+/// Suggestion for a line that is not valid TOML; empty if there is none.
 fn hint(text: &str, line: usize, message: &str) -> String {
     let lines: Vec<&str> = text.lines().collect();
     let Some(written) = lines.get(line - 1).map(|line| line.split('#').next().unwrap_or_default().trim()) else {
@@ -157,7 +157,7 @@ fn hint(text: &str, line: usize, message: &str) -> String {
         Some((whole, part)) if is_digits(whole.trim_start_matches(['+', '-'])) && is_digits(part) => {
             format!("{COMMA} write {whole}.{part}")
         }
-        _ if message.contains("quoted") => String::new(), // in the parser's message
+        _ if message.contains("quoted") => String::new(), // the parser's message already contains it
         _ => match written.split_once('=').map(|(_, value)| value.trim()) {
             Some(word) if is_word(word) => format!("; text must be in quotes: write {word:?}"),
             _ => String::new(),
@@ -165,7 +165,7 @@ fn hint(text: &str, line: usize, message: &str) -> String {
     }
 }
 
-/// A bare word that is none of TOML's own.
+/// Returns whether a text is a bare word that is not a keyword of TOML.
 fn is_word(text: &str) -> bool {
     text.starts_with(char::is_alphabetic)
         && text.chars().all(|letter| letter.is_alphanumeric() || letter == '_')
@@ -176,14 +176,14 @@ fn is_digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// First occurrence of a table or key that `written` repeats.
+/// Describes the first occurrence of the table or key that the line `written` repeats.
 fn first_of(before: &[&str], written: &str) -> String {
     let code = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
     let key = |line: &str| line.split('=').next().unwrap_or_default().trim().to_owned();
     let found = if written.starts_with('[') {
         before.iter().position(|line| code(line) == written)
     } else {
-        // keys of the same table: those behind its last header
+        // keys of the same table, which follow its last header
         let begin = before.iter().rposition(|line| line.trim_start().starts_with('[')).map_or(0, |at| at + 1);
         before[begin..].iter().position(|line| key(line) == key(written)).map(|at| begin + at)
     };
@@ -196,7 +196,7 @@ fn find_in<'t, 'a>(table: &'t DeTable<'a>, key: &str) -> Option<Entry<'t, 'a>> {
     Some(Entry { offset: key.span().start, value })
 }
 
-/// A path as TOML writes it: bare keys, others in quotes.
+/// Path in TOML notation: bare keys where possible, others in quotes.
 pub(super) fn key_text<S: AsRef<str>>(path: &[S]) -> String {
     let parts: Vec<String> = path
         .iter()
@@ -209,7 +209,7 @@ pub(super) fn key_text<S: AsRef<str>>(path: &[S]) -> String {
     parts.join(".")
 }
 
-/// One line of at most [`LONGEST_VALUE`] characters.
+/// Shortens a text to one line of at most [`LONGEST_VALUE`] characters.
 fn shorten(text: &str) -> String {
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
     match line.char_indices().nth(LONGEST_VALUE) {

@@ -1,6 +1,6 @@
-//! Doubts about a valid model file: probable errors of units, and bodies that are no beams. They are no errors.
+//! Warnings about a valid model file: probable errors of units, and bodies to which beam theory does not apply. They are not errors.
 //!
-//! The bounds are those of existing things, with a margin.
+//! The bounds are those of existing materials and structures, with a margin.
 
 use crate::copies::Copies;
 use crate::document::{Document, key_text};
@@ -16,56 +16,57 @@ use std::path::{Path, PathBuf};
 
 /// Young's and shear moduli of solids in Pa: from soft gels to beyond diamond (1.2e12 Pa).
 const MODULUS_PA: Range<f64> = 1e5..3e12;
-/// The same in GPa, by which a slip is known: from soft foam (1e-4 GPa) on.
+/// Moduli in GPa, by which a wrong unit is recognised: from soft foam (1e-4 GPa) upwards.
 const MODULUS_GPA: Range<f64> = 1e-4..3e3;
-/// The same in MPa, above possible values in GPa: plastics, metals, composites.
+/// Moduli in MPa, above possible values in GPa: plastics, metals, composites.
 const MODULUS_MPA: Range<f64> = 3e3..1e6;
 /// Densities of solids in kg/m³: light foams to osmium (22 590).
 const DENSITY_KG_M3: Range<f64> = 5.0..25e3;
-/// Speed of sound along a bar in m/s, `√(EA/m)`: rubber (30) to diamond (18 000); sections with given properties may be softer along the
-/// axis than any material.
+/// Speed of sound along a bar in m/s, `√(EA/m)`: from rubber (30) to diamond (18 000). Sections given by their properties may be softer
+/// along the axis than any material.
 const BAR_SPEED_M_S: Range<f64> = 10.0..5e4;
-/// Length over thickness that beams without shear deformation need, and that of all beams: `docs/guide/theory.md`.
+/// Minimum ratio of length to thickness of beams without shear deformation: `docs/guide/theory.md`.
 const MINIMUM_SLENDERNESS: f64 = 10.0;
 const MINIMUM_SLENDERNESS_WITH_SHEAR: f64 = 1.0;
 /// Length of bodies and outer dimensions of sections in m beyond those of blades, towers and hulls: probably in another unit.
 const MAXIMUM_LENGTH_M: f64 = 300.0;
 pub(super) const MAXIMUM_OUTLINE_M: f64 = 30.0;
-/// Length over width and over thickness beyond those of real wings: one of the lengths is probably in another unit.
+/// Ratio of length to width or thickness above which one of the lengths is probably in another unit; no real wing exceeds it.
 const MAXIMUM_SLENDERNESS: f64 = 1000.0;
-/// Width or thickness over length beyond which one of them is probably in another unit.
+/// Ratio of width or thickness to length above which one of them is probably in another unit.
 const MAXIMUM_WIDTH: f64 = 3.0;
-/// Masses on a body over the mass of that body.
+/// Largest plausible ratio of the masses attached to a body to the mass of the body.
 const MAXIMUM_ATTACHED: f64 = 1000.0;
-/// Magnitudes of gravity in m/s² of planets and tests; 0 is also possible.
+/// Magnitudes of gravity in m/s² on planets and in tests; 0 is also possible.
 const GRAVITY_M_S2: Range<f64> = 1.5..100.0;
-/// Speed of wind in m/s above which the air's compressibility rules (a Mach number of 0.5).
+/// Wind speed in m/s above which compressibility dominates (a Mach number of 0.5).
 const WIND_M_S: f64 = 170.0;
-/// Widest step in degrees between two rows of a polar whose values differ: measured polars have 10 or less.
+/// Largest plausible step in degrees between two rows of a polar with different values; measured polars have steps of 10 or less.
 const POLAR_STEP_DEG: f64 = 20.0;
-/// Number of rows of the simulation.
+/// Plausible number of rows of the simulation.
 const ROWS: Range<f64> = 10.0..1e7;
-/// An angle that is a multiple of this in degrees, to [`ROUND_DEG`], if its number is read as rad.
+/// An angle read in rad that is a multiple of this angle in degrees, within [`ROUND_DEG`], was probably given in rad.
 const MULTIPLE_DEG: f64 = 5.0;
-/// Four digits of an angle in rad.
+/// Tolerance in degrees, for an angle in rad with four digits.
 const ROUND_DEG: f64 = 6e-3;
 
-/// Something valid that is probably not meant.
+/// Warning about a valid value that is probably not the intended one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Doubt {
-    /// Line of the key, from 1.
+    /// Line of the key, numbered from 1.
     pub line: usize,
-    /// Bytes of the text that a caret points at.
+    /// Byte range of the text that is marked by a caret.
     pub span: Range<usize>,
     /// Path of the key, e.g. `section.spar.youngs_modulus_Pa`.
     pub key: String,
     /// Reason why it is implausible.
     pub reason: String,
-    /// Correction of a probable error, or the place of further information.
+    /// Correction of the probable error, or where to find further information.
     pub advice: String,
 }
 
-/// Implausible values in the text of a valid model file for [`crate::parse`], in the order of the file; empty for an invalid text.
+/// Warnings about implausible values in the text of a valid model file for [`crate::parse`], in the order of the file; empty for an
+/// invalid text.
 pub fn doubts(text: &str) -> Vec<Doubt> {
     let (Ok(document), Ok(file)) = (Document::parse(text), toml::from_str::<ModelFile>(text)) else {
         return Vec::new();
@@ -84,8 +85,8 @@ pub fn doubts(text: &str) -> Vec<Doubt> {
     look.found
 }
 
-/// Properties lost when the files named in a model file are embedded: sections of programs whose 6×6 stiffness loses the deflection by
-/// shear. `text` is the file as written, its files are in `folder`.
+/// Warnings about properties lost when the files named in a model file are embedded: sections of other programs whose 6×6 stiffness
+/// includes shear deflection, which a body without shear neglects. `text` is the file as written, and its files are in `folder`.
 pub fn doubts_of_files(text: &str, folder: &Path) -> Vec<Doubt> {
     let (Ok(document), Ok(file)) = (Document::parse(text), toml::from_str::<ModelFile>(text)) else {
         return Vec::new();
@@ -133,7 +134,7 @@ impl Look<'_, '_> {
                     self.modulus(&["section", name, "shear_modulus_Pa"], solid.shear_modulus_pa);
                     self.density(&["section", name, "density_kg_m3"], solid.density_kg_m3);
                 }
-                // of materials by name
+                // materials are named and not checked here
                 SectionFile::Tube(_)
                 | SectionFile::Box(_)
                 | SectionFile::I(_)
@@ -141,7 +142,7 @@ impl Look<'_, '_> {
                 | SectionFile::Angle(_)
                 | SectionFile::Profile(_)
                 | SectionFile::Laminate(_) => {}
-                SectionFile::Table(_) => {} // its numbers are from programs
+                SectionFile::Table(_) => {} // the values come from section programs
                 SectionFile::Explicit(section) => {
                     let axial_n = section.axial_stiffness_n.or(section.stiffness_si.map(|matrix| matrix[0][0]));
                     let Some(axial_n) = axial_n else { continue };
@@ -211,7 +212,7 @@ impl Look<'_, '_> {
                     .half_width_m
                     .zip(section.half_height_m)
                     .map(|(width, height)| (["half_width_m", "half_height_m"], 2.0 * width, 2.0 * height, 0.5)),
-                // by the deflection by shear
+                // checked by their shear deflection
                 Some(
                     SectionFile::Tube(_)
                     | SectionFile::Box(_)
@@ -283,7 +284,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// Angles whose number is a round angle in rad.
+    /// Warns about angles that are round numbers if they are read in rad.
     fn angles(&mut self, file: &ModelFile) {
         for (name, joint) in &file.joint {
             let latch = joint.latch.as_ref().map(|latch| latch.angle_deg);
@@ -294,7 +295,7 @@ impl Look<'_, '_> {
             for (path, angle) in angles {
                 let Some(angle) = angle.filter(|angle| angle.fract() != 0.0) else { continue };
                 let meant_deg = (angle.to_degrees() / MULTIPLE_DEG).round() * MULTIPLE_DEG;
-                // few digits are not conclusive: 0.5 is as near to 30 deg as to 28.65 deg
+                // few digits are not conclusive: 0.5 rad is as close to 30 deg as to 28.65 deg
                 let close = (angle.to_degrees() - meant_deg).abs() < ROUND_DEG && meant_deg != 0.0;
                 if close && meant_deg.abs() <= 360.0 {
                     let reason = format!("{angle} rad would be {} deg", number(meant_deg));
@@ -304,7 +305,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// Holes in polars, and winds that end before the run does.
+    /// Warns about gaps in polars, and about winds that end before the run does.
     fn rotor(&mut self, file: &ModelFile) {
         for (name, polar) in &file.polar {
             let rows = polar.rows.iter().flatten().collect::<Vec<_>>();
@@ -360,7 +361,7 @@ impl Look<'_, '_> {
     }
 }
 
-/// Four digits, as short as they are.
+/// Formats a number with at most four digits.
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) { format!("{rounded:e}") } else { rounded.to_string() }

@@ -1,9 +1,10 @@
-//! Doubts about properties lost from the files of a model.
+//! Warnings about properties lost from the files of a model.
 
 use super::*;
 use crate::station_file::read_sections;
 
-/// A blade of one section in BeamDyn's axes: shear stiffnesses in N, axial stiffness in N, then twist and bending about `x` and `y`.
+/// BeamDyn file of a blade with uniform sections: shear stiffnesses in N, axial stiffness in N, then bending stiffnesses about `x` and
+/// `y` and torsional stiffness.
 fn blade([shear_x, shear_y, axial, about_x, about_y, twist]: [f64; 6]) -> String {
     let diagonal = |values: [f64; 6]| {
         let row = |i: usize| {
@@ -23,8 +24,9 @@ fn blade([shear_x, shear_y, axial, about_x, about_y, twist]: [f64; 6]) -> String
     )
 }
 
-/// A composite box beam of GXBeam's and BeamDyn's tests, length 10, without its couplings: 3 EI/(GA L²) is 4.8 % and 4.6 %, and the doubt
-/// contains the larger one. Twenty times as long it is 0.01 % and causes no doubt; neither does a file that is no blade of BeamDyn.
+/// The composite box beam of the tests of GXBeam and BeamDyn, of length 10, without its couplings: 3 EI/(GA L²) is 4.8 % and 4.6 %, and
+/// the warning states the larger value. For twenty times the length it is 0.01 %, without a warning; nor is there one for a file that is
+/// not a BeamDyn blade.
 #[test]
 fn sections_that_lose_shear_are_named() {
     let folder = std::env::temp_dir().join(format!("foldwing-doubts-{}", std::process::id()));
@@ -52,7 +54,7 @@ fn sections_that_lose_shear_are_named() {
     assert_eq!((longer, none), (Vec::new(), Vec::new()));
 }
 
-/// A wind in km/h is doubted with the same wind in m/s, a gravity in g or mm/s² with m/s².
+/// The warning for a wind speed in km/h proposes the same speed in m/s, and for a gravity in g or mm/s² the value in m/s².
 #[test]
 fn doubts_convert_units_the_right_way() {
     for (km_h, m_s) in [(540.0, "150"), (720.0, "200")] {

@@ -1,4 +1,4 @@
-//! Polars, sections and axes of other files, embedded in the text of the model file: the model in an FMU needs no other file.
+//! Embedding of polars, sections and axes of other files in the text of the model file, so that the model in an FMU needs no other file.
 
 use crate::base64;
 use crate::bladed_summary::read_bladed_summary;
@@ -36,7 +36,7 @@ struct WantedWind {
 }
 
 impl WantedWind {
-    /// Settings of a field of Bladed.
+    /// Settings of a full-field wind file of Bladed.
     fn bladed(&self) -> BladedSettings {
         BladedSettings {
             middle_height_m: self.field_centre_height_m.or(self.reference_height_m).unwrap_or(0.0),
@@ -64,14 +64,14 @@ struct WantedAxis {
     axis_file: Option<Spanned<String>>,
 }
 
-/// Reads a file into the key that replaces it; else the required contents of a file.
+/// Converts a file to the text of the key that replaces it; the error states the required contents of the file.
 type Reader = Box<dyn Fn(&Path) -> Result<String, String>>;
 
-/// The text with `file = "…"` of every polar, section and axis replaced by the contents of the file, on the same line, so that line numbers
-/// are unchanged. Files are searched in `folder`. A text that is no model is unchanged: later passes report the errors.
+/// Returns the text with `file = "…"` of every polar, section and axis replaced by the contents of the file, on the same line, so that line
+/// numbers are unchanged. Files are searched in `folder`. A text that is not a model is returned unchanged: later passes report the errors.
 ///
 /// # Errors
-/// A file that cannot be read, or with invalid contents, at the line of its key.
+/// A file that cannot be read or has invalid contents; reported at the line of its key.
 pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Problem>> {
     let Ok(wanted) = toml::from_str::<Wanted>(&text) else { return Ok(text) };
     let polars =
@@ -86,7 +86,7 @@ pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Prob
         .map(|(name, file)| ("body", name, "axis_file", file.axis_file, Box::new(axis) as Reader));
     let settings = wanted.wind.bladed();
     let WantedWind { table_file, field_file, reference_length_m, .. } = wanted.wind;
-    // a table without its length is an error of a later pass
+    // a table without its length is reported by a later pass
     let table: Reader =
         Box::new(move |path| wind_table(path, reference_length_m.filter(|length| *length > 0.0).unwrap_or(1.0)));
     let field: Reader = Box::new(move |path| wind_field(path, settings));
@@ -119,7 +119,7 @@ pub(super) fn with_files(text: String, folder: &Path) -> Result<String, Vec<Prob
     Ok(whole)
 }
 
-/// `along = { … }` of a file of sections.
+/// Text `along = { … }` for a file of sections.
 fn along(path: &Path, units: Option<FileUnits>) -> Result<String, String> {
     let shown = path.display();
     let table = read_section_file(path, units).map_err(|fault| match fault.line {
@@ -131,7 +131,7 @@ fn along(path: &Path, units: Option<FileUnits>) -> Result<String, String> {
     Ok(table.text("along"))
 }
 
-/// `table = [[…], …]` of a table of wind over time.
+/// Text `table = [[…], …]` for a table of wind over time.
 fn wind_table(path: &Path, reference_length_m: f64) -> Result<String, String> {
     let text = std::fs::read_to_string(path)
         .map_err(|reason| format!("a readable table of wind ({}: {reason})", path.display()))?;
@@ -139,7 +139,7 @@ fn wind_table(path: &Path, reference_length_m: f64) -> Result<String, String> {
         format!("a table in the columns of AeroDyn's uniform wind files ({}: {fault})", path.display())
     })?;
     let row = |row: &TableRow| {
-        // degrees as written in the file, not as converted back from radians
+        // the angle in degrees as written in the file, without the round-off of the conversion from radians
         let direction_deg = (row.direction_rad.to_degrees() * 1e9).round() / 1e9;
         let shears = [row.horizontal_shear, row.power_exponent, row.vertical_shear, row.gust_m_s];
         let values = [row.time_s, row.speed_m_s, direction_deg, row.vertical_m_s].into_iter().chain(shears);
@@ -148,7 +148,7 @@ fn wind_table(path: &Path, reference_length_m: f64) -> Result<String, String> {
     Ok(format!("table = [{}]", table.rows.iter().map(row).collect::<Vec<_>>().join(", ")))
 }
 
-/// `field = "…"` of a full field of TurbSim or Bladed; the summary of a field of Bladed, `.sum`, must agree with its settings.
+/// Text `field = "…"` for a full-field wind file of TurbSim or Bladed; the summary of a Bladed field, `.sum`, must agree with its settings.
 fn wind_field(path: &Path, settings: BladedSettings) -> Result<String, String> {
     let shown = path.display();
     let bytes = std::fs::read(path)
@@ -168,7 +168,7 @@ fn wind_field(path: &Path, settings: BladedSettings) -> Result<String, String> {
     Ok(format!("field = \"{}\"", base64::encoded(&bytes)))
 }
 
-/// `axis = { … }` of a file of an axis.
+/// Text `axis = { … }` for a file of an axis.
 fn axis(path: &Path) -> Result<String, String> {
     let text = std::fs::read_to_string(path)
         .map_err(|reason| format!("a readable file of an axis ({}: {reason})", path.display()))?;
@@ -177,7 +177,7 @@ fn axis(path: &Path) -> Result<String, String> {
     Ok(table.text("axis"))
 }
 
-/// `rows = [[…], …]` of a file's first table; else the required contents of a file.
+/// Text `rows = [[…], …]` for the first table of a file; the error states the required contents of the file.
 fn rows(path: &Path) -> Result<String, String> {
     let text = std::fs::read_to_string(path)
         .map_err(|reason| format!("a readable polar file ({}: {reason})", path.display()))?;
@@ -187,7 +187,7 @@ fn rows(path: &Path) -> Result<String, String> {
     for (index, row) in tables[0].polar.rows.iter().enumerate() {
         let comma = if index == 0 { "" } else { ", " };
         let angle_deg = row.angle_rad.to_degrees();
-        // degrees as written in the file, not as converted back from radians
+        // the angle in degrees as written in the file, without the round-off of the conversion from radians
         let rounded = (angle_deg * 1e9).round() / 1e9;
         write!(rows, "{comma}[{rounded:?}, {:?}, {:?}, {:?}]", row.lift, row.drag, row.moment)
             .map_err(|error| error.to_string())?;

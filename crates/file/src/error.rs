@@ -9,15 +9,15 @@ pub enum ConfigError {
     /// The file cannot be read.
     #[error("{file}: cannot be read: {source}")]
     Read {
-        /// File as the caller named it.
+        /// File name given by the caller.
         file: String,
-        /// The system's reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The text is not a model. Displays one problem per line, each as `file:line: …`.
+    /// The text is not a valid model. Displayed with one problem per line, each as `file:line: …`.
     #[error("{}", lines(file, problems))]
     Refused {
-        /// File as the caller named it.
+        /// File name given by the caller.
         file: String,
         /// Every problem found, in the order of the file; never empty.
         problems: Vec<Problem>,
@@ -25,7 +25,7 @@ pub enum ConfigError {
 }
 
 impl ConfigError {
-    /// The errors in the text; empty if the file could not be read.
+    /// Errors in the text; empty if the file could not be read.
     pub fn problems(&self) -> &[Problem] {
         match self {
             Self::Read { .. } => &[],
@@ -38,40 +38,40 @@ fn lines(file: &str, problems: &[Problem]) -> String {
     problems.iter().map(|problem| format!("{file}:{problem}")).collect::<Vec<_>>().join("\n")
 }
 
-/// One error. Displays as `line: key '…': …`, to follow the file's name.
+/// Error in a model file. Displayed as `line: key '…': …`, to be appended to the file's name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// Line of the key or value, from 1.
+    /// Line of the key or value, numbered from 1.
     pub line: usize,
-    /// Bytes of the text marked by a caret: the key, or its invalid value.
+    /// Byte range marked by a caret: the key, or its invalid value.
     pub span: Range<usize>,
-    /// Path of the key, e.g. `body.inner.length_m`; empty for the file as a whole and for syntax.
+    /// Path of the key, such as `body.inner.length_m`; empty for the file as a whole and for syntax errors.
     pub key: String,
-    /// Kind of the error.
+    /// Type of the error.
     pub fault: Fault,
 }
 
-/// Kind of a [`Problem`].
+/// Type of the error of a [`Problem`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Fault {
-    /// Not TOML.
+    /// The text is not valid TOML.
     Syntax {
         /// The parser's message.
         message: String,
     },
-    /// No such key in this table.
+    /// The table has no such key.
     UnknownKey {
-        /// Suggested replacement, if there is a similar key.
+        /// Suggested replacement, if a similar key exists.
         suggestion: Option<String>,
-        /// Keys of this table.
+        /// Keys of the table.
         allowed: Vec<String>,
     },
-    /// A key of 0.1.0 whose name has changed.
+    /// The key was renamed after version 0.1.0.
     RenamedKey {
-        /// The name of today.
+        /// Present name.
         new: String,
     },
-    /// Number of further errors that are not listed.
+    /// Further errors are not listed.
     Further {
         /// Their number.
         count: usize,
@@ -83,9 +83,9 @@ pub enum Fault {
     },
     /// The value is not allowed.
     NotAllowed {
-        /// The value as written, shortened; or a description of the table.
+        /// Value as written, shortened; or a description of the table.
         value: String,
-        /// Allowed values, with the unit.
+        /// Allowed values, with their unit.
         allowed: String,
     },
 }

@@ -1,4 +1,4 @@
-//! The failures of the model file: shape and descriptions, as in [`crate::file`].
+//! Failures in the model file: structure and descriptions, as in [`crate::file`].
 
 use schemars::JsonSchema;
 use serde::Deserialize;

@@ -1,4 +1,4 @@
-//! Builds failures of the file by a [`MachineBuilder`].
+//! Builds the failures of the model file with a [`MachineBuilder`].
 
 use crate::failure_file::{FailureFile, FailureKind, WhenFile};
 use crate::file::ModelFile;
@@ -24,7 +24,7 @@ pub(super) const BOUNDS: [&str; 8] = [
 /// Default slip rate of a brake in rad/s and m/s.
 const SLIP: [f64; 2] = [0.5 * std::f64::consts::PI / 180.0, 1e-3];
 
-/// Adds them to a machine; invalid ones are omitted.
+/// Adds the failures to a machine; invalid ones are omitted.
 pub(super) fn add(file: &ModelFile, mut machine: MachineBuilder, checker: &mut Checker) -> MachineBuilder {
     for (name, failure) in &file.failure {
         if let Some(built) = build(name, failure, file, checker) {
@@ -36,7 +36,7 @@ pub(super) fn add(file: &ModelFile, mut machine: MachineBuilder, checker: &mut C
     machine
 }
 
-/// Travel of a joint of the file; a rotation if there is no joint of that name.
+/// Type of motion of a joint in the file; rotation if there is no joint with this name.
 fn travel(file: &ModelFile, joint: &str) -> Travel {
     file.joint.get(joint).map_or(JointType::Revolute, |joint| joint.kind).travel().unwrap_or(Travel::Rotation)
 }
@@ -62,7 +62,7 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
         return None;
     };
     let travel = travel(file, target);
-    // keys for a revolute and for a prismatic joint, and their values in SI
+    // keys for a revolute and a prismatic joint, and their values in SI units
     let mut of_travel = |keys: [&'static str; 2], values: [Option<f64>; 2], or: Option<[f64; 2]>| {
         let (own, other) = if travel == Travel::Rotation { (0, 1) } else { (1, 0) };
         if values[other].is_some() {
@@ -123,7 +123,7 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
     Some(built.delay_s(failure.delay_s))
 }
 
-/// Reports keys that do not apply to the kind.
+/// Reports keys that do not apply to the kind of failure.
 fn refuse_strangers(name: &str, failure: &FailureFile, checker: &mut Checker) {
     use FailureKind as Kind;
     let on_joint = !matches!(failure.kind, Kind::LoopBreak | Kind::StiffnessLoss);
@@ -155,7 +155,7 @@ fn refuse_strangers(name: &str, failure: &FailureFile, checker: &mut Checker) {
     }
 }
 
-/// Quantity, side and value in SI of a bound.
+/// Quantity, side and value in SI units of a limit.
 fn bound(name: &str, when: &WhenFile, file: &ModelFile, checker: &mut Checker) -> Option<(Quantity, BoundSide, f64)> {
     let values = [
         when.angle_above_deg,

@@ -1,7 +1,7 @@
-//! Structure of the model file. Doc comments are the descriptions of the JSON schema and of `docs/MODEL_FILE.md`.
+//! Structure of the model file. The doc comments become the descriptions in the JSON schema and in `docs/MODEL_FILE.md`.
 //!
-//! Ranges of single keys are given here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …) and enforced from there; `x-allowed`
-//! overrides the text of error messages for other conditions.
+//! Ranges of individual keys are defined here as JSON schema keywords (`minimum`, `exclusiveMinimum`, …), from which they are enforced;
+//! `x-allowed` overrides the text of error messages for other conditions.
 
 use crate::air_file::{AirFile, ControlSurfaceFile, GustFile, SurfaceFile};
 use crate::body::{BodyFile, LoadFrameFile};

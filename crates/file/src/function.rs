@@ -1,4 +1,4 @@
-//! Functions along a body: a number, a polynomial or a table.
+//! Functions along a body, given as a number, a polynomial or a table.
 
 use crate::validate::Checker;
 use foldwing_engine::beam::profile::Profile;
@@ -27,7 +27,7 @@ pub(super) struct CurveFile {
     pub table: Option<Vec<[f64; 2]>>,
 }
 
-/// The function; an error with both polynomial and table, or neither.
+/// Builds the function; having both polynomial and table, or neither, is an error.
 pub(super) fn along_body(path: &[&str], function: &FunctionFile, checker: &mut Checker) -> Option<Profile> {
     match function {
         FunctionFile::Number(value) => Some(Profile::constant(*value)),

@@ -1,4 +1,4 @@
-//! Generator of the file: its keys, and the law of the machine.
+//! Generator in the model file: its keys, and the torque law of the machine.
 
 use crate::joint_file::{JointFile, JointType};
 use crate::validate::Checker;
@@ -45,7 +45,7 @@ pub(super) enum AboveTableFile {
     ConstantPower,
 }
 
-/// Magnitudes of gear ratios that a motor may have.
+/// Range of the magnitude of a motor's gear ratio.
 const MAGNITUDES: RangeInclusive<f64> = 1e-6..=1e6;
 
 fn whole() -> f64 {
@@ -56,11 +56,11 @@ fn yes() -> bool {
     true
 }
 
-/// The generator of a joint, if it has one. `None` also after an error.
+/// Builds the generator of a joint; `None` if it has none, or after an error.
 pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<GeneratorLaw> {
     let generator = joint.generator.as_ref()?;
     let stated = joint.motor.as_ref().and_then(|motor| motor.gear_ratio);
-    // other joints have no generator, which the machine's builder reports
+    // a generator on another type of joint is reported by the builder of the machine
     let assumed = (joint.kind != JointType::Revolute).then_some(1.0);
     let Some(gear_ratio) = stated.or(assumed) else {
         let allowed = "a finite ratio other than 0, because the joint has a generator; 1.0 without a gearbox";
@@ -80,7 +80,7 @@ pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Opt
         return None;
     }
     if !MAGNITUDES.contains(&gear_ratio.abs()) {
-        return None; // reported with the motor
+        return None; // already reported for the motor
     }
     let radians = PI / 30.0;
     Some(GeneratorLaw {

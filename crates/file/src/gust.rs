@@ -1,4 +1,4 @@
-//! Gusts of the file: the tables `[gust.<name>]`.
+//! Gusts of the model file: the tables `[gust.<name>]`.
 
 use crate::air_file::{GustFile, GustShapeFile};
 use crate::validate::Checker;
@@ -7,10 +7,10 @@ use foldwing_engine::aero::flow::GustShape;
 use foldwing_engine::machine::builder::GustBuilder;
 use nalgebra::Vector3;
 
-/// Cosine and sine of an angle below which a velocity is across or along the path of its gust.
+/// Cosine or sine of an angle below which a velocity counts as perpendicular or parallel to the path of its gust.
 const ALIGNED: f64 = 1e-9;
 
-/// `None` after an error.
+/// Builds a gust; `None` after an error.
 pub(super) fn build(
     name: &str,
     gust: &GustFile,
@@ -48,7 +48,7 @@ pub(super) fn build(
     Some(built)
 }
 
-/// The first key that does not apply to the shape, and the allowed alternative.
+/// The first key that does not apply to the shape of the gust, and the allowed alternative.
 fn stray(gust: &GustFile) -> Option<(&'static str, &'static str)> {
     let shape = gust.shape;
     let turbulent = matches!(shape, GustShapeFile::Dryden | GustShapeFile::VonKarman);
@@ -73,7 +73,7 @@ fn stray(gust: &GustFile) -> Option<(&'static str, &'static str)> {
     .find_map(|(key, wrong, allowed)| wrong.then_some((key, allowed)))
 }
 
-/// Turbulence along or across the path of the gust.
+/// Builds turbulence with a velocity along or across the path of the gust.
 fn turbulence(
     name: &str,
     gust: &GustFile,

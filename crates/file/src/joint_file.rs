@@ -1,5 +1,5 @@
-//! The joints of the model file: structure and descriptions, as in [`crate::file`]. Keys of prismatic joints are beside those of revolute
-//! ones; [`PAIRS`] lists the pairs.
+//! Joints of the model file: structure and descriptions, as in [`crate::file`]. Keys of prismatic joints are next to those of revolute
+//! joints; [`PAIRS`] lists the pairs.
 
 use crate::generator::GeneratorFile;
 use foldwing_engine::machine::Travel;
@@ -110,14 +110,14 @@ pub(super) enum JointType {
 }
 
 impl JointFile {
-    /// Whether the keys of revolute or of prismatic joints apply.
+    /// Returns whether the keys of revolute or of prismatic joints apply.
     pub fn travel(&self) -> Travel {
         self.kind.travel().unwrap_or(Travel::Rotation)
     }
 }
 
 impl JointType {
-    /// Travel of joints with one freedom.
+    /// Type of motion of joints with one degree of freedom.
     pub fn travel(self) -> Option<Travel> {
         match self {
             Self::Revolute => Some(Travel::Rotation),
@@ -126,7 +126,7 @@ impl JointType {
         }
     }
 
-    /// Name as the file writes it.
+    /// Name in the model file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Clamped => "clamped",
@@ -347,7 +347,7 @@ pub(super) struct EndStopsFile {
     pub damping_n_s_m: f64,
 }
 
-/// Keys of a revolute joint's tables `motor`, `spring`, `latch` and `end_stops`, and those that a prismatic joint has in their place.
+/// Keys of the tables `motor`, `spring`, `latch` and `end_stops` of a revolute joint, with the corresponding keys of a prismatic joint.
 pub(super) const PAIRS: &[(&str, &str, &str)] = &[
     ("motor", "stiffness_N_m_rad", "stiffness_N_m"),
     ("motor", "damping_N_m_s_rad", "damping_N_s_m"),

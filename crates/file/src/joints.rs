@@ -1,4 +1,4 @@
-//! Builds joints of the file by a [`JointBuilder`]: parent, motion, latch, end stops.
+//! Builds the joints of the model file with a [`JointBuilder`]: parent, motion, latch, end stops.
 
 use crate::file::{FrameFile, ModelFile};
 use crate::joint_file::{
@@ -12,10 +12,10 @@ use foldwing_engine::machine::{
 };
 use nalgebra::{Rotation3, Vector3};
 
-/// Name of the parent that is no body.
+/// Name of the parent that is not a body.
 const ROOT: &str = "root";
 
-/// Keys that are no fields of the machine, and axes, with the types that have them.
+/// Axes, and keys without a field of the same name in the machine, with the joint types that have them.
 const KEYS: &[(&str, &[JointType])] = {
     use JointType::{Prismatic, Revolute, Universal};
     &[
@@ -28,7 +28,7 @@ const KEYS: &[(&str, &[JointType])] = {
     ]
 };
 
-/// Keys of a motor that only revolute joints have, and the machine's fields.
+/// Keys of a motor that only revolute joints have, with the corresponding fields of the machine.
 const REVOLUTE_DRIVE_KEYS: &[(&str, &str)] = &[
     ("constant_torque_N_m", "constant_torque_n_m"),
     ("torque_limit_N_m", "torque_limit_n_m"),
@@ -38,7 +38,7 @@ const REVOLUTE_DRIVE_KEYS: &[(&str, &str)] = &[
     ("command_deg", "command_rad"),
 ];
 
-/// The joints of all bodies, in the order of the bodies. Invalid ones are replaced.
+/// Builds the joints of all bodies, in the order of the bodies. Invalid ones are replaced.
 pub(super) fn build_all(file: &ModelFile, checker: &mut Checker) -> Vec<JointBuilder> {
     let joint_of = joint_of_bodies(file, checker);
     let held = |joint: usize| joint_of.contains(&Some(joint));
@@ -61,12 +61,13 @@ pub(super) fn build_all(file: &ModelFile, checker: &mut Checker) -> Vec<JointBui
         .collect()
 }
 
-/// Names of all bodies: beams, then rigid bodies, then modal ones.
+/// Names of all bodies: beams, then rigid bodies, then modal bodies.
 fn bodies(file: &ModelFile) -> impl Iterator<Item = &String> {
     file.body.keys().chain(file.rigid_body.keys()).chain(file.modal_body.keys())
 }
 
-/// The joint of each body: children exist, differ from the parents, and no two joints hold the same child.
+/// Joint of each body. Checks that children exist and differ from their parents, and that no body is the child of two
+/// joints.
 fn joint_of_bodies(file: &ModelFile, checker: &mut Checker) -> Vec<Option<usize>> {
     let mut joint_of = vec![None; bodies(file).count()];
     let mut hold = true;
@@ -115,7 +116,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     for (key, field) in
         REVOLUTE_DRIVE_KEYS.iter().filter(|_| [JointType::Universal, JointType::Ball].contains(&joint.kind))
     {
-        // the machine contains only values that are not the default
+        // set only values that are stated, so that the machine keeps its defaults for the others
         if checker.states(&["joint", name, "motor", key]) {
             checker.refuse(&["joint", name, "motor", key], "this key only with type = \"revolute\"");
             checker.stands_in(&["joint", name, "motor", field]);
@@ -126,7 +127,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
         checker.refuse(&["joint", name, "motor", "gear_ratio"], "this key only with type = \"revolute\"");
     }
     let place = parent_frame(name, joint, file, checker);
-    // of vectors in the frame that the joint holds on to
+    // rotates vectors to the parent frame of the joint
     let turned = |vector: Vector3<f64>| match place {
         Some(place) => Rotation3::new(radians(place.rotation_deg)) * vector,
         None => vector,
@@ -206,7 +207,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     built
 }
 
-/// Reports keys of a revolute joint for a prismatic one, and vice versa.
+/// Reports keys of a revolute joint in a prismatic one, and vice versa.
 fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
     for (table, turns, slides) in PAIRS {
         let (strange, allowed) = match joint.kind {
@@ -221,7 +222,7 @@ fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
         if checker.states(&["joint", name, table, strange]) {
             checker.refuse(&["joint", name, table, strange], allowed);
             if *strange == "stiffness_N_m_rad" || *strange == "stiffness_N_m" {
-                checker.stands_in(&["joint", name, "latch"]); // its ratio may refer to it
+                checker.stands_in(&["joint", name, "latch"]); // the ratio of the latch may refer to this stiffness
             }
         }
     }
@@ -231,7 +232,7 @@ fn radians(degrees: [f64; 3]) -> Vector3<f64> {
     Vector3::from(degrees).map(f64::to_radians)
 }
 
-/// The parent frame of a joint, if it names one.
+/// Parent frame of a joint, if it names one.
 fn parent_frame<'f>(
     name: &str,
     joint: &JointFile,
@@ -274,12 +275,12 @@ fn on_parent(built: JointBuilder, name: &str, joint: &JointFile, checker: &mut C
     }
 }
 
-/// The motion of a revolute or prismatic joint; `None` after an error without a replacement.
+/// Motion of a revolute or prismatic joint; `None` after an error for which there is no replacement.
 fn motion(name: &str, joint: &JointFile, kind: MotionType, checker: &mut Checker) -> Option<JointMotion> {
     match kind {
         MotionType::Free => return Some(JointMotion::Free),
         MotionType::Locked => return Some(JointMotion::Locked),
-        MotionType::Prescribed if joint.kind.travel().is_none() => return Some(JointMotion::Locked), // reported
+        MotionType::Prescribed if joint.kind.travel().is_none() => return Some(JointMotion::Locked), // already reported
         MotionType::Prescribed => {}
     }
     let travel = joint.travel();
@@ -369,7 +370,7 @@ fn build_spring(spring: &SpringFile, travel: Travel) -> Spring {
     }
 }
 
-/// `None` after an error.
+/// Builds a latch; `None` after an error.
 fn build_latch(name: &str, latch: &LatchFile, travel: Travel, checker: &mut Checker) -> Option<LatchBuilder> {
     let path = ["joint", name, "latch", "stiffness_ratio"];
     let (key, stiffness, stand, capture) = match travel {
@@ -409,7 +410,7 @@ fn build_latch(name: &str, latch: &LatchFile, travel: Travel, checker: &mut Chec
     Some(built.initially_closed(latch.initially_closed).enable(latch.enable))
 }
 
-/// `None` after an error.
+/// Builds end stops; `None` after an error.
 fn build_stops(name: &str, end_stops: &EndStopsFile, travel: Travel, checker: &mut Checker) -> Option<EndStops> {
     let (key, stiffness, damping_n_m_s_rad, [lower_rad, upper_rad]) = match travel {
         Travel::Rotation => (

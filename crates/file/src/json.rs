@@ -1,20 +1,21 @@
-//! A tree of JSON that borrows its texts: the schema, which every reading of a model file needs, is read without copying.
+//! JSON tree that borrows its texts, so that the schema, which is needed whenever a model file is read, is parsed without
+//! copying.
 
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::borrow::Cow;
 use std::fmt;
 use std::ops::Index;
 
-/// A value; tables keep the order of the text.
+/// JSON value; tables keep the order of the text.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Json<'t> {
-    /// `null`, and missing keys of a table.
+    /// `null`, or a missing key of a table.
     Null,
     /// `true` or `false`.
     Flag(bool),
     /// Any number.
     Number(f64),
-    /// A text.
+    /// String.
     Text(Cow<'t, str>),
     /// An array.
     List(Vec<Self>),
@@ -23,12 +24,12 @@ pub(super) enum Json<'t> {
 }
 
 impl Json<'_> {
-    /// The value of a key; `None` without the key, or if this is no table.
+    /// Value of a key; `None` if the key is missing or this is not a table.
     pub fn get(&self, key: &str) -> Option<&Self> {
         self.entries().iter().find(|(known, _)| known == key).map(|(_, value)| value)
     }
 
-    /// Keys and values of a table; empty for other values.
+    /// Keys and values of a table; empty for other types.
     pub fn entries(&self) -> &[(Cow<'_, str>, Self)] {
         match self {
             Self::Table(entries) => entries,
@@ -36,7 +37,7 @@ impl Json<'_> {
         }
     }
 
-    /// Items of an array.
+    /// Items, if this is an array.
     pub fn as_list(&self) -> Option<&[Self]> {
         match self {
             Self::List(items) => Some(items),
@@ -44,7 +45,7 @@ impl Json<'_> {
         }
     }
 
-    /// The text.
+    /// Text, if this is a string.
     pub fn as_str(&self) -> Option<&str> {
         match self {
             Self::Text(text) => Some(text),
@@ -52,7 +53,7 @@ impl Json<'_> {
         }
     }
 
-    /// The number.
+    /// Value, if this is a number.
     pub fn as_f64(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
@@ -60,17 +61,17 @@ impl Json<'_> {
         }
     }
 
-    /// The number, if it is a count.
+    /// Value, if this is a non-negative whole number.
     pub fn as_count(&self) -> Option<usize> {
         self.as_f64().filter(|number| *number >= 0.0 && number.fract() == 0.0).map(|number| number as usize)
     }
 
-    /// True for a table.
+    /// Returns whether this is a table.
     pub fn is_table(&self) -> bool {
         matches!(self, Self::Table(_))
     }
 
-    /// True for an array.
+    /// Returns whether this is an array.
     pub fn is_list(&self) -> bool {
         matches!(self, Self::List(_))
     }
@@ -79,7 +80,7 @@ impl Json<'_> {
 impl Index<&str> for Json<'_> {
     type Output = Self;
 
-    /// The value of a key; null if there is none.
+    /// Value of a key; null if there is none.
     fn index(&self, key: &str) -> &Self {
         self.get(key).unwrap_or(&Json::Null)
     }
@@ -103,7 +104,7 @@ impl<'de: 't, 't> Deserialize<'de> for Json<'t> {
     }
 }
 
-/// Reads any JSON.
+/// Deserializer visitor for any JSON value.
 struct Reader;
 
 impl<'de> Visitor<'de> for Reader {
@@ -158,7 +159,7 @@ impl<'de> Visitor<'de> for Reader {
     }
 }
 
-/// A key, borrowed if the text contains it without escapes.
+/// Key, borrowed if the text contains it without escapes.
 struct Key<'t>(Cow<'t, str>);
 
 impl<'de: 't, 't> Deserialize<'de> for Key<'t> {
@@ -176,7 +177,7 @@ impl<'de: 't, 't> Deserialize<'de> for Key<'t> {
 mod tests {
     use super::*;
 
-    /// Every kind of value, in order; texts without escapes are those of the source.
+    /// All types of values are read in order; texts without escapes are borrowed from the source.
     #[test]
     fn json_is_read_without_copying() {
         let text = r#"{"z": [1, -2.5, true, null], "a": {"escaped": "\"x\"", "plain": "y"}}"#;
@@ -189,7 +190,7 @@ mod tests {
         assert_eq!((read["z"].as_list().unwrap()[1].as_count(), Json::Number(3.0).as_count()), (None, Some(3)));
     }
 
-    /// A tree with owned texts is read in the same way.
+    /// A tree that owns its texts is read in the same way.
     #[test]
     fn a_tree_that_owns_its_texts_is_the_same() {
         let text = r#"{"a": {"b": ["c", 2]}}"#;

@@ -1,4 +1,5 @@
-//! Characters that are not allowed in texts of a model, because XML cannot contain them: they can be written as escapes such as `\u0001`.
+//! Characters that are not allowed in texts of a model, because XML cannot contain them, even though TOML can write them as escapes such
+//! as `\u0001`.
 
 use crate::document::{Document, key_text};
 use crate::error::{Fault, Problem};
@@ -6,7 +7,7 @@ use crate::structure::MAXIMUM_PROBLEMS;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Largest depth of tables in tables: no known key is as deep, and unknown ones are errors of the next pass.
+/// Maximum depth of nested tables: no known key is that deep, and unknown keys are reported by the next pass.
 const DEEPEST: usize = 16;
 
 /// Allowed characters, for the message.
@@ -15,7 +16,7 @@ const ALLOWED: &str = "text without control characters except line feeds and tab
 /// Checks every text of the file.
 ///
 /// # Errors
-/// All texts with such letters, in the order of the file.
+/// All texts with such characters, in the order of the file.
 pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
     let mut problems = Vec::new();
     table(document.root(), &mut Vec::new(), document, &mut problems);
@@ -23,7 +24,7 @@ pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
     if problems.is_empty() { Ok(()) } else { Err(problems) }
 }
 
-/// Whether XML cannot contain the character, or it is another control character.
+/// Returns whether the character is not allowed in XML or is another control character.
 fn refused(letter: char) -> bool {
     letter.is_control() && !matches!(letter, '\n' | '\r' | '\t') || matches!(letter, '\u{fffe}' | '\u{ffff}')
 }

@@ -1,9 +1,9 @@
-//! The model file: TOML read into [`Machine`], every number checked, every error with its line.
+//! Reader of the model file: TOML is converted to a [`Machine`], every number is checked, and every error is reported with its line.
 //!
-//! Three passes. The text becomes a tree in which every key and value has its position (`document`). The tree is compared with the JSON
-//! schema derived from the serde structs (`structure`): unknown and missing keys, types, ranges. Conditions on several keys are checked
-//! last (`validate` and related modules): the tree of bodies, references, positions, definiteness. Each pass reports all its errors at
-//! once.
+//! There are three passes. The text is parsed to a tree in which every key and value has its position (`document`). The tree is
+//! compared with the JSON schema derived from the serde structs (`structure`): unknown and missing keys, types, ranges. Conditions on
+//! several keys are checked last (`validate` and related modules): the tree of bodies, references, positions, definiteness. Each pass
+//! reports all its errors at once.
 
 mod air;
 mod air_file;
@@ -67,7 +67,7 @@ use file::ModelFile;
 use foldwing_engine::machine::Machine;
 use std::path::Path;
 
-/// Reads a model from the text of a model file. `file_name` only appears in error messages.
+/// Reads a model from the text of a model file. `file_name` is used only in error messages.
 ///
 /// # Errors
 /// [`ConfigError::Refused`] with all errors: syntax first, then keys, types and ranges, then conditions on several keys.
@@ -75,11 +75,11 @@ pub fn parse(text: &str, file_name: &str) -> Result<Machine, ConfigError> {
     build(text).map_err(|problems| ConfigError::Refused { file: file_name.to_owned(), problems })
 }
 
-/// Reads a model file; returns the machine and the file's text with the contents of other files embedded, which is stored in the FMU's
-/// resources.
+/// Reads a model file and returns the machine and the file's text with the contents of other files embedded; this text is stored in the
+/// resources of an FMU.
 ///
 /// # Errors
-/// [`ConfigError::Read`] if the file cannot be read or is not UTF-8, else as [`parse`].
+/// [`ConfigError::Read`] if the file cannot be read or is not UTF-8; otherwise as [`parse`].
 pub fn read(path: impl AsRef<Path>) -> Result<(Machine, String), ConfigError> {
     let path = path.as_ref();
     let file = path.display().to_string();
@@ -93,19 +93,19 @@ pub fn read(path: impl AsRef<Path>) -> Result<(Machine, String), ConfigError> {
     }
 }
 
-/// The text of a model file with the contents of the files that it names (polars, sections, axes) embedded, searched in a folder; line
-/// numbers are unchanged.
+/// Returns the text of a model file with the contents of the files that it names (polars, sections, axes) embedded; files are searched
+/// in `folder`, and line numbers are unchanged.
 ///
 /// # Errors
-/// [`ConfigError::Refused`] if a file cannot be read or its contents are invalid, at the line of its key.
+/// [`ConfigError::Refused`] if a file cannot be read or has invalid contents, at the line of its key.
 pub fn with_files(text: String, folder: &Path, file_name: &str) -> Result<String, ConfigError> {
     embedded::with_files(text, folder).map_err(|problems| ConfigError::Refused { file: file_name.to_owned(), problems })
 }
 
-/// The text of a model file with the keys of a JSON object, in their order.
+/// Returns the text of a model file with the keys of a JSON object, in the same order.
 ///
 /// # Errors
-/// A text that is not JSON, not an object, or contains `null`, which model files do not support; as a message with its position.
+/// A text that is not JSON, is not an object, or contains `null`, which model files do not support; the message states the position.
 pub fn text_of_json(json: &str) -> Result<String, String> {
     let tree: toml::Table = serde_json::from_str(json).map_err(|error| error.to_string())?;
     toml::to_string(&tree).map_err(|error| error.to_string())

@@ -1,10 +1,10 @@
-//! Closed loops of the file.
+//! Closed loops of the model file.
 
 use crate::file::ModelFile;
 use foldwing_engine::machine::Closure;
 use foldwing_engine::machine::builder::MachineBuilder;
 
-/// Adds them to a machine.
+/// Adds the loops to a machine.
 pub(super) fn add(file: &ModelFile, mut machine: MachineBuilder) -> MachineBuilder {
     for (name, closure) in &file.closures {
         let bodies = [closure.bodies[0].as_str(), closure.bodies[1].as_str()];

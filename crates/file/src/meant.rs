@@ -1,14 +1,15 @@
-//! Suggestions for misspelt or misplaced words.
+//! Suggestions for misspelt or misplaced keys and names.
 
 use crate::schema::{Node, properties, tagged};
 
-/// Likeness from which a word is offered that is further away by edits: `aero` for `aerodynamics`, `bodies` for `body`.
+/// Minimum similarity at which a word with a larger edit distance is suggested, such as `aerodynamics` for `aero`, or `body` for
+/// `bodies`.
 const LIKENESS: f64 = 0.82;
-/// Maximum number of tables that a message names.
+/// Maximum number of tables named in a message.
 const MAXIMUM_HOMES: usize = 4;
 
-/// The candidate with the smallest edit distance to `word`, if it is small enough; else the most similar one, if it is very similar. Case
-/// is ignored, and a swap of neighbouring letters is one edit.
+/// Returns the candidate with the smallest edit distance to `word`, if this is small enough; otherwise the most similar one, if it is
+/// very similar. Case is ignored, and swapping adjacent letters counts as one edit.
 pub(super) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let candidates: Vec<&str> = candidates.into_iter().collect();
     let word = word.to_lowercase();
@@ -25,12 +26,12 @@ pub(super) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a s
     near.min_by_key(|(edits, _)| *edits).map(|(_, found)| found).or_else(|| alike().map(|(_, found)| found))
 }
 
-/// ` (did you mean "x"?)` if there is a similar candidate, else empty.
+/// Returns ` (did you mean "x"?)` if there is a similar candidate, otherwise an empty text.
 pub(super) fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     nearest(word, candidates).map_or(String::new(), |near| format!(" (did you mean {near:?}?)"))
 }
 
-/// The tables that have a key, as written in the file, e.g. `[joint.<name>.motor]`; empty if there are none or many.
+/// Tables that have a key, in the notation of the file, such as `[joint.<name>.motor]`; empty if there are none or many.
 pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut look = |title: String, schema: Node| {
@@ -48,7 +49,7 @@ pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
     if found.len() > MAXIMUM_HOMES { Vec::new() } else { found }
 }
 
-/// Visits a table, its variants and the tables in it.
+/// Calls `look` for a table, its variants and the tables inside it.
 fn visit<'s>(title: &str, schema: Node<'s>, look: &mut impl FnMut(String, Node<'s>)) {
     match tagged(schema) {
         Some((tag, variants)) => {

@@ -1,4 +1,4 @@
-//! Modal bodies of the file.
+//! Modal bodies of the model file.
 
 use crate::body::LoadFrameFile;
 use crate::validate::Checker;
@@ -78,7 +78,7 @@ pub(super) struct ModalBodyFile {
     pub load_frame: LoadFrameFile,
 }
 
-/// Builds a body. Arrays of a wrong length are errors here.
+/// Builds a body. Arrays of the wrong length are reported here.
 pub(super) fn build(name: &str, file: &ModalBodyFile, checker: &mut Checker) -> BodyBuilder {
     let stations = file.stations.len();
     let ends = file.stations.first() == Some(&0.0) && file.stations.last() == Some(&1.0);

@@ -1,40 +1,40 @@
-//! Polars from files: AeroDyn's airfoil format and CSV.
+//! Polars from files in AeroDyn's airfoil format or CSV.
 
 use crate::station_file::without_mark;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use std::str::SplitWhitespace;
 
-/// Maximum number of rows of one table: a full circle by a thousandth of a degree would have 360 001.
+/// Maximum number of rows of a table: a full circle in steps of a thousandth of a degree has 360 001.
 const MAXIMUM_ROWS: usize = 400_000;
-/// Maximum number of tables of one file.
+/// Maximum number of tables in a file.
 const MAXIMUM_TABLES: usize = 1000;
 
-/// Tables of an airfoil.
+/// Table of an airfoil.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AirfoilTable {
-    /// Reynolds number; CSV has none.
+    /// Reynolds number; `None` for CSV.
     pub reynolds: Option<f64>,
-    /// Coefficients over the angle of attack.
+    /// Coefficients as functions of the angle of attack.
     pub polar: Polar,
-    /// Numbers of the block on unsteady aerodynamics, by AeroDyn's names, as written (angles in degrees); those with the value "default"
-    /// are missing.
+    /// Values of the block on unsteady aerodynamics with AeroDyn's names, as written (angles in degrees); values given as "default" are
+    /// omitted.
     pub unsteady: Vec<(String, f64)>,
 }
 
-/// Error of a file, with its position.
+/// Error in a file, with its position.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {reason}")]
 pub struct PolarFault {
-    /// Line from 1; one behind the last if the file is truncated.
+    /// Line numbered from 1; if the file is truncated, one more than the last line.
     pub line: usize,
-    /// Present and allowed values, and the cure.
+    /// Present and allowed values, and the remedy.
     pub reason: String,
 }
 
 /// Reads a file and detects its format: AeroDyn's contains `NumAlf`, CSV does not.
 ///
 /// # Errors
-/// Those of [`read_aerodyn`] or [`read_csv`].
+/// As for [`read_aerodyn`] or [`read_csv`].
 pub fn read_polars(text: &str) -> Result<Vec<AirfoilTable>, PolarFault> {
     let text = without_mark(text);
     let aerodyn = text.lines().any(|line| words(line).nth(1).is_some_and(|word| word.eq_ignore_ascii_case("NumAlf")));
@@ -45,8 +45,8 @@ pub fn read_polars(text: &str) -> Result<Vec<AirfoilTable>, PolarFault> {
 /// lines that start with `#` are comments.
 ///
 /// # Errors
-/// A missing or repeated column, a line with too few or too many fields, numbers that are not finite, angles that do not ascend or are
-/// beyond ±180°, a file without rows.
+/// A missing or repeated column, a line with too few or too many fields, numbers that are not finite, angles that do not ascend or exceed
+/// ±180°, or a file without rows.
 pub fn read_csv(text: &str) -> Result<AirfoilTable, PolarFault> {
     let mut lines = numbered(text).filter(|(_, line)| !line.trim_start().starts_with('#') && !line.trim().is_empty());
     let (first, header) =
@@ -88,10 +88,10 @@ pub fn read_csv(text: &str) -> Result<AirfoilTable, PolarFault> {
 }
 
 /// Reads AeroDyn's airfoil file (AirfoilInfo v1.01): `NumTabs` tables of `NumAlf` rows each; lines that start with `!` are comments.
-/// Coordinates, interpolation order and boundary layers are ignored.
+/// Coordinates, interpolation order and boundary-layer file are ignored.
 ///
 /// # Errors
-/// A table without `Re`, `InclUAdata` or `NumAlf`, fewer rows than `NumAlf`, rows with fewer than three columns or with a changing number
+/// A table without `Re`, `InclUAdata` or `NumAlf`, fewer rows than `NumAlf`, rows with fewer than three columns or with a varying number
 /// of columns, and the errors of [`read_csv`] in rows.
 pub fn read_aerodyn(text: &str) -> Result<Vec<AirfoilTable>, PolarFault> {
     let mut lines = numbered(text).filter(|(_, line)| !line.trim_start().starts_with('!') && !line.trim().is_empty());
@@ -234,12 +234,12 @@ mod tests {
         let table = read_polars("# source\ncd,alpha_deg,cl\n0.01,-5,-0.2\n\n0.02,5,0.9\n").unwrap().remove(0);
         let row = table.polar.rows[1];
         assert_eq!((row.lift, row.drag, row.moment), (0.9, 0.02, 0.0));
-        // the mark that a spreadsheet puts in front is no part of the first name
+        // the byte order mark that spreadsheets write is not part of the first name
         let marked = read_polars("\u{feff}alpha_deg,cl,cd\n-5,-0.2,0.01\n5,0.9,0.02\n").unwrap().remove(0);
         assert_eq!(marked.polar.rows[1], row);
     }
 
-    /// Every error with its line and the name of the value.
+    /// Every error states the line and the name of the value.
     #[test]
     fn faulty_files_are_refused_by_line_and_name() {
         let csv = |rows: &str| format!("alpha_deg,cl,cd,cm\n{rows}");

@@ -1,4 +1,4 @@
-//! `docs/MODEL_FILE.md`: the reference of all keys, written from the schema.
+//! `docs/MODEL_FILE.md`: the reference of all keys, generated from the schema.
 
 use crate::json::Json;
 use crate::schema::{Node, allowed, is_required, properties, shortest, tagged, tree};
@@ -31,7 +31,7 @@ keys, missing keys and values outside their range are errors, reported with file
 - Numbers are finite and at most 1e30 in magnitude.
 ";
 
-/// End of the page's introduction; a test applies the diff.
+/// End of the introduction of the page; a test applies the diff in it.
 const START: &str = concat!(
     "\
 ## From the starter to a wing of three bodies
@@ -78,7 +78,7 @@ in `examples/models/` it is in that folder. Foldwing itself ignores the line.
 "
 );
 
-/// The reference of all keys as Markdown, the text of `docs/MODEL_FILE.md`.
+/// Returns the reference of all keys as Markdown, the text of `docs/MODEL_FILE.md`.
 pub fn reference() -> String {
     let names: [_; STRAINS] = std::array::from_fn(|strain| NAMES[strain]);
     let [symbols, meanings] = [names.map(|strain| strain.symbol), names.map(|strain| strain.meaning)];
@@ -101,7 +101,7 @@ pub fn reference() -> String {
     page
 }
 
-/// A table of the file with its variants and the tables inside it.
+/// Writes a table of the model file with its variants and the tables inside it.
 fn group(page: &mut String, title: &str, schema: Node) {
     match tagged(schema) {
         Some((tag, variants)) => {
@@ -141,7 +141,7 @@ fn table(page: &mut String, title: &str, schema: Node) {
         rows += &format!("| `{key}` | {} | {default} | {} |\n", cell(&words), cell(&meaning));
     }
     let head = "| key | allowed | default | meaning |\n|---|---|---|---|\n";
-    // Writing to a String cannot fail.
+    // writing to a String cannot fail
     let _ = write!(page, "\n## {}\n\n{description}\n\n{head}{rows}", title.replace('[', "`[").replace(']', "]`"));
 }
 
@@ -167,7 +167,7 @@ fn default_words(schema: &Json, key: &str, property: &Json) -> String {
     }
 }
 
-/// Text for a cell of a Markdown table.
+/// Escapes a text for a cell of a Markdown table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }

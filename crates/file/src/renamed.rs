@@ -1,6 +1,7 @@
-//! Renamed keys of version 0.1.0: a file that contains one is invalid, with its line and the new name in the message.
+//! Keys renamed since version 0.1.0: a file with an old key is invalid, and the message states its line and the new name.
 
-/// Tables with renamed keys, with the old names and the new ones. The table is the first part of a key's path, `*` for any.
+/// Tables with renamed keys, the old names and the new ones. The table is the first part of the key's path; `*` matches
+/// any.
 const KEYS: &[(&str, &str, &str)] = &[
     ("*", "young_Pa", "youngs_modulus_Pa"),
     ("*", "shear_Pa", "shear_modulus_Pa"),
@@ -33,7 +34,7 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("", "experiment", "simulation"),
 ];
 
-/// Values that changed their names, under keys of today.
+/// Renamed values, listed with the present names of their keys.
 const VALUES: &[(&str, &str, &str)] = &[
     ("kind", "drive_dies", "motor_loss"),
     ("kind", "drive_jams", "motor_jam"),
@@ -53,7 +54,7 @@ const VALUES: &[(&str, &str, &str)] = &[
     ("above_table", "power", "constant_power"),
 ];
 
-/// The name of today of a key of 0.1.0. `path` leads to the key and ends with it.
+/// Present name of a key of version 0.1.0. `path` leads to the key and includes it.
 pub(super) fn key(path: &[String]) -> Option<&'static str> {
     let (name, tables) = path.split_last()?;
     let top = tables.first().map_or("", String::as_str);
@@ -61,7 +62,7 @@ pub(super) fn key(path: &[String]) -> Option<&'static str> {
     KEYS.iter().find(|(table, old, _)| old == name && holds(table)).map(|(_, _, new)| *new)
 }
 
-/// The name of today of a value of 0.1.0 under a key of today.
+/// Present name of a value of version 0.1.0, under the present name of its key.
 pub(super) fn value(key: &str, text: &str) -> Option<&'static str> {
     VALUES.iter().find(|(under, old, _)| *under == key && *old == text).map(|(_, _, new)| *new)
 }
@@ -72,7 +73,7 @@ mod tests {
     use crate::schema::{Node, options, properties, tree};
     use std::collections::BTreeSet;
 
-    /// All keys and options of the schema.
+    /// All keys and enumerated values of the schema.
     fn words() -> (BTreeSet<String>, BTreeSet<String>) {
         let tree = tree();
         let (mut keys, mut values) = (BTreeSet::new(), BTreeSet::new());

@@ -1,4 +1,4 @@
-//! A rotor's air from the file: settings, polars, wind and tower.
+//! Aerodynamics of a rotor in the model file: settings, polars, wind and tower.
 
 use crate::air_file::AirFile;
 use crate::base64;
@@ -20,7 +20,7 @@ use foldwing_engine::machine::Air;
 use foldwing_engine::machine::builder::{AirBuilder, RotorSettings};
 use nalgebra::Vector3;
 
-/// Keys of `[aerodynamics]` and of `[surface.<name>]` that only a rotor reads.
+/// Keys of `[aerodynamics]` and of `[surface.<name>]` that only a rotor uses.
 pub(super) const KEYS: &[&str] = &[
     "hub",
     "hub_radius_m",
@@ -38,7 +38,7 @@ pub(super) const KEYS: &[&str] = &[
 ];
 pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars", "length_m"];
 
-/// Air of the file's rotor. `None` after an error.
+/// Builds the aerodynamics of the rotor; `None` after an error.
 pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> Option<AirBuilder> {
     let hub = needed(&air.hub, &["aerodynamics", "hub"], "the body that rotates with the blades", checker);
     let radius = needed(
@@ -111,7 +111,7 @@ fn needed<T: Clone>(value: &Option<T>, path: &[&str], allowed: &str, checker: &m
     value.clone()
 }
 
-/// A polar from −180° to 180°.
+/// Builds a polar from −180° to 180°.
 fn full_circle(name: &str, polar: &PolarFile, checker: &mut Checker) -> Option<Polar> {
     let rows = match (&polar.rows, &polar.file) {
         (Some(rows), None) => rows,
@@ -224,7 +224,7 @@ fn build_tower(tower: &TowerFile, checker: &mut Checker) -> Option<Tower> {
     })
 }
 
-/// A key for fields of Bladed, if one is stated.
+/// The first key for Bladed fields that is stated, if any.
 fn of_bladed(wind: &WindFile) -> Option<&'static str> {
     let stated =
         [("field_centre_height_m", wind.field_centre_height_m.is_some()), ("field_from", wind.field_from.is_some())];
@@ -264,7 +264,7 @@ fn field(wind: &WindFile, air: &AirFile, checker: &mut Checker) -> Option<WindFi
     .into_iter()
     .filter_map(|(key, stated)| stated.then_some(key))
     .collect();
-    let both = stated == ["shear_exponent", "turbulence"]; // the profile of the box
+    let both = stated == ["shear_exponent", "turbulence"]; // the exponent is then that of the mean wind profile in the turbulence box
     if stated.len() > 1 && !both {
         let allowed = "only one of shear_exponent, roughness_m, table, field and turbulence, except that turbulence \
                        may have a shear_exponent";

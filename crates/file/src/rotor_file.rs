@@ -1,4 +1,5 @@
-//! A rotor's air: keys of `[aerodynamics]` for `model = "bem"`, and the tables `[polar.<name>]`, `[wind]` and `[tower]`.
+//! Aerodynamics of a rotor: keys of `[aerodynamics]` for `model = "bem"`, and the tables `[polar.<name>]`, `[wind]` and
+//! `[tower]`.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! The JSON schema of the model file, derived from the serde structs, and how the checks read it.
+//! The JSON schema of the model file, derived from the serde structs, and its use by the checks.
 
 use crate::file::ModelFile;
 use crate::json::Json;
@@ -10,36 +10,37 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::ops::Deref;
 
-/// Form of the names of sections, bodies, joints, masses and gauges.
+/// Pattern for the names of sections, bodies, joints, masses and gauges.
 pub(super) const IDENTIFIER: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
 
-/// Wording of a function along a body, behind that of a number.
+/// Description of a function along a body, appended to that of a number.
 const FUNCTION_ALLOWED: &str = "{ polynomial = [c0, c1, …] } or { table = [[s, value], …] }";
 
-/// JSON schema (draft 2020-12) of the model file, pretty printed, for editors that complete TOML.
+/// Returns the JSON schema (draft 2020-12) of the model file, pretty-printed, for editors that complete TOML.
 pub fn schema() -> String {
     let mut text = format!("{:#}", derived());
     text.push('\n');
     text
 }
 
-/// Last written result of [`schema`]: reading it takes a sixth of the time of deriving it.
+/// Stored result of [`schema`]: reading it takes a sixth of the time of deriving it.
 const WRITTEN: &str = include_str!("../shipped/foldwing.schema.json");
 
-/// The schema as a tree. Every check of a file makes and drops its own: an unloaded library must not leave it behind.
+/// Returns the schema as a tree. Every check of a file creates and drops a tree, so that none remains when the library
+/// is unloaded.
 pub(super) fn tree() -> Json<'static> {
     let derive = |_| Json::deserialize(derived()).expect("JSON is JSON");
     serde_json::from_str(WRITTEN).unwrap_or_else(derive)
 }
 
-/// The schema as the structs have it.
+/// Derives the schema from the structs.
 fn derived() -> Value {
     let mut tree = schemars::schema_for!(ModelFile).to_value();
     tidy(&mut tree);
     tree
 }
 
-/// A node of the schema with its tree, for references to `$defs`.
+/// Node of the schema, with the whole tree for references to `$defs`.
 #[derive(Clone, Copy)]
 pub(super) struct Node<'s> {
     tree: &'s Json<'s>,
@@ -47,27 +48,27 @@ pub(super) struct Node<'s> {
 }
 
 impl<'s> Node<'s> {
-    /// The root of a tree.
+    /// Root of a tree.
     pub fn root(tree: &'s Json<'s>) -> Self {
         Self { tree, here: tree }
     }
 
-    /// The root of the same tree.
+    /// Root of this node's tree.
     pub fn top(self) -> Self {
         Self::root(self.tree)
     }
 
-    /// Another node of the same tree.
+    /// Another node of this tree.
     fn at(self, here: &'s Json<'s>) -> Self {
         Self { here, ..self }
     }
 
-    /// The node of a key; null if there is none.
+    /// Node of a key; null if there is none.
     pub fn child(self, key: &str) -> Self {
         self.at(&self.here[key])
     }
 
-    /// The nodes of an array under a key.
+    /// Nodes of an array under a key.
     pub fn children(self, key: &str) -> Option<impl Iterator<Item = Self> + use<'s>> {
         Some(self.here[key].as_list()?.iter().map(move |here| self.at(here)))
     }
@@ -87,7 +88,7 @@ impl<'s> Deref for Node<'s> {
     }
 }
 
-/// Fits the derived schema to TOML: no `null`, names of tables are identifiers, one-line descriptions.
+/// Adapts the derived schema to TOML: no `null`, table names are identifiers, descriptions have one line.
 fn tidy(node: &mut Value) {
     match node {
         Value::Array(items) => items.iter_mut().for_each(tidy),
@@ -113,7 +114,7 @@ fn tidy_object(map: &mut Map<String, Value>) {
             });
         }
     }
-    // Rust's own number types, which are no formats of JSON schema.
+    // Rust's number types are not formats of JSON schema.
     if map.get("format").is_some_and(|format| format == "double" || format == "uint") {
         map.remove("format");
     }
@@ -131,18 +132,18 @@ fn tidy_object(map: &mut Map<String, Value>) {
     }
 }
 
-/// The keys of a table's schema.
+/// Keys of a table's schema, with their nodes.
 pub(super) fn properties<'s>(schema: Node<'s>) -> impl Iterator<Item = (&'s str, Node<'s>)> {
     let keys = schema.here["properties"].entries().iter();
     keys.map(move |(key, value)| (key.as_ref(), schema.at(value)))
 }
 
-/// Whether a table must contain the key.
+/// Returns whether a table must contain the key.
 pub(super) fn is_required(schema: &Json, key: &str) -> bool {
     schema["required"].as_list().into_iter().flatten().any(|name| *name == key)
 }
 
-/// The key that distinguishes the variants of a table, with their schemas: `shape` of a section.
+/// Key that distinguishes the variants of a table, such as `shape` of a section, with their schemas.
 pub(super) fn tagged<'s>(schema: Node<'s>) -> Option<(&'s str, Vec<(&'s str, Node<'s>)>)> {
     let variants: Vec<Node> = schema.children("oneOf")?.collect();
     let tag = properties(*variants.first()?).find(|(_, value)| value.get("const").is_some())?.0;
@@ -151,7 +152,7 @@ pub(super) fn tagged<'s>(schema: Node<'s>) -> Option<(&'s str, Vec<(&'s str, Nod
     Some((tag, named.collect::<Option<_>>()?))
 }
 
-/// The allowed strings of a key, if they are listed.
+/// Allowed texts of a key, if they are listed.
 pub(super) fn options<'s>(schema: Node<'s>) -> Option<Vec<&'s str>> {
     if let Some(list) = schema.here["enum"].as_list() {
         return list.iter().map(Json::as_str).collect();
@@ -159,7 +160,7 @@ pub(super) fn options<'s>(schema: Node<'s>) -> Option<Vec<&'s str>> {
     schema.children("oneOf")?.map(|option| option.here["const"].as_str()).collect()
 }
 
-/// Allowed values of a key as text, with quantity, range and unit, e.g. `a finite length > 0 m`.
+/// Allowed values of a key as text, with quantity, range and unit, such as `a finite length > 0 m`.
 pub(super) fn allowed(key: &str, schema: Node) -> String {
     if let Some(text) = schema["x-allowed"].as_str() {
         return text.to_owned();
@@ -200,7 +201,7 @@ fn array(key: &str, schema: &Json) -> String {
     }
 }
 
-/// Range of a number as text, with a leading space; empty if there is none.
+/// Range of a number as text, preceded by a space; empty if there is none.
 fn range(schema: &Json) -> String {
     let bound = |keyword: &str| schema[keyword].as_f64().map(shortest);
     if let (Some(least), Some(most)) = (bound("minimum"), bound("maximum")) {
@@ -212,7 +213,7 @@ fn range(schema: &Json) -> String {
     if words.is_empty() { String::new() } else { format!(" {}", words.join(" and ")) }
 }
 
-/// Whether `value` is finite, no larger than [`UNLIMITED`] and within the schema's range.
+/// Returns whether `value` is finite, not larger than [`UNLIMITED`], and within the range of the schema.
 pub(super) fn in_range(value: f64, schema: &Json) -> bool {
     let bound = |keyword: &str, otherwise: f64| schema[keyword].as_f64().unwrap_or(otherwise);
     value.abs() <= UNLIMITED
@@ -226,7 +227,8 @@ pub(super) fn in_range(value: f64, schema: &Json) -> bool {
 mod tests {
     use super::*;
 
-    /// The written schema is that of the structs, in the same order; `make bless` writes it. Prints the time of either.
+    /// The stored schema is identical to that of the structs, also in its order; `make bless` writes it. Prints the
+    /// times for reading and deriving it.
     #[test]
     fn the_written_schema_is_current() {
         let begin = std::time::Instant::now();

@@ -19,7 +19,7 @@ pub struct AirSummary {
     gusts: Vec<String>,
 }
 
-/// Two lattices that overlap at the start.
+/// Pair of lattices that overlap at the start.
 #[derive(Serialize)]
 struct GapSummary {
     bodies: [String; 2],

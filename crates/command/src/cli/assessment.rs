@@ -1,5 +1,5 @@
 //! Assessment of a model without a run: mass properties, static deflection, natural frequencies, joint efforts, and whether the joints
-//! reach their latches. Without aerodynamics and loads, joints held.
+//! reach their latches; computed without aerodynamics and applied loads, with the joints held.
 
 use crate::cli::implausible;
 use foldwing_engine::machine::{JointKind, JointMotion, Machine, OneFreedom, Parent, Travel};
@@ -13,9 +13,9 @@ use std::sync::Arc;
 const POINTS: usize = 13;
 /// Number of natural frequencies in the summary.
 const MODES: usize = 3;
-/// Effort over the largest one on the path below which a joint counts as not driven.
+/// Fraction of the largest effort along the path below which a joint counts as not driven.
 const NO_EFFORT: f64 = 1e-6;
-/// Gauss points in an interval of the mesh, on (−1, 1), and their weights: exact to the ninth power.
+/// Gauss points on (−1, 1) of an interval of the mesh, and their weights: exact for polynomials up to degree 9.
 const GAUSS: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
@@ -27,18 +27,18 @@ const GAUSS: [(f64, f64); 5] = [
 /// Results of the assessment.
 #[derive(Serialize)]
 pub(super) struct Assessment {
-    /// In the root frame, unstrained at the start angles.
+    /// Centre of mass in the root frame, for the unstrained machine at its start angles.
     centre_of_mass_m: [f64; 3],
-    /// About the centre of mass along the axes of the root frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
+    /// Inertia about the centre of mass in axes of the root frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
     inertia_kg_m2: [f64; 6],
-    /// Largest displacement of a tip from the unstrained position to equilibrium under gravity.
+    /// Largest displacement of a tip between the unstrained position and static equilibrium under gravity.
     #[serde(rename = "static_deflection")]
     pub(super) sag: Option<Sag>,
-    /// Lowest natural frequencies about that state, joints held.
+    /// Lowest natural frequencies about this equilibrium, joints held.
     #[serde(rename = "natural_frequencies_Hz")]
     pub(super) frequencies_hz: Vec<f64>,
     pub(super) joints: Vec<Effort>,
-    /// The model has wind, which deflection, frequencies and efforts do not include.
+    /// Whether the model has wind, which deflection, frequencies and efforts do not include.
     pub(super) air_left_out: bool,
     /// Reason why deflection and frequencies are missing.
     unknown: Option<String>,
@@ -51,23 +51,23 @@ pub(super) struct Sag {
     pub body: String,
     #[serde(rename = "deflection_m")]
     pub way_m: f64,
-    /// Longest distance from the root to a tip along the bodies.
+    /// Longest distance from the root to a tip, measured along the bodies.
     #[serde(rename = "length_m")]
     pub extent_m: f64,
 }
 
-/// Motion of a joint from its start to its latch, or to its neutral angle; N·m and degrees, or N and m for a prismatic joint.
+/// Efforts on a joint between its start and its latch or neutral angle, in N·m and degrees; N and m for a prismatic joint.
 #[derive(Serialize)]
 pub(super) struct Effort {
     pub name: String,
     #[serde(skip)]
     pub travel: Travel,
-    /// Largest effort of gravity about the joint between start and end.
+    /// Largest effort due to gravity about the joint between start and end.
     #[serde(rename = "gravity_effort")]
     gravity: f64,
     #[serde(rename = "gravity_effort_at")]
     gravity_at: f64,
-    /// Smallest and largest effort of motor and spring towards the end.
+    /// Smallest and largest effort of motor and spring, positive towards the end.
     #[serde(rename = "available_effort")]
     pub(super) drive: [f64; 2],
     #[serde(rename = "target")]
@@ -80,22 +80,22 @@ pub(super) struct Effort {
 #[derive(Serialize, Clone, Copy, PartialEq)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Reach {
-    /// The end: the joint is driven towards it at all points.
+    /// The end, because the joint is driven towards it at all points.
     #[serde(rename = "reached")]
     Arrives,
-    /// The end, at which the joint starts.
+    /// The end, where the joint already is at the start.
     #[serde(rename = "starts_there")]
     Stands,
     /// This position, at which the joint stalls.
     StallsAt(f64),
-    /// None: the joint is driven away from the end at the start.
+    /// No motion towards the end: the joint is driven away from it at the start.
     #[serde(rename = "moves_away")]
     TurnsAway,
     /// Unknown: the model has wind, which the efforts do not include.
     NotJudged,
 }
 
-/// Returns whether the model has wind at the start, or gusts.
+/// Returns whether the model has a wind velocity at the start, or gusts.
 fn blown(machine: &Machine) -> bool {
     let Some(air) = &machine.air else { return false };
     air.options.is_rotor()
@@ -125,7 +125,7 @@ impl Assessment {
         }
         (answer.centre_of_mass_m, answer.inertia_kg_m2) = mass_properties(&plant);
         let unstrained: Vec<Vector3<f64>> = plant.outputs().tips().iter().map(|tip| tip.position_m).collect();
-        // a new plant: the bare one has lost its gravity
+        // a new plant, because the bare one has no gravity
         match at_rest(&bare, &unstrained) {
             Ok((sag, frequencies_hz)) => (answer.sag, answer.frequencies_hz) = (sag, frequencies_hz),
             Err(cause) => answer.unknown = Some(cause),
@@ -232,7 +232,7 @@ fn unlatched(mut machine: Machine) -> Machine {
     machine
 }
 
-/// Returns the efforts of the joints whose rows `asked` selects.
+/// Returns the efforts of the joints whose indices `asked` accepts.
 pub(super) fn efforts(machine: &Machine, asked: impl Fn(usize) -> bool) -> Vec<Effort> {
     let held = unlatched(bare(machine));
     let rows = machine.one_freedoms().enumerate().filter(|(row, _)| asked(*row));
@@ -252,7 +252,7 @@ fn each_joint(machine: &mut Machine, change: impl Fn(&mut OneFreedom)) {
     }
 }
 
-/// Returns deflection and frequencies of a machine with held joints.
+/// Returns static deflection and natural frequencies of a machine with held joints.
 fn at_rest(machine: &Machine, unstrained: &[Vector3<f64>]) -> Result<(Option<Sag>, Vec<f64>), String> {
     if machine.spatials().next().is_some() {
         return Err(
@@ -276,7 +276,7 @@ fn at_rest(machine: &Machine, unstrained: &[Vector3<f64>]) -> Result<(Option<Sag
     Ok((sag, modes.iter().map(|mode| mode.frequency_hz).collect()))
 }
 
-/// Distance from the root to the outer end of a body along the bodies in m.
+/// Distance in m from the root to the outer end of a body, measured along the bodies.
 fn way_to_tip_m(machine: &Machine, body: usize) -> f64 {
     let (mut way_m, mut at) = (machine.bodies[body].length_m, body);
     while let Parent::Body { index, position_m } = machine.bodies[at].joint.parent {
@@ -286,7 +286,7 @@ fn way_to_tip_m(machine: &Machine, body: usize) -> f64 {
     way_m
 }
 
-/// Returns the efforts of a joint between its start and its end position; `None` if the joint is not free or cannot be held.
+/// Returns the efforts of a joint between its start and end positions; `None` if the joint cannot move or cannot be held.
 fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effort>, PlantError> {
     let Some((travel, _)) = held.bodies[body].joint.kind.one_freedom() else { return Ok(None) };
     if joint.motion != JointMotion::Free || held.spatials().next().is_some() || !held.closures.is_empty() {
@@ -305,7 +305,7 @@ fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effo
         let mut plant = Plant::new(Arc::new(machine.clone()));
         plant.study().rest(machine.experiment.start_time_s, Holding::AsReleased, Search::default())?;
         let outputs = &plant.outputs().joints()[row];
-        // in equilibrium motor, end stop and gravity balance
+        // in equilibrium, motor, end stop and gravity balance
         let drive = outputs.torque_applied_n_m;
         points.push((place, drive, -drive - outputs.holding_torque_n_m));
     }
@@ -337,7 +337,7 @@ fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effo
     }))
 }
 
-/// Centre of mass, and inertia about it, of the machine in its present position.
+/// Centre of mass of the machine in its present position, and inertia about it.
 fn mass_properties(plant: &Plant) -> ([f64; 3], [f64; 6]) {
     let (mut mass_kg, mut first, mut second, mut own) =
         (0.0, Vector3::zeros(), Matrix3::zeros(), Matrix3::<f64>::zeros());
@@ -346,7 +346,7 @@ fn mass_properties(plant: &Plant) -> ([f64; 3], [f64; 6]) {
         let mesh_m = plant.mesh_m(index);
         for ends in mesh_m.windows(2) {
             let half_m = 0.5 * (ends[1] - ends[0]);
-            // the mass of a modal body lies at the middles of its cells
+            // the mass of a modal body is lumped at the midpoints of its cells
             let rule: &[(f64, f64)] = if body.is_modal() { &[(0.0, 2.0)] } else { &GAUSS };
             let places_m: Vec<f64> = rule.iter().map(|(at, _)| ends[0] + half_m * (1.0 + at)).collect();
             let sections = plant.sections(index, &places_m);
@@ -395,9 +395,9 @@ mod tests {
         Assessment::new(&foldwing_file::parse(text, "rod.toml").unwrap_or_else(|error| panic!("{error}")))
     }
 
-    /// A clamped rod with a point mass at its tip, against closed forms: mass, centre, inertia to a relative 1e-12; the deflection
-    /// `q L⁴/8EI + P L³/3EI` to 1e-4 (small: at a twentieth of the length the effect of large rotations would show); the first frequency
-    /// against the root 1.87510 of a bare rod to 1e-5.
+    /// A clamped rod with a tip mass agrees with closed-form results: mass, centre of mass and inertia to a relative 1e-12; the tip
+    /// deflection `q L⁴/8EI + P L³/3EI` to 1e-4 (a deflection of a twentieth of the length would already show the effect of large
+    /// rotations); the first frequency of the rod alone (root 1.87510) to 1e-5.
     #[test]
     fn a_clamped_rod_has_what_textbooks_say() {
         let rod = |mass_kg: f64| {
@@ -426,7 +426,7 @@ mod tests {
         near(y, tip * 0.1 / total, 1e-12);
         assert!(z.abs() < 1e-15);
         let [xx, yy, zz, xy, ..] = answer.inertia_kg_m2;
-        let reduced = own * tip / total; // two bodies about their common centre
+        let reduced = own * tip / total; // two bodies about their common centre of mass
         let (across, thick) = (own * 0.02f64.powi(2) / 12.0, own * 0.01f64.powi(2) / 12.0);
         let along = own * length * length / 12.0;
         near(xx, across + thick + reduced * 0.01, 1e-12);
@@ -443,8 +443,8 @@ mod tests {
         assert!(bare.warnings.is_empty(), "{:?}", bare.warnings);
     }
 
-    /// The torque of gravity on a horizontal hinge is weight times arm; a motor that cannot lift it stalls where the two are equal, one
-    /// that can reaches the end; a latch on the other side is never reached.
+    /// The gravity torque on a horizontal hinge is weight times lever arm. A motor that cannot lift the weight stalls where the two
+    /// torques are equal, and one that can reaches the end; a latch on the opposite side is never reached.
     #[test]
     fn a_hinge_must_bear_weight_times_arm() {
         let arm = |limit: f64, latch: f64| {
@@ -461,7 +461,7 @@ mod tests {
         let joint = &answer.joints[0];
         assert!((joint.gravity - weight * 0.25).abs() < 1e-4 * weight, "{} at {}", joint.gravity, joint.gravity_at);
         assert!(joint.gravity_at.abs() < 1e-9 && joint.reaches == Reach::Arrives, "{}", joint.text());
-        // the arm is vertical at 90 deg; 1 N·m lifts it to where weight · arm · cos θ = 1
+        // the lever arm is vertical at 90 deg; 1 N·m lifts the weight until weight · arm · cos θ = 1
         let stall_deg = (1.0 / (weight * 0.25)).acos().to_degrees();
         let Reach::StallsAt(place) = assessed(&arm(1.0, 0.0)).joints[0].reaches else { panic!("{}", answer.text()) };
         assert!(place <= stall_deg && place > stall_deg - 8.0, "{place} of {stall_deg}");

@@ -5,7 +5,7 @@ use foldwing_file::shapes::SectionProperties;
 use foldwing_file::{BodySections, SectionAt};
 use std::fmt::Write;
 
-/// Number of sections of a body in the text; JSON has all.
+/// Maximum number of sections of a body in the text; the JSON lists all.
 const MAXIMUM_ROWS: usize = 5;
 
 /// Title of the table.

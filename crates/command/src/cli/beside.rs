@@ -9,7 +9,7 @@ use foldwing_recording::Run;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// Type of a file, by its extension.
+/// Type of a file, determined by its extension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Model,
@@ -30,12 +30,12 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
     }
 }
 
-/// Number of runs in the page: this one, and those of models and pages.
+/// Returns the number of runs on the page: this one, and one for each model or page to compare.
 pub(super) fn runs(paths: &[PathBuf]) -> Result<usize, Failure> {
     paths.iter().try_fold(1, |runs, path| Ok(runs + usize::from(kind(path)? != Kind::Table)))
 }
 
-/// Reads the data to overlay; models are simulated at the same communication points.
+/// Reads the data to overlay; models are simulated with the same communication points.
 pub(super) fn companions(paths: &[PathBuf], grid: &Grid, frames: u64) -> Result<Vec<Companion>, Failure> {
     let runs = runs(paths)?;
     paths.iter().map(|path| companion(path, grid, frames, runs)).collect()
@@ -59,7 +59,7 @@ fn companion(path: &Path, grid: &Grid, frames: u64, runs: usize) -> Result<Compa
     })
 }
 
-/// Simulates a model with its own start values and without inputs over time.
+/// Simulates a model with the start values of its file and without input tables.
 fn simulated(path: &Path, grid: &Grid, frames: u64, runs: usize) -> Result<PackedRun, Failure> {
     let (machine, _) = read_model(path)?;
     let interface = Interface::new(&machine);

@@ -1,4 +1,4 @@
-//! Modes over a parameter, shared by `flutter` and `modes --vary`: the model at each value, tables, CSV and figures.
+//! Modes as a function of a parameter, for `flutter` and `modes --vary`: the model at each value, tables, CSV and figures.
 
 use crate::cli::grid::GridArguments;
 use crate::cli::outlets::{Mark, Outlets};
@@ -32,7 +32,7 @@ pub(super) struct BranchArguments {
 }
 
 impl BranchArguments {
-    /// Fails before any computation if an output file is not one of ours.
+    /// Fails before any computation if an output file exists that Foldwing did not write.
     pub fn check(&self, outlets: &Outlets) -> Result<(), Failure> {
         let Some(folder) = &self.plot else { return Ok(()) };
         let shown = folder.display().to_string();
@@ -77,7 +77,7 @@ impl Varied {
         Ok(varied)
     }
 
-    /// Returns the machine without variation.
+    /// Returns the machine at the values of the file.
     pub fn machine(&self) -> &foldwing_engine::machine::Machine {
         &self.machine
     }
@@ -87,7 +87,7 @@ impl Varied {
         self.plan.as_ref().map_or("", |plan| plan.keys()[0].as_str())
     }
 
-    /// Returns its values as texts; one empty text without variation.
+    /// Returns the parameter values as texts; one empty text without variation.
     pub fn values(&self) -> Vec<String> {
         match &self.plan {
             None => vec![String::new()],
@@ -95,7 +95,7 @@ impl Varied {
         }
     }
 
-    /// Returns its values as numbers, ascending or descending.
+    /// Returns the parameter values as numbers, ascending or descending.
     pub fn numbers(&self) -> Result<Vec<f64>, Failure> {
         numbers(self.key(), &self.values())
     }
@@ -139,7 +139,7 @@ pub(super) fn numbers(key: &str, values: &[String]) -> Result<Vec<f64>, Failure>
 pub(super) struct BranchTable<'a> {
     /// Name of the parameter.
     pub quantity: &'a str,
-    /// Its unit; empty if it has none or it is unknown.
+    /// Unit of the parameter; empty if it has none or it is unknown.
     pub unit: &'a str,
     /// The tracked modes.
     pub branches: &'a Branches<ModeShape>,
@@ -150,7 +150,7 @@ impl BranchTable<'_> {
         if self.unit.is_empty() { self.quantity.to_owned() } else { format!("{} ({})", self.quantity, self.unit) }
     }
 
-    /// The modes are those of a turning rotor, with named motions.
+    /// Returns whether the modes belong to a spinning rotor, whose motions are named.
     fn is_rotor(&self) -> bool {
         self.branches.places.iter().flat_map(|place| place.modes.iter().flatten()).any(|mode| !mode.whirl.is_empty())
     }
@@ -159,7 +159,7 @@ impl BranchTable<'_> {
         self.branches.places.first().map_or(0, |place| place.modes.len())
     }
 
-    /// Frequency and damping ratio of every branch, one line per value; the rate for a real pole.
+    /// Frequency and damping ratio of every branch, one line per value; for a real pole, its rate.
     pub fn text(&self) -> String {
         let mut text = format!("{:>16}", self.label());
         for mode in 1..=self.count() {
@@ -181,7 +181,7 @@ impl BranchTable<'_> {
         text
     }
 
-    /// Names of the CSV columns, after `first`.
+    /// Names of the CSV columns; the columns of `first` come first.
     pub fn header(&self, first: Option<&str>) -> Vec<String> {
         let quantity = if self.unit.is_empty() {
             self.quantity.to_owned()
@@ -192,7 +192,7 @@ impl BranchTable<'_> {
         first.map(str::to_owned).into_iter().chain([quantity]).chain(COLUMNS.map(str::to_owned)).chain(motion).collect()
     }
 
-    /// Rows of the CSV; `first` is the common value of a further parameter.
+    /// Rows of the CSV; `first` is the value of a second parameter, common to all rows.
     pub fn rows(&self, first: Option<&str>) -> Vec<Vec<String>> {
         let mut rows = Vec::new();
         for place in &self.branches.places {
@@ -213,8 +213,9 @@ impl BranchTable<'_> {
         rows
     }
 
-    /// Modes over the parameter as JSON: for each value the eigenvalues, frequencies and damping ratios of the modes, null where a mode is
-    /// missing or does not oscillate; of a rotor also the motions. `ended` is the value before which the tracking ended, and the reason.
+    /// Modes over the parameter as JSON: for each value, the eigenvalues, frequencies and damping ratios of the modes, null where a mode
+    /// is missing or does not oscillate; for a rotor also the names of the motions. `ended` is the value at which the tracking ended, and
+    /// the reason.
     pub fn json(&self, name: &str, ended: Option<(f64, String)>) -> Value {
         let oscillates = |mode: &&ModeShape| !mode.is_real() || mode.is_free();
         let places: Vec<Value> = self
@@ -244,7 +245,7 @@ impl BranchTable<'_> {
         json!({ "name": name, "over": self.quantity, "modes": places, "ended": ended })
     }
 
-    /// Kinds of motion in a branch of a rotor: the names in the order of the sweep, each with the first value at which it occurs.
+    /// Types of motion in a branch of a rotor, in the order of the sweep, each with the first value at which it occurs.
     pub fn motions(&self, branch: usize) -> Vec<(f64, String)> {
         let mut list: Vec<(f64, String)> = Vec::new();
         for place in &self.branches.places {
@@ -256,7 +257,7 @@ impl BranchTable<'_> {
         list
     }
 
-    /// The kind of motion of a branch at most of the values.
+    /// Most frequent type of motion in a branch.
     fn usual_motion(&self, branch: usize) -> Option<String> {
         let names: Vec<String> =
             self.branches.places.iter().filter_map(|place| place.modes[branch].as_ref().and_then(motion)).collect();
@@ -310,7 +311,7 @@ impl BranchTable<'_> {
     }
 }
 
-/// Dominant motion in a mode of a turning rotor; `None` for other machines.
+/// Dominant motion in a mode of a spinning rotor; `None` for other machines.
 fn motion(mode: &ModeShape) -> Option<String> {
     mode.whirl.first().map(|share| if mode.is_free() { format!("{share}, free") } else { share.to_string() })
 }

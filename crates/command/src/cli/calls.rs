@@ -1,4 +1,4 @@
-//! The commands for programs: the same checks, numbers and texts, without files and prints.
+//! The commands as functions for other programs: the same checks, numbers and texts, without files or printed output.
 
 use crate::cli::Failure;
 use crate::cli::branches::BranchTable;
@@ -44,7 +44,7 @@ pub fn rest(plant: &mut Plant, time_s: f64, arc_length: bool, branch: Branch) ->
     statics::rest_json(plant, &rest)
 }
 
-/// State about which modes are computed, and the loads that depend on their motion.
+/// State about which modes are computed, and how the aerodynamic loads depend on the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModesOf {
     /// Undeformed, without loads, gravity and root motion.
@@ -55,7 +55,7 @@ pub enum ModesOf {
     RestInLattice,
 }
 
-/// Modes of lowest frequency, as `foldwing modes --json` describes them.
+/// Modes of lowest frequency, in the format of `foldwing modes --json`.
 ///
 /// # Errors
 /// [`PlantError::Equilibrium`] if there is no equilibrium, [`PlantError::Linearization`] if the modes cannot be computed.
@@ -74,14 +74,14 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
 /// Page with the animated shapes of the same modes, as `foldwing modes --view` writes it.
 ///
 /// # Errors
-/// As [`modes`], and a machine without modes.
+/// As for [`modes`], and for a machine without modes.
 pub fn modes_page(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Result<String, Failure> {
     let (modes, _) = modes_of(plant, time_s, of, count).map_err(|error| Failure::Statics(error.to_string()))?;
     let title = crate::cli::modes::title(plant, of == ModesOf::Undeformed, of == ModesOf::RestInLattice);
     shapes::page(&shapes::of_modes(plant, &modes, format!("modes {title}")))
 }
 
-/// Modes, with the stability of an equilibrium and the equilibrium.
+/// Modes; about an equilibrium also its stability and the equilibrium.
 type Judged = (Vec<ModeShape>, Option<(Stability, Rest)>);
 
 /// Modes about a state.
@@ -96,11 +96,11 @@ fn modes_of(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Result
     Ok((modes, Some((stability, rest))))
 }
 
-/// Page with the animated shapes of modes over the wind speed, as `foldwing flutter --view` writes it; `plants` are two of the same machine
+/// Page with the animated mode shapes over the wind speed, as `foldwing flutter --view` writes it. Both `plants` are of the same machine,
 /// with its start values.
 ///
 /// # Errors
-/// Those of [`flutter::sweep`], and a machine without modes.
+/// As for [`flutter::sweep`], and for a machine without modes.
 pub fn flutter_page([swept, drawn]: [Plant; 2], options: &flutter::Options) -> Result<String, Failure> {
     let seen = shapes::sweep_seen(swept, options, &mut unwatched).map_err(crate::cli::flutter::failure)?;
     let drawn = shapes::of_flutter(drawn, &seen);
@@ -110,7 +110,7 @@ pub fn flutter_page([swept, drawn]: [Plant; 2], options: &flutter::Options) -> R
 /// Page with the animated Floquet modes, as `foldwing periodic --view` writes it.
 ///
 /// # Errors
-/// Those of [`periodic::find`], and a motion without modes.
+/// As for [`periodic::find`], and for a motion without modes.
 pub fn periodic_page(machine: &Machine, options: &periodic::Options) -> Result<String, Failure> {
     let found = periodic::find(machine, options).map_err(crate::cli::periodic::failure)?;
     shapes::page(&shapes::of_periodic(machine, options, &found)?)
@@ -125,26 +125,26 @@ pub struct Packaging {
     pub model: Option<PathBuf>,
     /// Shared libraries, one per platform; the platform is read from the library.
     pub libraries: Vec<PathBuf>,
-    /// State about which to add a linear model: `start`, `equilibrium`, or a time in s.
+    /// Point about which to add a linear model: `start`, `equilibrium`, or a time in s.
     pub linear: Option<String>,
-    /// Version of FMI, interface types and form of the variables.
+    /// FMI version, interface types, and whether vectors are split into scalars.
     pub kinds: Kinds,
     /// Omit the reference results.
     pub without_reference: bool,
-    /// Replace a file of other origin.
+    /// Overwrite a file that Foldwing did not write.
     pub force: bool,
 }
 
-/// Version of FMI (2 or 3), interface types and form of the variables of an FMU.
+/// Returns the FMI version (2 or 3), interface types and form of the variables of an FMU.
 pub fn kinds(fmi: u8, co_simulation: bool, model_exchange: bool, scalars: bool) -> Kinds {
     let version = if fmi == 3 { Version::Fmi3 } else { Version::Fmi2 };
     Kinds { version, co_simulation, model_exchange, scalars }
 }
 
-/// Writes an FMU as `foldwing package` does, byte for byte.
+/// Writes the same FMU as `foldwing package`, byte for byte.
 ///
 /// # Errors
-/// Those of the command: names, libraries, files, and a default simulation that fails.
+/// As for the command: invalid names, libraries or files, and a default simulation that fails.
 pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(), Failure> {
     packages::check_kinds(packaging.kinds, machine)?;
     packages::check_name(&packaging.output)?;
@@ -153,7 +153,7 @@ pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(
     let place = outlets.place(&packaging.output, Mark::FMU)?;
     let extras = Extras {
         kinds: packaging.kinds,
-        // the tables have a column for each scalar of FMI 2.0
+        // the tables have one column per scalar variable of FMI 2.0
         reference: (!packaging.without_reference && packaging.kinds.version == Version::Fmi2)
             .then(|| packages::reference(machine))
             .transpose()?,
@@ -170,7 +170,7 @@ pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(
 /// Modes of a rotor over its speed, as `foldwing modes --vary rotor_speed_rpm=… --json` describes them.
 ///
 /// # Errors
-/// Those of [`over_speed_watched`].
+/// As for [`over_speed_watched`].
 pub fn campbell(
     machine: impl Into<Arc<Machine>>,
     options: &campbell::Options,
@@ -181,7 +181,7 @@ pub fn campbell(
     Ok(table.json(&machine, ended.map(|(value, error)| (value, error.to_string()))))
 }
 
-/// Writes a page with an animation; a file of other origin is replaced only with `force`.
+/// Writes a page with an animation; a file that Foldwing did not write is overwritten only with `force`.
 ///
 /// # Errors
 /// The file cannot be written, or exists and was not written by Foldwing.
@@ -189,10 +189,10 @@ pub fn write_page(page: &str, output: &Path, force: bool) -> Result<(), Failure>
     Outlets::new(force, []).place(output, Mark::PAGE)?.fill(page.as_bytes())
 }
 
-/// Communication points of a run, in s; `None` is the value of the model.
+/// Communication points of a run, in s; `None` takes the value of the model file.
 ///
 /// # Errors
-/// Times that are not finite, in the wrong order, or too many.
+/// Times that are not finite or in the wrong order, or too many points.
 pub fn points(
     machine: &Machine,
     start_s: Option<f64>,
@@ -205,10 +205,10 @@ pub fn points(
     Ok((0..=grid.steps).map(|point| grid.time_s(point)).collect())
 }
 
-/// Selects variables by whole names, or by prefixes that end with a point.
+/// Selects variables by full names, or by prefixes that end with a dot.
 ///
 /// # Errors
-/// Names without a match, with the closest existing name; `what` describes the rows in the message.
+/// Names without a match, with the closest existing name; `what` describes the variables in the message.
 pub fn chosen<'a>(
     names: &[String],
     rows: impl Iterator<Item = &'a Variable>,
@@ -217,11 +217,11 @@ pub fn chosen<'a>(
     crate::cli::linearize::chosen(names, rows, what)
 }
 
-/// Derivatives of results of a run of the model in `text`, to which `machine` and `interface` belong, as `foldwing gradient` computes them.
-/// `settings` are `NAME=VALUE`; `table` has inputs over time.
+/// Computes derivatives of results of a run like `foldwing gradient`; `machine` and `interface` are built from the model file `text`,
+/// `settings` are `NAME=VALUE` texts, and `table` holds inputs over time.
 ///
 /// # Errors
-/// Those of the command.
+/// As for the command.
 pub fn gradients(
     (file, text): (&str, &str),
     (machine, interface): (Arc<Machine>, &Interface),
@@ -233,10 +233,10 @@ pub fn gradients(
     Variants { file, text, machine, interface, settings, table }.gradients(by, &options)
 }
 
-/// The text of a model file with other values of some keys (`file:body.inner.length_m`), each a text of TOML.
+/// Returns the text of a model file with some keys (`file:body.inner.length_m`) set to other values, given as TOML text.
 ///
 /// # Errors
-/// Keys that are none of a model file, and parts of a path that are no tables.
+/// Keys that a model file does not have, and parts of a path that are not tables.
 pub fn text_with_values(text: &str, values: &[(String, String)]) -> Result<String, Failure> {
     let path = |key: &str| file_path(key).map(|path| path.iter().map(|part| (*part).to_owned()).collect::<Vec<_>>());
     let mut changes = Vec::new();
@@ -253,7 +253,7 @@ pub fn text_with_values(text: &str, values: &[(String, String)]) -> Result<Strin
     changed_text(text, "values:", &changes)
 }
 
-/// Variants of a model, each run as `foldwing sweep` runs it.
+/// Variants of a model, which run like those of `foldwing sweep`.
 pub struct SweepPlan {
     file: String,
     machine: Arc<Machine>,
@@ -270,22 +270,22 @@ pub struct SweepPlan {
 /// Settings common to all variants of a sweep.
 #[derive(Debug, Clone, Default)]
 pub struct SweepRun {
-    /// Start, stop and step in s; `None` is the value of the model.
+    /// Start, stop and step in s; `None` takes the value of the model file.
     pub times_s: [Option<f64>; 3],
     /// Inputs over time.
     pub inputs: Option<InputTable>,
-    /// Variables of which the final value is recorded.
+    /// Variables whose final values are recorded.
     pub outputs: Vec<String>,
-    /// Start values, as `--set` gives them.
+    /// Start values, in the format of `--set`.
     pub settings: Vec<String>,
 }
 
 impl SweepPlan {
-    /// Returns variants of the model in `text`, to which `machine` and `interface` belong: `keys` are start values of inputs and
-    /// parameters, or keys of the model file such as `file:body.inner.length_m`; each row has their values for one variant.
+    /// Returns variants of the model with the file text `text`, of which `machine` and `interface` are built. `keys` are start values of
+    /// inputs and parameters, or keys of the model file such as `file:body.inner.length_m`; each row has their values for one variant.
     ///
     /// # Errors
-    /// Those of the command before the first run.
+    /// As for the command before its first run.
     pub fn new(
         (file, text): (&str, &str),
         (machine, interface): (Arc<Machine>, Arc<Interface>),
@@ -318,7 +318,7 @@ impl SweepPlan {
         Ok(sweep)
     }
 
-    /// Names of the columns of a row.
+    /// Names of the columns of the result table.
     pub fn columns(&self) -> &[String] {
         &self.columns
     }
@@ -333,7 +333,7 @@ impl SweepPlan {
         std::iter::once(index.to_string()).chain(self.experiment().run(index, None)).collect()
     }
 
-    /// A variant with its start values, not yet initialised.
+    /// Returns the plant of a variant with its start values, not yet initialised.
     ///
     /// # Errors
     /// Values that the model rejects.

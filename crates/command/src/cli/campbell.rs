@@ -16,22 +16,23 @@ use std::path::Path;
 
 /// Key of the rotor speed in `--vary`.
 pub(super) const KEY: &str = "rotor_speed_rpm";
-/// Multiples of the rotor frequency in the diagram besides 1P, in numbers of blades.
+/// Multiples of the rotor frequency in the diagram in addition to 1P, in units of the number of blades.
 const PER_BLADES: [usize; 2] = [1, 2];
-/// Colour of their lines.
+/// Colour of the lines at these multiples.
 const FAINT: [u8; 3] = [110, 122, 134];
 
 /// Arguments of the diagram.
 pub(super) struct Asked<'a> {
     /// Model file.
     pub model: &'a Path,
-    /// `--set`.
+    /// Values of `--set`.
     pub settings: &'a [String],
     /// Values of the key.
     pub values: &'a str,
     /// Joint that is the shaft, if given.
     pub shaft: Option<&'a str>,
-    /// Without loads, gravity, root motion and aerodynamics; otherwise the state is periodic if any of these acts.
+    /// Without loads, gravity, root motion and aerodynamics; otherwise modes are computed about the periodic state if
+    /// any of these acts.
     pub bare: bool,
     /// Number of modes.
     pub count: usize,
@@ -39,7 +40,7 @@ pub(super) struct Asked<'a> {
     pub branches: &'a BranchArguments,
     /// JSON instead of the table.
     pub json: bool,
-    /// Result only.
+    /// Print only the result.
     pub quiet: Quiet,
 }
 
@@ -120,7 +121,7 @@ fn add_multiples(diagram: &mut Figure, blades: usize, speeds_rpm: &[f64]) {
     }
 }
 
-/// The error of a diagram in the words of the command.
+/// Converts the error of a diagram to a message of the command.
 fn failure(error: CampbellError) -> Failure {
     match error {
         CampbellError::Speeds => {

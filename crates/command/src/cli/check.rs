@@ -341,10 +341,10 @@ fn motion(travel: Travel, joint: &OneFreedom) -> String {
     })
 }
 
-/// JSON key, name, value and unit of a joint parameter, as for a revolute joint.
+/// JSON key, name, value and unit of a joint parameter; the unit is for a revolute joint.
 type Number = (&'static str, &'static str, Option<f64>, &'static str);
 
-/// Parameters of a joint; in JSON also the type of its latch.
+/// Parameters of a joint; the JSON also has the type of its latch.
 struct Figures {
     travel: Travel,
     numbers: [Number; 10],

@@ -1,9 +1,9 @@
-//! Output of `check` for machines with none, one and several of each listed part.
+//! Output of `check` for machines with zero, one and several items in each list.
 
 use super::*;
 use foldwing_engine::machine::Gauge;
 
-/// A machine with a closed loop, and one with a latch and none, one and several gauges.
+/// Machines: one with a closed loop, and others with a latch and zero, one and several gauges.
 fn machines() -> Vec<Machine> {
     let read = |name: &str| {
         let path = format!("{}/../../examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -28,7 +28,7 @@ fn section<'t>(text: &'t str, title: &str) -> Vec<&'t str> {
     lines.take_while(|line| !line.is_empty()).collect()
 }
 
-/// Text and JSON list all bodies, joints, loops, gauges, notes and variables by name, in their order, and no others, for any number of them.
+/// Text and JSON list all bodies, joints, loops, gauges, notes and variables by name, in order, and no others, whatever their number.
 #[test]
 fn everything_is_listed_by_its_name() {
     for machine in machines() {
@@ -60,7 +60,7 @@ fn everything_is_listed_by_its_name() {
     }
 }
 
-/// Every variable is in text and JSON with its causality, start value, unit and description, and the counts are those of the list.
+/// Text and JSON list every variable with its causality, start value, unit and description, and the counts agree with the list.
 #[test]
 fn variables_are_those_of_the_interface() {
     for machine in machines() {
@@ -109,7 +109,7 @@ fn variables_are_those_of_the_interface() {
     }
 }
 
-/// The parameters of a joint have the unit printed after them in the text, and that of their key in the JSON.
+/// In the text, joint parameters are followed by their unit; in the JSON, the unit is that of the key.
 #[test]
 fn numbers_of_joints_have_their_units() {
     let machine = machines().swap_remove(0);

@@ -1,14 +1,15 @@
-//! `--variables` and its like: variables chosen by names, lists with commas, patterns and prefixes, in the words of the command.
+//! Selection of variables by names, lists with commas, patterns and prefixes, as for `--variables`, with the error messages of
+//! the command.
 
 use crate::cli::Failure;
 use crate::report::Channel;
 use crate::report::inputs::name_message;
 use foldwing_study::names::choose;
 
-/// Returns the rows selected by the names, each once, in the order of the names.
+/// Returns the variables selected by the names, each once, in the order of the names.
 ///
 /// # Errors
-/// Names and patterns without a match, with suggestions; `what` describes the rows.
+/// Names and patterns without a match, with suggestions; `what` describes the variables in the message.
 pub(super) fn chosen<'a, C: Channel>(
     names: &[String],
     rows: &[&'a C],

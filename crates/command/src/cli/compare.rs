@@ -51,7 +51,7 @@ struct Verdict {
     agrees: bool,
 }
 
-/// Compares two tables; differences beyond the tolerance are a failure with its own exit code.
+/// Compares two tables; differences beyond the tolerance fail with an exit code of their own.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let paths = [arguments.reference.as_path(), arguments.other.as_path()];
     crate::cli::simulate::one_standard_input(paths.map(Some))?;
@@ -166,7 +166,7 @@ fn verdict(
         magnitude = magnitude.max(value.abs());
         squares += difference * difference;
         count += 1;
-        // NaN never agrees
+        // NaN never agrees with any value
         if difference > largest || difference.is_nan() {
             (largest, at_s) = (difference, *time_s);
         }

@@ -1,4 +1,4 @@
-//! `foldwing examples`: a list of the examples inside the command, and copies of them.
+//! `foldwing examples`: lists the examples embedded in the command, and copies them.
 
 use crate::cli::outlets::{Force, Mark, Outlets, Place, Quiet};
 use crate::cli::shipped::Example;
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let mut outlets = Outlets::new(arguments.force.force, []);
-    // all places before the first file: an error leaves nothing behind
+    // determine all output paths before writing the first file: an error leaves no files behind
     let mut places: Vec<(Place, Cow<str>)> = Vec::new();
     let mut equal = 0;
     for example in &files {
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The examples of the names; without names those that are of use by themselves.
+/// Returns the examples with the given names; without names, those that can be used on their own.
 fn chosen(names: &[String]) -> Result<Vec<Example>, Failure> {
     if names.is_empty() {
         return Ok(Example::all().filter(Example::is_listed).collect());
@@ -82,7 +82,7 @@ fn chosen(names: &[String]) -> Result<Vec<Example>, Failure> {
             .filter(|example| pattern.matches(example.name) || example.name.starts_with(&below) || file(example))
             .collect();
         if found.is_empty() {
-            // names of files are as good as paths
+            // file names are accepted as well as paths
             let known =
                 Example::all().flat_map(|example| [Some(example.name), example.name.rsplit('/').next()]).flatten();
             let NameError::Unknown { nearest, .. } = NameError::unknown(plain, "example", known) else { continue };
@@ -112,7 +112,7 @@ fn as_json(examples: &[Example]) -> String {
     format!("{:#}", json!(examples.iter().map(entry).collect::<Vec<_>>()))
 }
 
-/// Returns whether the file has this text.
+/// Returns whether the file has exactly this text.
 pub(super) fn holds(path: &Path, text: &str) -> bool {
     std::fs::read(path).is_ok_and(|found| found == text.as_bytes())
 }

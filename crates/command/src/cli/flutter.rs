@@ -1,4 +1,4 @@
-//! `foldwing flutter`: aeroelastic modes over wind speed, the speeds of flutter and divergence, and these over another parameter.
+//! `foldwing flutter`: aeroelastic modes over wind speed; flutter and divergence speeds, also as a function of another parameter.
 
 use crate::cli::Failure;
 use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write_figures};
@@ -61,7 +61,7 @@ struct Entry<'a> {
     found: &'a Flutter,
 }
 
-/// Events between the speed before `speed_m_s` and that: for a row of a table.
+/// Events between the preceding speed and `speed_m_s`, for a row of a table.
 fn changes_up_to(found: &Flutter, speed_m_s: f64) -> String {
     let places = &found.branches.places;
     let before = places.iter().rev().map(|place| place.at).find(|at| *at < speed_m_s).unwrap_or(0.0);
@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let count = options.wind_m_s.len();
         let all = (values.len() * count) as u64;
         for (index, value) in values.iter().enumerate() {
-            // all values of `--vary` are one part, so that the estimate is that of the whole
+            // count all values of `--vary` as one part, so that the estimated time is for the whole
             let mut watch = |watch::Progress { part, done, total }: watch::Progress| {
                 if total.is_some() || values.len() > 1 {
                     progress.part("wind speeds", Some(all));
@@ -173,7 +173,7 @@ fn speeds(text: &str) -> Result<Vec<f64>, Failure> {
     Ok(speeds)
 }
 
-/// The error of a sweep in the words of the command.
+/// Converts the error of a sweep to a message of the command.
 pub(super) fn failure(error: FlutterError) -> Failure {
     let text = error.to_string();
     match error {
@@ -266,7 +266,7 @@ fn map(name: &str, key: &str, values: &[String], list: &[Flutter]) -> Option<Fig
 mod tests {
     use super::*;
 
-    /// Both ends belong to the range; invalid texts are errors.
+    /// The range of speeds includes both ends; invalid texts are errors.
     #[test]
     fn speeds_are_ranges_with_a_count() {
         assert_eq!(speeds("50:56:4").unwrap_or_default(), [50.0, 52.0, 54.0, 56.0]);

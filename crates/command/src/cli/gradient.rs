@@ -1,4 +1,4 @@
-//! `foldwing gradient`: derivatives of results of a run by numbers of the model.
+//! `foldwing gradient`: derivatives of results of a run with respect to inputs, parameters and keys of the model.
 
 use crate::cli::number::six;
 use crate::cli::outlets::{Force, Outlets, Quiet};
@@ -24,7 +24,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Step of differences over machines, as a fraction of the number; for zero, of its SI unit.
+/// Step of finite differences between machines, relative to the value; for a value of zero, in its SI unit.
 const STEP: f64 = 1e-3;
 /// Name of the figure.
 const FIGURE: &str = "gradient";
@@ -121,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.quiet.print(&text, &outlets)
 }
 
-/// The change of each result in % for 1 % of each number; none for results or numbers of zero.
+/// Figure of the change of each result in % for a 1 % change of each quantity; empty for results or quantities of zero.
 fn heat_map(found: &Gradients) -> Figure {
     let relative = |number: &By, result: &Derivatives, derivative: f64| match (number.value, result.value) {
         (0.0, _) | (_, 0.0) => f64::NAN,
@@ -139,13 +139,13 @@ fn heat_map(found: &Gradients) -> Figure {
     Figure { title: format!("{}: which number moves what", found.name), heat: Some(heat), ..Figure::default() }
 }
 
-/// A model whose numbers are varied.
+/// Model whose inputs, parameters and keys are varied.
 pub(super) struct Variants<'a> {
     /// Name of the model file, for messages.
     pub file: &'a str,
-    /// Its text.
+    /// Text of the model file.
     pub text: &'a str,
-    /// Its machine.
+    /// Machine of the model file.
     pub machine: Arc<Machine>,
     /// The machine's variables.
     pub interface: &'a Interface,
@@ -155,7 +155,7 @@ pub(super) struct Variants<'a> {
     pub table: Option<&'a InputTable>,
 }
 
-/// A number to differentiate by.
+/// Quantity with respect to which results are differentiated.
 enum Wanted {
     /// An input or parameter that is constant during the run, or a key of the model file.
     Constant(String),
@@ -163,14 +163,14 @@ enum Wanted {
     Rows { column: usize, rows: Vec<usize> },
 }
 
-/// The rows of a table for the engine; none for constant inputs.
+/// Rows of a table in the form of the engine; empty for constant inputs.
 pub(super) fn rows(table: Option<&InputTable>, interface: &Interface) -> Result<InputRows, Failure> {
     let rows = table.map(|table| table.rows(interface)).transpose();
     Ok(rows.map_err(|error| Failure::Refused(error.to_string()))?.unwrap_or_default())
 }
 
 impl Variants<'_> {
-    /// The derivatives by the numbers of `by`.
+    /// Computes the derivatives with respect to the quantities in `by`.
     pub fn gradients(&self, by: &[String], options: &Options) -> Result<Gradients, Failure> {
         let plant = plant_with(Arc::clone(&self.machine), self.interface, self.settings)?;
         let mut numbers = Vec::new();
@@ -183,7 +183,7 @@ impl Variants<'_> {
         differentiate(plant, numbers, options).map_err(failure)
     }
 
-    /// The numbers of a list, with those of patterns and vectors.
+    /// Quantities of a list, with patterns and vectors expanded.
     fn wanted(&self, by: &[String]) -> Result<Vec<Wanted>, Failure> {
         let settable = |row: &&Variable| {
             matches!(row.causality, Causality::Input | Causality::Parameter) && matches!(row.value, Value::Real(_))
@@ -224,7 +224,7 @@ impl Variants<'_> {
         self.table.into_iter().flat_map(|table| table.columns(self.interface))
     }
 
-    /// Adds the rows of `NAME@TIME` or `NAME@*`; successive rows of one input have their machines in common.
+    /// Adds the rows of `NAME@TIME` or `NAME@*`; successive rows of one input share their machines.
     fn push_rows(&self, list: &mut Vec<Wanted>, (name, input, at): (&str, &str, &str)) -> Result<(), Failure> {
         let refuse = |cause: &str| Err(refused(name, cause));
         let Some(table) = self.table else {
@@ -253,7 +253,7 @@ impl Variants<'_> {
         Ok(())
     }
 
-    /// The rows of a text after `@`: `*`, or a time, with `-` or `+` for the first or second of two rows at one time.
+    /// Rows selected by the text after `@`: `*`, or a time, followed by `-` or `+` for the first or second of two rows at that time.
     fn rows_at(&self, times_s: &[f64], at: &str) -> Result<Vec<usize>, String> {
         if at == "*" {
             return Ok((0..times_s.len()).collect());
@@ -278,7 +278,7 @@ impl Variants<'_> {
         }
     }
 
-    /// Rows of an input over time with the machines beside the present one.
+    /// Rows of an input over time, and the machines with perturbed values for finite differences.
     fn rows(&self, column: usize, rows: Vec<usize>) -> Result<Numbers, Failure> {
         let times_s = self.table.map_or(&[][..], InputTable::times_s);
         let Some((variable, values)) = self.columns().nth(column) else {
@@ -299,7 +299,7 @@ impl Variants<'_> {
         Ok(Numbers { by, parameter: Parameter::of_rows(&variable.name, (column, rows), step, plant)? })
     }
 
-    /// A number with the machines beside the present one.
+    /// Quantity, and the machines with perturbed values for finite differences.
     fn number(&self, name: &str, plant: &Plant) -> Result<Numbers, Failure> {
         if name.starts_with("solver.") || name.starts_with("file:solver.") {
             return Err(refused(name, "is a setting of the integrator: derivatives are computed for fixed time steps"));
@@ -319,7 +319,7 @@ impl Variants<'_> {
         Ok(Numbers { by: vec![By { name: name.to_owned(), value, unit }], parameter })
     }
 
-    /// The plant for another value of a number.
+    /// The plant for another value of a quantity.
     fn plant(&self, name: &str, value: f64) -> Result<Plant, Failure> {
         let text = format!("{value:?}");
         match file_path(name) {
@@ -341,7 +341,7 @@ fn refused(name: &str, cause: &str) -> Failure {
     Failure::Usage(format!("--by {name}: {cause}"))
 }
 
-/// The error of a gradient in the words of the command.
+/// Converts the error of a gradient to a message of the command.
 fn failure(error: GradientsError) -> Failure {
     match error {
         GradientsError::Quantity { of, error } => {
@@ -362,7 +362,7 @@ fn failure(error: GradientsError) -> Failure {
     }
 }
 
-/// The table for people.
+/// Returns the result as a text table.
 fn text_of(found: &Gradients) -> String {
     let mode = match found.mode {
         Mode::Adjoint => "adjoint",

@@ -28,10 +28,10 @@ impl GridArguments {
     }
 }
 
-/// Maximum number of rows of a run: a larger number is surely unintended.
+/// Maximum number of rows of a run; a larger number is a mistake.
 const MAXIMUM_STEPS: u64 = 1_000_000_000;
 
-/// Grid of the command line arguments; missing values are those of `[simulation]`.
+/// Communication points of the command line arguments; missing values are taken from `[simulation]`.
 pub(super) fn grid_of(
     arguments: &GridArguments,
     default_start_s: f64,
@@ -39,7 +39,7 @@ pub(super) fn grid_of(
     default_step_s: f64,
 ) -> Result<Grid, Failure> {
     let start_s = finite("--start", arguments.start, default_start_s)?;
-    // A start given alone shifts the simulation; it does not shorten it.
+    // `--start` alone shifts the simulation without shortening it.
     let stop_s = finite("--stop", arguments.stop, start_s + (default_stop_s - default_start_s))?;
     let step_s = finite("--step", arguments.step, default_step_s)?;
     if step_s <= 0.0 {

@@ -1,4 +1,4 @@
-//! Texts below the options in `foldwing --help` and `foldwing COMMAND --help`. A test parses every line of them that is a command.
+//! Texts below the options in `foldwing --help` and `foldwing COMMAND --help`. A test parses every command line in them.
 
 macro_rules! exit_codes {
     () => {

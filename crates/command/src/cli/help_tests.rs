@@ -1,4 +1,4 @@
-//! The command line accepts every call of the command in `--help` and in the documents.
+//! The command line accepts every call of the command in `--help` and in the documentation.
 
 use super::{Arguments, help};
 use clap::error::ErrorKind;
@@ -8,7 +8,7 @@ use command_lines::CommandLine;
 #[path = "../../../../tests/documents/guide/command_lines.rs"]
 mod command_lines;
 
-/// Parses a call. A call inside a sentence may lack arguments.
+/// Parses a call. A call quoted in a sentence may lack arguments.
 fn check(call: &CommandLine) {
     let line = std::iter::once("foldwing").chain(call.words.iter().map(String::as_str));
     let Err(error) = Arguments::try_parse_from(line) else { return };
@@ -16,7 +16,7 @@ fn check(call: &CommandLine) {
     let legal = match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => true,
         ErrorKind::MissingRequiredArgument => !call.whole,
-        // the sentence gives an option without its value
+        // the sentence names an option without its value
         ErrorKind::InvalidValue => !call.whole && call.words.last().is_some_and(|word| word.starts_with("--")),
         _ => false,
     };
@@ -47,7 +47,7 @@ fn f240_examples_of_the_help_parse() {
     }
 }
 
-/// F-241. Every call of the command in a document, on a line of its own or as code in a sentence, is valid.
+/// F-241. Every call of the command in the documentation, on a line of its own or as code in a sentence, is valid.
 #[test]
 fn f241_command_lines_of_the_documents_parse() {
     let mut count = 0;
@@ -59,7 +59,7 @@ fn f241_command_lines_of_the_documents_parse() {
     assert!(count > 40, "{count} lines were found");
 }
 
-/// The check finds invalid calls: a wrong option in a sentence, too.
+/// The check finds invalid calls, also a wrong option in a sentence.
 #[test]
 fn a_wrong_call_is_seen() {
     let refused = |text: &str| {
@@ -84,7 +84,7 @@ fn exit_codes_stand_below_both_helps() {
     }
 }
 
-/// Every command prints JSON with `--json` and has `--quiet`, but for those that print a file of another format or run a page.
+/// Every command prints JSON with `--json` and has `--quiet`, except those that print another file format or serve a page.
 #[test]
 fn commands_have_json_and_quiet() {
     let command = Arguments::command();

@@ -1,17 +1,18 @@
-//! Warnings about implausible models or runs, by computed values: static deflection, latches out of reach, times far from the periods.
+//! Warnings about implausible models or runs, based on computed values: static deflection, latches out of reach, run times far from the
+//! natural periods.
 
 use crate::cli::assessment::{Assessment, Effort, Reach, efforts, frequencies_hz, short};
 use foldwing_engine::machine::{Body, Machine};
 use foldwing_engine::plant::Plant;
 use foldwing_study::doubts;
 
-/// Minimum number of rows per period for an oscillation to be visible.
+/// Minimum number of output rows per period at which an oscillation is visible.
 const ROWS_PER_PERIOD: f64 = 4.0;
-/// Static deflection over the size of the wing above which there is a warning.
+/// Ratio of static deflection to wing size above which a warning is given.
 const MAXIMUM_SAG: f64 = 0.5;
 /// Fraction of a period below which a run shows no motion.
 const MINIMUM_SWING: f64 = 0.01;
-/// Maximum number of elastic coordinates for which a run computes modes, to limit the time: the cost grows with the third power. `check`
+/// Maximum number of elastic coordinates for which modes are computed after a run; the cost grows with their third power. `check`
 /// computes them at any size.
 const MAXIMUM_ELASTIC_FREEDOMS: usize = 320;
 
@@ -45,8 +46,8 @@ pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     warnings
 }
 
-/// Warnings about a finished run: latches that stayed open and could not close, times far from the periods. `as_written`: no input or
-/// setting drove the joints differently from the model file.
+/// Warnings about a finished run: latches that stayed open and could not close, times far from the natural periods. `as_written` means
+/// that no input or setting changed the drive of the joints from the model file.
 pub(super) fn run(plant: &Plant, as_written: bool, run: &Times) -> Vec<String> {
     let machine = plant.machine();
     let latches = plant.outputs().latches();
@@ -62,8 +63,8 @@ pub(super) fn run(plant: &Plant, as_written: bool, run: &Times) -> Vec<String> {
     warnings
 }
 
-/// Warning if a joint does not reach its latch. Of machines with aerodynamics, whose loads may drive it further, only if its motor pulls
-/// away.
+/// Warning if a joint does not reach its latch. With aerodynamics, whose loads may drive the joint further, only if its motor drives it
+/// away from the latch.
 fn latch(joint: &Effort) -> Option<String> {
     let (end, unit, name) = (short(joint.end), joint.travel.shown_unit(), &joint.name);
     match joint.reaches {
@@ -116,8 +117,7 @@ fn times(frequencies_hz: &[f64], run: &Times) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// The step proposed in the warning gives twenty rows per period, for which there is no warning; its other numbers are those of the
-    /// run.
+    /// The step proposed in the warning gives twenty rows per period and no warning; the other numbers in the text are those of the run.
     #[test]
     fn the_step_that_is_proposed_passes() {
         let run = |step_s: f64| Times { start_s: 0.0, stop_s: 1e3, step_s, step_name: "step", stop_name: "stop" };
@@ -131,7 +131,7 @@ mod tests {
                 .and_then(|rest| rest.split(' ').next()?.parse().ok())
                 .expect("a step");
             assert_eq!(of(proposed), [""; 0], "{warnings:?}");
-            // rounded to two digits
+            // the proposed step is rounded to two digits
             let rows = 1.0 / (proposed * hz);
             assert!(rows > 18.0 && rows < 22.0, "{rows} rows of a swing: {warnings:?}");
             let due = format!(

@@ -1,25 +1,25 @@
-//! Number of unknowns per joint, compared with the conventional form: Otsuka et al., Table 2 and eq. (13).
+//! Number of unknowns per joint, compared with the conventional formulation: Otsuka et al., Table 2 and eq. (13).
 
 use foldwing_engine::machine::JointKind;
 use serde::Serialize;
 
-/// Components of a node in the conventional form: position and three vectors of its frame.
+/// Coordinates of a node in the conventional formulation: position and three vectors of its frame.
 const NODE: usize = 12;
 
-/// Variables and multipliers of one joint in both forms.
+/// Variables and multipliers of one joint in both formulations.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct JointSize {
     /// Joint variables `N_J` of this formulation.
     variables: usize,
     /// Lagrange multipliers `N_L` of this formulation.
     multipliers: usize,
-    /// Variables of the node outboard of the joint in the conventional form.
+    /// Variables of the node outboard of the joint in the conventional formulation.
     conventional_variables: usize,
-    /// Multipliers of the conventional form: constraints of the joint and of the rigid section.
+    /// Multipliers of the conventional formulation: constraints of the joint and of the rigid section.
     conventional_multipliers: usize,
     /// Reduction rate of the unknowns, eq. (13).
     reduction_rate: f64,
-    /// The paper's table has this type of joint; the numbers of the others are counted in the same way.
+    /// Whether the paper's table has this type of joint; the numbers of the other types are counted in the same manner.
     in_table_2: bool,
 }
 
@@ -30,7 +30,7 @@ impl JointSize {
 
     /// Sizes of a joint from the numbers used by the engine.
     pub fn new(kind: &JointKind, variables: usize, multipliers: usize) -> Self {
-        // both forms have the same degrees of freedom
+        // both formulations have the same degrees of freedom
         let conventional_multipliers = NODE - (variables - multipliers);
         let (ours, conventional) = (variables + multipliers, NODE + conventional_multipliers);
         // revolute, universal and ball joints
@@ -45,7 +45,8 @@ impl JointSize {
         }
     }
 
-    /// Returns one line of the table. The paper adds its 12 and 11 of the revolute joint to 33, hence its 97 %.
+    /// Returns one line of the table. For the revolute joint, the paper prints 33 as the sum of 12 and 11, hence its 97
+    /// %.
     pub fn text(&self, name: &str, kind: &str) -> String {
         let Self { variables, multipliers, conventional_variables, conventional_multipliers, .. } = self;
         let source = match (self.in_table_2, kind.starts_with("revolute")) {

@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// The error of a measurement in the words of the command.
+/// Converts the error of a measurement to a message of the command.
 fn failure(error: LatencyError) -> Failure {
     let text = error.to_string();
     match error {
@@ -106,7 +106,7 @@ fn failure(error: LatencyError) -> Failure {
     }
 }
 
-/// Quantiles of the times of steps, with their keys in JSON and the shares of the steps up to them.
+/// Quantiles of the step times, with their JSON keys and the fractions of the steps.
 const QUANTILES: [(&str, &str, f64); 4] = [
     ("median", "median_us", 0.5),
     ("99 %", "p99_us", 0.99),
@@ -114,7 +114,7 @@ const QUANTILES: [(&str, &str, f64); 4] = [
     ("slowest", "slowest_us", 1.0),
 ];
 
-/// Times of the steps by one clock, ascending, in µs; none where the system has no such clock.
+/// Step times measured by one clock, ascending, in µs; empty where the system has no such clock.
 struct Clock(Vec<f64>);
 
 impl Clock {
@@ -124,13 +124,13 @@ impl Clock {
         Self(times_us)
     }
 
-    /// The time that a share of the steps does not exceed, in µs.
+    /// Time in µs that this fraction of the steps does not exceed.
     fn quantile_us(&self, share: f64) -> Option<f64> {
         let place = (share * self.0.len() as f64).ceil() as usize;
         self.0.get(place.clamp(1, self.0.len().max(1)) - 1).copied()
     }
 
-    /// Number of steps in each class of the histogram.
+    /// Number of steps in each bin of the histogram.
     fn classes(&self) -> [usize; CLASSES_US.len()] {
         let up_to = CLASSES_US.map(|bound_us| self.0.partition_point(|time_us| *time_us <= bound_us));
         std::array::from_fn(|i| up_to[i] - if i > 0 { up_to[i - 1] } else { 0 })

@@ -5,12 +5,12 @@ use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 
-/// Tolerance in s when communication points are compared with the requested times.
+/// Tolerance in s of the comparison of communication points with the requested times.
 const ROUND_OFF_S: f64 = 1e-9;
 
-/// Recorded lattices, and the remaining times.
+/// Recorded lattices, and the times not yet reached.
 pub struct LatticeRecord {
-    /// Remaining times in s, descending.
+    /// Times in s not yet reached, descending.
     times_s: Vec<f64>,
     taken: Vec<Value>,
 }
@@ -45,7 +45,7 @@ impl LatticeRecord {
     }
 }
 
-/// Describes one surface, with the name of its body.
+/// Describes the lattice of one surface, with the name of its body.
 fn describe(plant: &Plant, surface: &SurfaceLattice) -> Value {
     let rows = |rows: &[Vec<Vector3<f64>>]| -> Vec<Vec<[f64; 3]>> {
         rows.iter().map(|row| row.iter().map(|point| (*point).into()).collect()).collect()

@@ -1,4 +1,4 @@
-//! `foldwing linearize`: `A`, `B`, `C`, `D` about a state.
+//! `foldwing linearize`: the matrices `A`, `B`, `C`, `D` of a linear model about a state.
 
 use crate::cli::choice;
 use crate::cli::outlets::{Force, Mark, Outlet, Outlets, Quiet};
@@ -143,7 +143,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     quiet.print(&text, &outlets)
 }
 
-/// Splits names of inputs into components of a uniform gust and other names.
+/// Splits the names of inputs into components of a uniform gust and others.
 fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<usize>, Vec<String>), Failure> {
     let named = |name: &String| GUSTS.iter().position(|gust| name == gust);
     let mut gusts: Vec<usize> = Vec::new();
@@ -164,7 +164,7 @@ fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<u
     Ok((gusts, others.cloned().collect()))
 }
 
-/// Returns the reduced model.
+/// Returns the reduced-order model.
 fn fewer(
     model: &LinearModel,
     option: &str,
@@ -188,7 +188,7 @@ fn fewer(
     })
 }
 
-/// Describes the error of a reduction; empty without one.
+/// Describes the error of a reduction; empty if the model is not reduced.
 fn reduction_in_words(model: &LinearModel) -> String {
     let Some(reduction) = &model.reduction else { return String::new() };
     let mut parts = vec![reduction.method().to_owned()];
@@ -210,8 +210,8 @@ fn reduction_in_words(model: &LinearModel) -> String {
     format!(" of {} ({})", reduction.whole, parts.join("; "))
 }
 
-/// Describes the modes omitted by a reduction below the upper end of the measured band, with a remedy: another one if the reduction is for
-/// a band already. `None` without any.
+/// Describes the modes omitted by a reduction below the upper end of the measured band, with a remedy, which is a different one if the
+/// reduction is already for a band. `None` if no mode is omitted.
 fn dropped_in_words(model: &LinearModel, for_a_band: bool) -> Option<String> {
     let accuracy = model.reduction.as_ref()?.accuracy.as_ref().filter(|accuracy| !accuracy.dropped.is_empty())?;
     let of = |mode: &Dropped| {
@@ -233,7 +233,7 @@ fn dropped_in_words(model: &LinearModel, for_a_band: bool) -> Option<String> {
     })
 }
 
-/// Rows selected by the names; all without names.
+/// Variables selected by the names; all without names.
 pub(super) fn chosen<'a>(
     names: &[String],
     rows: impl Iterator<Item = &'a Variable>,
@@ -255,7 +255,7 @@ pub(super) fn chosen<'a>(
     choice::chosen(names, &rows, what)
 }
 
-/// Computes the requested state of the plant: `start`, `equilibrium` or a time in s.
+/// Brings the plant to the requested state: `start`, `equilibrium` or a time in s.
 pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Failure> {
     let (start_s, stop_s) = (plant.machine().experiment.start_time_s, plant.machine().experiment.stop_time_s);
     let statics = |error: PlantError| Failure::Statics(error.to_string());
@@ -289,7 +289,7 @@ pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Fai
 /// Function that writes a linear model in one of the formats.
 type Writer = fn(&LinearModel, &mut Outlet) -> io::Result<()>;
 
-/// Writing an archive needs a seekable sink, so it is written in memory first.
+/// Writes a NumPy archive, first to memory, because an archive needs a seekable sink.
 fn write_npz_to(model: &LinearModel, sink: &mut Outlet) -> io::Result<()> {
     let mut archive = Cursor::new(Vec::new());
     write_npz(model, &mut archive)?;

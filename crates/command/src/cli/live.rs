@@ -32,7 +32,7 @@ pub struct Arguments {
     state: Option<PathBuf>,
 }
 
-/// Reads a speed within the bounds of the page.
+/// Parses a speed within the limits of the page.
 fn speed(text: &str) -> Result<f64, String> {
     let [least, most] = crate::live::SPEEDS;
     let value: f64 = text.parse().map_err(|_| "is not a number".to_owned())?;
@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A plant in a saved state of its model.
+/// Restores a plant from a saved state of its model.
 fn restored(mut plant: Plant, interface: &Interface, text: &str, path: &Path) -> Result<Plant, Failure> {
     let shown = path.display();
     let refused = |cause: String| {
@@ -115,7 +115,7 @@ fn has_display() -> bool {
     cfg!(any(windows, target_os = "macos")) && !set("SSH_CONNECTION") || set("DISPLAY") || set("WAYLAND_DISPLAY")
 }
 
-/// The figures of the simulation as a text.
+/// Returns the statistics of the simulation as text.
 fn summary_text(ended: Ended, summary: &Summary) -> String {
     let Summary { simulated_s, ran_s, lost_s, latest_s, slowest_s, steps, pictures } = *summary;
     let why = match ended {
@@ -129,12 +129,12 @@ fn summary_text(ended: Ended, summary: &Summary) -> String {
     )
 }
 
-/// Registers the signals that end the server.
+/// Registers the signals that stop the server.
 #[cfg(unix)]
 fn heed_signals(interrupted: &Arc<AtomicBool>) {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     for signal in [SIGINT, SIGTERM, SIGHUP] {
-        // on an error the signal ends the process directly
+        // if this fails, the signal ends the process directly
         let _ = signal_hook::flag::register(signal, Arc::clone(interrupted));
     }
 }

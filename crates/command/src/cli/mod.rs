@@ -219,7 +219,7 @@ enum Command {
 /// Reason for the failure of a command; each type has its exit code.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The content of a file is invalid.
+    /// The content of a file is rejected.
     #[error("{0}")]
     Refused(String),
     /// A model file is invalid.
@@ -245,7 +245,7 @@ pub enum Failure {
     /// Two tables differ: number of differing columns, number of all columns.
     #[error("{0} of {1} columns differ by more than the tolerance; --rtol, --atol and --tolerance NAME=X set it")]
     Differ(usize, usize),
-    /// Standard output was closed, as by `head`: not an error.
+    /// Standard output was closed, for example by `head`: not an error.
     #[error("standard output was closed")]
     Closed,
 }
@@ -263,7 +263,7 @@ impl Failure {
         }
     }
 
-    /// Returns the failure of a write to `target`.
+    /// Returns the failure for an error while writing to `target`.
     fn writing(target: &str, error: &io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
             Self::Closed
@@ -273,14 +273,14 @@ impl Failure {
     }
 }
 
-/// Runs the command given by the arguments of this program.
+/// Runs the command with the arguments of this process.
 pub fn run() -> ExitCode {
     let arguments = std::env::args_os();
     ExitCode::from(run_as(arguments, None))
 }
 
-/// Runs the command given by `arguments`, which start with the name of the program, and returns its exit code. `library` is the library for
-/// FMUs unless an option names another one; without it, the library beside the executable.
+/// Runs the command given by `arguments`, which start with the name of the program, and returns its exit code. FMUs use `library` unless an
+/// option names another one; without it, the library next to the executable.
 pub fn run_as(arguments: impl IntoIterator<Item = OsString>, library: Option<&Path>) -> u8 {
     match Arguments::try_parse_from(arguments) {
         Ok(arguments) => run_command(arguments.command, library),
@@ -348,7 +348,7 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
         Failure::Refused(format!("{shown}:{}: a model file is UTF-8 text; this line is not", line + 1))
     })?;
-    // from standard input: files relative to the working directory
+    // standard input has an empty parent: paths are relative to the working directory
     let folder = path.parent().unwrap_or(Path::new(""));
     let lost = config::doubts_of_files(&text, folder);
     let text = match config::with_files(text.clone(), folder, &shown) {

@@ -1,4 +1,4 @@
-//! `foldwing modes`: natural frequencies and shapes.
+//! `foldwing modes`: natural frequencies and mode shapes.
 
 use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write_figures};
 use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
@@ -147,8 +147,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Modes about an equilibrium, with the vortex lattice or with constant loads, and the stability of the equilibrium. With constant loads of
-/// a lattice, stability is not evaluated.
+/// Computes modes about an equilibrium, with the vortex lattice or with constant loads, and the stability of the equilibrium. With constant
+/// loads of a lattice, stability is not evaluated.
 pub(super) fn judged_modes(
     plant: &mut Plant,
     rest: Option<&Rest>,
@@ -203,7 +203,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     let rises = numbers[0] < numbers[1];
     let mut done = 0;
     let mut modes_at = |value: f64| -> Result<Vec<ModeShape>, Failure> {
-        // whole numbers without decimals, for keys that need integers
+        // write whole numbers without decimals, for keys that need integers
         let text = if value.fract() == 0.0 && value.abs() < 1e9 { format!("{value:.0}") } else { format!("{value:?}") };
         let mut plant = varied.plant(&text)?;
         let time_s = plant.machine().experiment.start_time_s;
@@ -219,7 +219,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
             About::Undeformed => plant.study().bare_modes(count).map_err(failed),
             About::Equilibrium => plant.study().modes(count).map_err(failed),
         };
-        // values that are inserted for the tracking do not count
+        // values that are inserted for the tracking do not count as progress
         done = done.max(numbers.iter().filter(|own| if rises { **own <= value } else { **own >= value }).count());
         progress.at(done as u64);
         modes
@@ -247,7 +247,7 @@ fn run_over(arguments: &Arguments, over: &String) -> Result<(), Failure> {
     arguments.quiet.print(&format!("{name}: modes over {}\n{}", varied.key(), table.text()), &outlets)
 }
 
-/// Names the state and the air of the modes.
+/// Names the state and the aerodynamics of the modes.
 pub(super) fn title(plant: &Plant, bare: bool, in_lattice: bool) -> String {
     let state = if bare { "undeformed" } else { "equilibrium" };
     let air = if in_lattice { ", with its vortex lattice" } else { air_in_words(plant, bare) };
@@ -264,7 +264,7 @@ pub(super) fn air_in_words(plant: &Plant, bare: bool) -> &'static str {
     }
 }
 
-/// Frequency in Hz and damping ratio; of a real pole, which has neither, its rate in 1/s. Unstable modes are marked.
+/// Frequency in Hz and damping ratio; for a real pole, which has neither, its rate in 1/s. Unstable modes are marked.
 fn frequency(mode: &ModeShape) -> String {
     let mark = if mode.grows() { " UNSTABLE" } else { "" };
     if mode.is_real() && !mode.is_free() {
@@ -274,7 +274,7 @@ fn frequency(mode: &ModeShape) -> String {
     format!("{:14.6} {damping:10.6}{mark}", mode.frequency_hz)
 }
 
-/// Kinds of deformation, largest share first.
+/// Types of deformation, largest participation first.
 pub(super) fn shares(mode: &ModeShape) -> String {
     let mut list: Vec<(f64, &str)> =
         mode.shares.iter().copied().zip(energy_share_names()).filter(|(share, _)| *share > 5e-3).collect();
@@ -318,7 +318,7 @@ pub(super) fn as_json(plant: &Plant, modes: &[ModeShape], bare: bool) -> Value {
                 .into_iter()
                 .zip(mode.shares)
                 .enumerate()
-                // only bodies with shear have that of the shears
+                // shear participation is listed only for bodies with shear deformation
                 .filter(|(part, (_, share))| *part != SHEAR_SHARE || *share != 0.0)
                 .map(|(_, (name, share))| (name.to_owned(), share.into()))
                 .collect();

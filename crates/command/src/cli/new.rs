@@ -8,10 +8,11 @@ use foldwing_file as config;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// The starter, itself a valid model. [`NAME`] and [`FILE`] are placeholders for the names of the model and of its file.
+/// The starter model file, which is itself valid. [`NAME`] and [`FILE`] are placeholders for the names of the model and of its
+/// file.
 const STARTER: &str = include_str!("starter.toml");
 
-/// Name of the schema file beside the model, as in the first line of [`STARTER`].
+/// Name of the schema file next to the model, as in the first line of [`STARTER`].
 const SCHEMA: &str = "foldwing.schema.json";
 
 /// Beginning of the line of [`STARTER`] with the model's name.
@@ -56,11 +57,12 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Model file that a template is made of, below `examples/`, and commands to type next with their effects; `MODEL` is the file.
+/// Model file below `examples/` from which a template is made, and the commands to run next with their effects; `MODEL` stands for
+/// the file.
 type Source = (&'static str, &'static [(&'static str, &'static str)]);
 
 impl Template {
-    /// The source; the wing has its own text, [`STARTER`].
+    /// Source of the template; `None` for the wing, whose text is [`STARTER`].
     fn source(self) -> Option<Source> {
         match self {
             Self::Wing => None,
@@ -113,7 +115,7 @@ impl Template {
     }
 }
 
-/// Writes the template and, beside it, the files that it needs and the schema given in its first line.
+/// Writes the template and, next to it, the files that it needs and the schema named in its first line.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let path = &arguments.model;
     let shown = path.display();
@@ -154,7 +156,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             files.push((outlets.place(&beside, Mark::Never)?, text));
         }
     }
-    // the schema first: if it cannot be written, no model file is left behind
+    // write the schema first: if it fails, no model file is left behind
     if !arguments.no_schema && !holds(&schema, &config::schema()) {
         let place = outlets.place(&schema, Mark::SCHEMA).map_err(|failure| {
             if let Failure::Files(message) = failure {
@@ -173,7 +175,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.quiet.quiet {
         return Ok(());
     }
-    // the model, then the rest
+    // then write the model, and the other files
     let mut written = outlets.files();
     written.rotate_right(1);
     let written = match &written[..] {
@@ -183,7 +185,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&format!("wrote {written}; type next:\n{commands}"))
 }
 
-/// The text of a template: an example with the commands to type next in its head, for a file of the name `file` and a model `name`.
+/// Text of a template: an example with the commands to run next in its header, for a file named `file` and a model named `name`.
 fn template(example: &Example, next: &[(&str, &str)], file: &Path, name: &str) -> String {
     let text = example.text();
     let own = example.name.rsplit('/').next().unwrap_or(example.name);
@@ -202,7 +204,7 @@ fn template(example: &Example, next: &[(&str, &str)], file: &Path, name: &str) -
     )
 }
 
-/// Files that an example needs besides the schema, below the folder of the model.
+/// Files that an example needs in addition to the schema, with paths relative to the folder of the model.
 fn parts(example: &Example) -> Vec<(String, String)> {
     let folder = example.name.rsplit_once('/').map_or("", |(folder, _)| folder);
     let below = |part: &Example| {
@@ -211,18 +213,18 @@ fn parts(example: &Example) -> Vec<(String, String)> {
     example.needed().iter().filter(|part| !part.name.ends_with(SCHEMA)).filter_map(below).collect()
 }
 
-/// The line of a model file with the model's name.
+/// Line of a model file with the name of the model.
 fn named(name: &str) -> String {
     format!("name = \"{name}\"")
 }
 
-/// The commands in the head of the starter, for a model at a path.
+/// Commands in the header of the starter, for a model at a path.
 fn starter_commands(path: &Path) -> String {
     let lines = STARTER.lines().filter_map(|line| line.strip_prefix("#   foldwing "));
     lines.map(|line| format!("  foldwing {}\n", line.replace(FILE, &quoted(path)))).collect()
 }
 
-/// The commands of a template, for a model at a path.
+/// Commands of a template, for a model at a path.
 fn commands(next: &[(&str, &str)], path: &Path) -> String {
     next.iter().map(|(command, _)| format!("  foldwing {}\n", command.replace(FILE, &quoted(path)))).collect()
 }
@@ -233,7 +235,8 @@ fn quoted(path: &Path) -> String {
     if text.contains(' ') { format!("\"{text}\"") } else { text }
 }
 
-/// Model name: the letters, digits and `_` of the file's name, other characters replaced by `_`, no digit first.
+/// Model name made from the file name: letters, digits and `_` are kept, other characters become `_`, and the first is never a
+/// digit.
 fn identifier(stem: &str) -> String {
     let name: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if name.starts_with(|first: char| first.is_ascii_digit()) { format!("wing_{name}") } else { name }

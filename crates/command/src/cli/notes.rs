@@ -4,7 +4,7 @@ use foldwing_engine::machine::{
     DEFAULT_CAPTURE_RAD, JointMotion, Latch, LatchKind, Machine, Motion, OneFreedom, Travel,
 };
 
-/// Ratio of the last interval's rate to that of the fastest one above which the table is not meant to slow down.
+/// Ratio of the rate in the last interval to the fastest one, above which the table was not meant to slow down.
 const GOES_ON: f64 = 0.5;
 
 /// Notes on a model that runs until `stop_s`, one sentence each.
@@ -44,8 +44,8 @@ pub fn notes(machine: &Machine, stop_s: f64) -> Vec<String> {
     notes
 }
 
-/// Note on a table of times in s and angles in rad (or positions in m) whose motion stops at the end of the run, although its rows do not
-/// slow down: a spin, sampled up to the end of the run.
+/// Note on a table of times in s and angles in rad (or positions in m) that is a spin sampled up to the end of the run: its motion stops
+/// there although its rows do not slow down.
 fn braking(name: &str, travel: Travel, points: &[(f64, f64)], stop_s: f64) -> Option<String> {
     let rate = |pair: &[(f64, f64)]| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0);
     let last = points.windows(2).last()?;
@@ -80,8 +80,8 @@ fn starts_closed(revolute: &OneFreedom, latch: &Latch) -> bool {
 mod tests {
     use super::*;
 
-    /// There is a note on a sampled spin that ends with the run; none on a fold whose rows slow down, or a spin that ends earlier or later,
-    /// has a repeated last row, or is extrapolated.
+    /// There is a note on a sampled spin that ends with the run. There is none on a fold whose rows slow down, nor on a spin that ends
+    /// earlier or later, has a repeated last row, or is extrapolated.
     #[test]
     fn a_table_that_brakes_at_the_end_of_the_run_is_told() {
         let said = |table: &str, stop_s: f64| {
@@ -113,7 +113,7 @@ mod tests {
         }
     }
 
-    /// The capture range of a latch has the unit of its joint, for rigid and elastic latches, and so does the key.
+    /// The capture range of a latch and its key have the unit of the joint, for rigid and elastic latches.
     #[test]
     fn the_window_of_a_latch_has_the_unit_of_its_joint() {
         for (kind, key, unit, coordinate) in

@@ -1,5 +1,5 @@
-//! `foldwing operating-points`: power, thrust and loads of a rotor over wind, speed and pitch, with an optional solution for pitch or
-//! speed.
+//! `foldwing operating-points`: power, thrust and loads of a rotor over wind speed, rotor speed and pitch, optionally solving for pitch
+//! or rotor speed.
 
 use crate::cli::branches::csv_text;
 use crate::cli::operating_table::{as_json, cells, header, rows_text, shown};
@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 impl Arguments {
-    /// The error of a table in the words of the command.
+    /// Converts the error of a table to a message of the command.
     fn failure(&self, error: PointsError) -> Failure {
         let option = |list: List| format!("--{}", list.name().replace('_', "-"));
         let text = error.to_string();
@@ -179,7 +179,7 @@ impl Arguments {
         })
     }
 
-    /// Reason why a point has no state, in the words of the command.
+    /// Reason why a point has no solution, as a message of the command.
     fn words(&self, error: &PointError) -> String {
         let target = self.hold.as_deref().unwrap_or_default();
         match error {
@@ -193,7 +193,7 @@ impl Arguments {
     }
 }
 
-/// `pitch_deg=FROM:TO` or `speed_rpm=FROM:TO`.
+/// Parses `pitch_deg=FROM:TO` or `speed_rpm=FROM:TO`.
 fn unknown(text: &str) -> Result<Unknown, Failure> {
     let refused = || Failure::Usage(refused_range(text));
     let (key, range) = text.split_once('=').ok_or_else(refused)?;
@@ -211,7 +211,7 @@ fn refused_range(text: &str) -> String {
     format!("--solve-for {text}: must be pitch_deg=FROM:TO or speed_rpm=FROM:TO with two different finite numbers")
 }
 
-/// `OUTPUT=VALUE`.
+/// Parses `OUTPUT=VALUE`.
 fn target(text: &str) -> Result<Target, Failure> {
     let refused = || Failure::Usage(refused_target(text));
     let (output, value) = text.split_once('=').ok_or_else(refused)?;

@@ -4,7 +4,7 @@ use foldwing_study::operating_points::{OperatingPoints, Point, PointError, Stati
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// Default outputs in the text, by the ends of their names, with factor and unit.
+/// Default outputs in the text, by the ends of their names, with conversion factor and unit.
 const SHOWN: [(&str, f64, &str); 9] = [
     ("rotor.tip_speed_ratio", 1.0, "tip speed ratio"),
     ("rotor.power", 1e-3, "power kW"),
@@ -17,7 +17,7 @@ const SHOWN: [(&str, f64, &str); 9] = [
     (".root_moment.y", 1e-3, "root y kN.m"),
 ];
 
-/// Cells of the CSV; `words` are those of an error.
+/// Cells of a row of the CSV; `words` converts an error to text.
 pub(super) fn cells(point: &Point, words: &dyn Fn(&PointError) -> String) -> Vec<String> {
     let number = |value: f64| if value.is_nan() { String::new() } else { format!("{value:?}") };
     let own = [number(point.wind_m_s), number(point.speed_rpm), number(point.pitch_deg)];
@@ -34,7 +34,7 @@ pub(super) fn header(outputs: &[(String, &'static str)]) -> Vec<String> {
     own.into_iter().chain(values).collect()
 }
 
-/// Columns of the text: index of the output, factor, and heading.
+/// Columns of the text: index of the output, conversion factor, and heading.
 pub(super) fn shown(table: &OperatingPoints, named: bool) -> Vec<(usize, f64, String)> {
     let outputs = table.outputs.iter().enumerate();
     if named {
@@ -53,7 +53,7 @@ pub(super) fn shown(table: &OperatingPoints, named: bool) -> Vec<(usize, f64, St
     SHOWN.iter().filter_map(of).collect()
 }
 
-/// The table as text: means, and peak-to-peak values after a bar if the state is periodic.
+/// Table as text: mean values, followed by a bar and peak-to-peak values if the state is periodic.
 pub(super) fn rows_text(table: &OperatingPoints, columns: &[(usize, f64, String)]) -> String {
     let states = || table.points.iter().filter_map(|point| point.state.as_ref().ok());
     let periodic = states().any(|state| state.is_periodic);
@@ -101,7 +101,7 @@ pub(super) fn rows_text(table: &OperatingPoints, columns: &[(usize, f64, String)
     text
 }
 
-/// Six digits, without an exponent if there is room.
+/// Formats six digits, without an exponent if there is room.
 fn digits(value: f64) -> String {
     let size = value.abs();
     match size {
@@ -111,7 +111,7 @@ fn digits(value: f64) -> String {
     }
 }
 
-/// The table for programs, with errors in the words of the command.
+/// Table as JSON; `words` converts an error to text.
 pub(super) fn as_json(table: &OperatingPoints, words: &dyn Fn(&PointError) -> String) -> Value {
     let mut value = json!(table);
     for (i, point) in table.points.iter().enumerate() {
@@ -129,7 +129,7 @@ mod tests {
     use foldwing_fmi::interface::{Causality, Interface};
     use foldwing_study::operating_points::State;
 
-    /// Points in every kind of state, with all outputs of a machine.
+    /// Table with points in every state, with all outputs of a machine.
     fn table() -> OperatingPoints {
         let interface = Interface::new(&two_body_machine());
         let rows = interface.variables().iter().filter(|row| row.causality == Causality::Output);
@@ -161,7 +161,7 @@ mod tests {
         format!("{error}!")
     }
 
-    /// JSON has every output with its own name and unit, and every point with the numbers, state and message of the CSV.
+    /// The JSON has every output with its name and unit, and every point with the numbers, state and message of the CSV.
     #[test]
     fn json_has_the_units_and_numbers_of_the_table() {
         let table = table();
@@ -194,7 +194,8 @@ mod tests {
         }
     }
 
-    /// Named columns have headings with name and unit, if there is one; the numbers of the text are those of the table.
+    /// Columns selected by name have headings with the name and any unit; the numbers in the text are those of the
+    /// table.
     #[test]
     fn text_has_the_units_and_numbers_of_the_table() {
         let table = table();
@@ -227,7 +228,7 @@ mod tests {
         }
     }
 
-    /// Columns in other units: the factor is the ratio of the unit in the heading to the output's own.
+    /// For columns shown in another unit, the factor is the ratio of the unit in the heading to the output's unit.
     #[test]
     fn headings_of_people_have_the_factor_of_their_unit() {
         for (end, factor, heading) in SHOWN {

@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     let progress = Progress::phase("reference results and linear model");
     let extras = Extras {
         kinds,
-        // the tables have a column for each scalar of FMI 2.0
+        // the tables have one column per scalar variable of FMI 2.0
         reference: (!arguments.no_reference && version == Version::Fmi2).then(|| reference(&machine)).transpose()?,
         linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
     };
@@ -130,7 +130,7 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     Ok(())
 }
 
-/// Checks that the machine can be an FMU of these kinds.
+/// Checks that an FMU of this type can be made from the machine.
 pub(super) fn check_kinds(kinds: Kinds, machine: &Machine) -> Result<(), Failure> {
     if kinds.scalars && kinds.version == Version::Fmi2 {
         let cause = "--scalars: FMI 2.0 has no other variables; leave it out, or add --fmi 3";
@@ -174,8 +174,8 @@ fn sources(arguments: &[OsString], library: Option<&Path>) -> Result<Vec<(Option
     arguments.iter().map(|argument| place(argument)).collect()
 }
 
-/// Splits `PLATFORM=PATH`. A path may contain `=` too: the part before it is a platform unless it contains a separator, or the whole is a
-/// file.
+/// Splits `PLATFORM=PATH`. A path may itself contain `=`: the part before it is a platform unless it contains a path separator or the
+/// whole argument is an existing file.
 fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
     let whole = || (None, PathBuf::from(argument));
     let Some((name, path)) = argument.to_str().and_then(|text| text.split_once('=')) else { return Ok(whole()) };
@@ -195,7 +195,7 @@ pub(super) fn reference(machine: &Machine) -> Result<Reference, Failure> {
     })
 }
 
-/// The linear model between all real inputs and outputs.
+/// Returns the linear model from all real inputs to all real outputs.
 pub(super) fn linear(machine: &Machine, at: &str) -> Result<LinearModel, Failure> {
     let interface = Interface::new(machine);
     let mut plant = Plant::new(Arc::new(machine.clone()));

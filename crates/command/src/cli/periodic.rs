@@ -130,7 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.quiet.print(&text, &outlets)
 }
 
-/// The error of the search in the words of the command.
+/// Converts the error of the search to a message of the command.
 pub(super) fn failure(error: PeriodicError) -> Failure {
     let text = error.to_string();
     match error {
@@ -146,7 +146,7 @@ pub(super) fn failure(error: PeriodicError) -> Failure {
     }
 }
 
-/// Appends mean, amplitude and harmonics of outputs, one line each.
+/// Appends mean, amplitude and harmonics of the outputs, one line each.
 fn harmonics_text(shown: &[&Series], count: usize, text: &mut String) {
     let width = shown.iter().map(|series| label(series).chars().count()).max().unwrap_or(0).max(6);
     let _ = write!(text, "{:width$} {:>13} {:>12}", "output", "mean", "half range");

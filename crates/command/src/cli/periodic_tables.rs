@@ -1,4 +1,4 @@
-//! Tables of a periodic steady state: outputs over the revolution with their harmonics, and Floquet modes.
+//! Tables of a periodic steady state: outputs over one revolution with their harmonics, and Floquet modes.
 
 use foldwing_engine::plant::{Floquet, FloquetMode, SAMPLES};
 use foldwing_study::periodic::Series;
@@ -10,7 +10,7 @@ pub(super) fn label(series: &Series) -> String {
     if ["", "1"].contains(&series.unit) { series.name.clone() } else { format!("{} [{}]", series.name, series.unit) }
 }
 
-/// The outputs over the shaft angle from the start, in degrees, one row per sample.
+/// Outputs over the shaft angle from the start, in degrees, one row per sample.
 pub(super) fn csv_text(series: &[Series], sense: f64) -> Vec<u8> {
     let mut text = "turn_deg".to_owned();
     series.iter().for_each(|series| {
@@ -73,7 +73,7 @@ pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     }
 }
 
-/// Appends notes on modes that the list does not contain.
+/// Appends notes on modes that are missing in the list.
 fn notes(floquet: &Floquet, text: &mut String) {
     if floquet.unfound > 0 {
         let _ = write!(
@@ -119,8 +119,8 @@ mod tests {
     use foldwing_study::periodic::table_of_modes;
     use serde_json::{Value, json};
 
-    /// Modes in text and JSON have the same numbers in the units of their keys and headings: frequencies in Hz, also those of harmonics and
-    /// the candidate frequencies of an ambiguous mode.
+    /// Text and JSON have the same numbers for modes, in the units of their keys and headings: frequencies in Hz, also those of harmonics
+    /// and the candidate frequencies of an ambiguous mode.
     #[test]
     fn modes_have_the_units_of_their_keys() {
         let harmonic = |number: i32, hz: f64, share: f64| Harmonic { number, frequency_rad_s: TAU * hz, share };
@@ -149,7 +149,7 @@ mod tests {
             );
         }
         let [re, im] = [0, 1].map(|part| number(&json["exponent_1_s"][part]));
-        // two roundings
+        // both numbers are rounded
         assert!((number(&json["frequency_Hz"]) - re.hypot(im) / TAU).abs() < 1e-15, "{json}");
         assert!((number(&json["damping_ratio"]) + re / re.hypot(im)).abs() < 1e-15, "{json}");
         assert_eq!([number(&json["multiplier"][0]), number(&json["averaged_1_s"][1])], [0.6, 4.0]);

@@ -95,10 +95,10 @@ impl PictureArguments {
     }
 }
 
-/// Pictures of a run in progress.
+/// Recorder of the pictures of a run in progress.
 pub struct Pictures<'a> {
     wanted: &'a PictureArguments,
-    /// Named variables.
+    /// Variables selected by the caller.
     series: Option<Series>,
     /// All recorded variables, for the page.
     signals: Option<Signals>,
@@ -110,7 +110,7 @@ pub struct Pictures<'a> {
 
 impl<'a> Pictures<'a> {
     /// Prepares the pictures of a run; `recorded` are its recorded variables, `named` those selected by the caller. Creates the folders,
-    /// checks their contents and reads the data to compare, so that an invalid path is an error before the run.
+    /// checks their contents and reads the data to compare, so that errors in paths are reported before the run.
     pub fn new(
         wanted: &'a PictureArguments,
         grid: &Grid,
@@ -164,7 +164,7 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// Writes the pictures, up to the time that the run has reached.
+    /// Writes the pictures, up to the time reached by the run.
     pub fn write(self, outlets: &mut Outlets) -> Result<(), Failure> {
         let Some(recording) = &self.recording else { return Ok(()) };
         let measured: Vec<Measured> = self.companions.iter().filter_map(measured).collect();
@@ -193,7 +193,7 @@ impl<'a> Pictures<'a> {
     }
 }
 
-/// Converts a table for figures.
+/// Converts a table to the form for figures.
 fn measured(companion: &Companion) -> Option<Measured> {
     match companion {
         Companion::Table { label, table } => {
@@ -203,7 +203,7 @@ fn measured(companion: &Companion) -> Option<Measured> {
     }
 }
 
-/// Creates a folder for figures. Fails before the run if it has files of other origin under the names of the figures.
+/// Creates a folder for figures. Fails before the run if files with the names of the figures exist that Foldwing did not write.
 pub(super) fn check_figures(folder: &Path, outlets: &Outlets) -> Result<(), Failure> {
     make_folder(folder)?;
     let series = (1..).map(|n| format!("outputs_{n}")).take_while(|name| folder.join(format!("{name}.svg")).exists());
@@ -215,7 +215,7 @@ pub(super) fn check_figures(folder: &Path, outlets: &Outlets) -> Result<(), Fail
     Ok(())
 }
 
-/// The same for one figure.
+/// Like [`check_figures`], for one figure.
 pub(super) fn check_figure(folder: &Path, stem: &str, outlets: &Outlets) -> Result<(), Failure> {
     make_folder(folder)?;
     FORMATS.iter().try_for_each(|(_, ending, mark)| outlets.check(&folder.join(format!("{stem}.{ending}")), mark))
@@ -236,7 +236,7 @@ pub(super) fn write_series(
     figures.try_for_each(|(i, figure)| write_figure(folder, &format!("outputs_{}", i + 1), &figure, sheets, outlets))
 }
 
-/// Writes a figure as `stem.svg`, `stem.png`, `stem.pdf`, in the requested formats.
+/// Writes a figure in the requested formats: `stem.svg`, `stem.png`, `stem.pdf`.
 pub(super) fn write_figure(
     folder: &Path,
     stem: &str,

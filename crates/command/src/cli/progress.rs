@@ -1,4 +1,4 @@
-//! Progress on a terminal: a line on standard error while a computation lasts, with an estimate of the time left.
+//! Progress of a computation on a terminal: a line on standard error with an estimate of the remaining time.
 
 use foldwing_study::watch;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -10,27 +10,27 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Shorter computations show no progress.
+/// Minimum duration of a computation that shows progress.
 const PROGRESS_AFTER: Duration = Duration::from_millis(500);
 
-/// Interval at which the line is drawn.
+/// Interval at which the line is redrawn.
 const EVERY: Duration = Duration::from_millis(100);
 
-/// Progress of a computation, shown while it exists; only if standard error is a terminal.
+/// Progress of a computation, displayed during the lifetime of this value if standard error is a terminal.
 ///
-/// A thread draws it, so that it also appears while a single unit of work lasts.
+/// A separate thread draws it, so that it is also updated during a single unit of work.
 pub(super) struct Progress {
     shown: Option<Shown>,
 }
 
 struct Shown {
     work: Arc<Work>,
-    /// Ends the thread when it is dropped.
+    /// Stops the thread when dropped.
     stop: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// Work that is done, as the thread reads it.
+/// Completed work, shared with the thread.
 struct Work {
     part: Mutex<Part>,
     done: AtomicU64,
@@ -40,18 +40,18 @@ struct Work {
 struct Part {
     /// Unit of work in the plural, or a phrase for work without units.
     what: &'static str,
-    /// Number of units, if it is known.
+    /// Number of units, if known.
     total: Option<u64>,
     began: Instant,
 }
 
 impl Progress {
-    /// Progress over `total` units of work; `what` is the work as a whole, such as `time` or `variants`.
+    /// Shows progress over `total` units of work; `what` names the work, such as `time` or `variants`.
     pub fn of(what: &'static str, total: u64) -> Self {
         Self::new(what, Some(total))
     }
 
-    /// Progress of work whose amount is not known; `what` names it.
+    /// Shows progress of work of unknown amount; `what` names it.
     pub fn phase(what: &'static str) -> Self {
         Self::new(what, None)
     }
@@ -65,13 +65,13 @@ impl Progress {
         let (stop, stopped) = mpsc::channel();
         let thread = {
             let work = Arc::clone(&work);
-            // without a thread there is no line, and nothing else is lost
+            // without a thread only the progress line is missing
             thread::Builder::new().name("progress".to_owned()).spawn(move || draw(&work, &stopped)).ok()
         };
         Self { shown: Some(Shown { work, stop: Some(stop), thread }) }
     }
 
-    /// Sets the number of units that are done.
+    /// Sets the number of completed units.
     pub fn at(&mut self, done: u64) {
         if let Some(shown) = &self.shown {
             shown.work.done.store(done, Ordering::Relaxed);
@@ -88,7 +88,7 @@ impl Progress {
         }
     }
 
-    /// The watch of a study, which shows its progress and never stops it: Ctrl-C ends the process.
+    /// Observer for the progress of a study; it never stops the study, since Ctrl-C ends the process.
     pub fn watch(&mut self) -> impl FnMut(watch::Progress) -> ControlFlow<()> {
         |watch::Progress { part, done, total }| {
             self.part(part, total.map(|total| total as u64));
@@ -108,12 +108,12 @@ impl Drop for Shown {
     fn drop(&mut self) {
         self.stop = None;
         if let Some(thread) = self.thread.take() {
-            let _ = thread.join(); // a panic of it has cleared nothing else
+            let _ = thread.join(); // nothing depends on a panic of the thread
         }
     }
 }
 
-/// Draws the work until the sender of `stopped` is dropped, and clears the line.
+/// Draws the line until the sender of `stopped` is dropped, and then clears it.
 fn draw(work: &Work, stopped: &Receiver<()>) {
     let mut bar: Option<(ProgressBar, bool)> = None;
     let mut wait = PROGRESS_AFTER;
@@ -142,14 +142,15 @@ fn draw(work: &Work, stopped: &Receiver<()>) {
     }
 }
 
-/// A bar on standard error if the amount of work is known, else a mark that moves.
+/// A bar on standard error if the amount of work is known, otherwise a spinner.
 fn new_bar(has_total: bool) -> ProgressBar {
     let template = if has_total { "{wide_bar} {msg}" } else { "{spinner} {msg}" };
     let style = ProgressStyle::with_template(template).expect("the template is valid");
     ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr()).with_style(style)
 }
 
-/// Text of the line: the share that is done with the time left if every unit lasts as long as those before, or the time so far.
+/// Text of the line: the completed fraction and the remaining time, extrapolated from the completed units, or the elapsed time
+/// if the amount of work is unknown.
 fn line(what: &str, done: u64, total: Option<u64>, elapsed: Duration) -> String {
     let so_far = time(elapsed);
     match total {
@@ -164,7 +165,7 @@ fn line(what: &str, done: u64, total: Option<u64>, elapsed: Duration) -> String 
     }
 }
 
-/// A duration with its two largest units.
+/// Formats a duration with its two largest units.
 fn time(duration: Duration) -> String {
     let s = duration.as_secs_f64().round() as u64;
     match (s / 3600, s / 60 % 60, s % 60) {
@@ -178,7 +179,7 @@ fn time(duration: Duration) -> String {
 mod tests {
     use super::*;
 
-    /// The time left is that of the units left at the mean time of those that are done.
+    /// The estimate of the remaining time is the number of remaining units times the mean time of the completed ones.
     #[test]
     fn lines_estimate_the_time_left() {
         let at = |done, total, s| line("wind speeds", done, total, Duration::from_secs(s));

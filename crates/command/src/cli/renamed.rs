@@ -1,4 +1,4 @@
-//! Options of 0.1.0 that have new names.
+//! Options of version 0.1.0 that have been renamed.
 
 /// Option of 0.1.0 and its new name.
 const OPTIONS: &[(&str, &str)] = &[
@@ -21,7 +21,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ("--variables", "--list-variables"),
 ];
 
-/// Returns the new name of an unknown option.
+/// Returns the new name of a renamed option.
 pub(super) fn option(unknown: &str) -> Option<&'static str> {
     OPTIONS.iter().find(|(old, _)| *old == unknown).map(|(_, new)| *new)
 }

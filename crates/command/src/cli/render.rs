@@ -17,9 +17,9 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::time::Instant;
 
-/// Minimum number of frames that are recorded of a run: its events are between the pictures.
+/// Minimum number of frames recorded of a run, so that events between the pictures are not missed.
 const FRAMES: u64 = 600;
-/// Maximum number of frames that are recorded.
+/// Maximum number of frames recorded.
 const MAXIMUM_FRAMES: u64 = 4_000;
 
 #[derive(clap::Args)]
@@ -86,10 +86,10 @@ pub enum Camera {
 }
 
 impl Camera {
-    /// The camera of a word.
+    /// Returns the camera with this name.
     ///
     /// # Errors
-    /// The words that there are.
+    /// An unknown name; the message lists the valid ones.
     pub fn of(word: &str) -> Result<Self, Failure> {
         let words = Self::value_variants().iter().filter_map(ValueEnum::to_possible_value);
         let words: Vec<String> = words.map(|value| value.get_name().to_owned()).collect();
@@ -120,7 +120,7 @@ fn speed(text: &str) -> Result<f64, String> {
     within(text, 1e-6, 1e6)
 }
 
-/// Kind of view and motion of a camera, each at most once.
+/// View and motion of the camera, each given at most once.
 fn camera(given: &[Camera]) -> Result<(View, Option<bool>), Failure> {
     let (mut view, mut follows) = (None, None);
     for camera in given {
@@ -141,7 +141,7 @@ fn camera(given: &[Camera]) -> Result<(View, Option<bool>), Failure> {
     Ok((view.unwrap_or(View::Iso), follows))
 }
 
-/// Settings of a film that have defaults.
+/// Optional settings of a film.
 #[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// Width and height in pixels.
@@ -157,7 +157,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Format and settings of a file.
+    /// Returns the format and settings of a file.
     fn of(&self, video: &Path) -> Result<(Format, Options), Failure> {
         let refused = |cause: String| Failure::Usage(format!("--video {}: {cause}", video.display()));
         let format = Format::of(video).map_err(refused)?;
@@ -173,10 +173,10 @@ impl Settings {
 }
 
 /// Writes a film of the run in a page of `simulate --view`, as the command does, and returns the output of `--json`. `drawn` is called with
-/// the numbers of finished and of all pictures.
+/// the number of finished pictures and the total.
 ///
 /// # Errors
-/// Those of the command, and those of `drawn`.
+/// As for the command, and errors of `drawn`.
 pub fn film_of_page(
     page: &str,
     video: &Path,
@@ -239,12 +239,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Destination of the film.
 enum Target {
     File(Place),
-    /// Files with numbers before the end of the name.
+    /// Numbered files; the number precedes the extension.
     Numbered(PathBuf),
 }
 
 impl Target {
-    /// Fails before the run if files of other origin exist there.
+    /// Fails before the run if files exist there that Foldwing did not write.
     fn new(video: &Path, format: Format, outlets: &mut Outlets) -> Result<Self, Failure> {
         match format {
             Format::Mp4 => Ok(Self::File(outlets.place(video, Mark::MP4)?)),
@@ -263,7 +263,7 @@ fn numbered(path: &Path, index: usize) -> PathBuf {
     path.with_file_name(format!("{stem}_{:05}.png", index + 1))
 }
 
-/// The run of a page, or that of a model with the failure that ended it.
+/// Returns the run of a page, or of a simulated model with the error that ended it.
 fn packed(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Result<(), Failure>), Failure> {
     let run = &arguments.run;
     let extension = run.extension().unwrap_or_default().to_string_lossy().to_lowercase();
@@ -289,7 +289,7 @@ fn packed(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Result
     }
 }
 
-/// Simulates a model and records it, up to a failure.
+/// Simulates and records a model, up to an error if there is one.
 fn simulated(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Result<(), Failure>), Failure> {
     let (machine, _) = read_model(&arguments.run)?;
     let experiment = &machine.experiment;
@@ -315,19 +315,19 @@ fn simulated(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Res
     for point in 1..=grid.steps {
         feed(inputs.as_ref(), &interface, &mut plant, grid.time_s(point - 1))?;
         if let Err(error) = plant.step(grid.time_s(point)) {
-            outcome = Err(failed(error)); // the film shows the run up to there
+            outcome = Err(failed(error)); // the film shows the run up to the error
             break;
         }
         recording.include(&plant);
         progress.at(point);
         if grid.time_s(point - 1) > span_s[1] {
-            break; // nothing later is shown
+            break; // later states are not shown
         }
     }
     Ok((PackedRun::for_film(&recording), outcome))
 }
 
-/// Number of frames to record, so that there is one for every picture as far as memory allows.
+/// Number of frames to record: one for every picture as far as memory allows.
 fn frames_of(shown_s: f64, duration_s: f64, options: &Options) -> u64 {
     let speed = options.speed.unwrap_or_else(|| default_speed(shown_s));
     let pictures = picture_count(shown_s, options.pictures_per_s, speed).min(MAXIMUM_PICTURES as f64);
@@ -354,10 +354,10 @@ fn write(
             place.fill(&bytes)
         }
         Target::Numbered(path) => {
-            // files are written where the command runs, not on the threads that draw
+            // the thread that runs the command writes the files, not those that draw
             let (send, received) = mpsc::channel();
             let keep = |index: Option<usize>, file: Vec<u8>| {
-                let _ = send.send((index.unwrap_or(0), file)); // the receiver lasts as long
+                let _ = send.send((index.unwrap_or(0), file)); // the receiver outlives the senders
                 Ok(())
             };
             let mut store = |done: usize| {

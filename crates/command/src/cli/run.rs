@@ -1,4 +1,4 @@
-//! `foldwing run`: simulation of an FMU of any tool, as CSV.
+//! `foldwing run`: simulates an FMU of any tool and writes CSV.
 
 use crate::cli::choice::chosen;
 use crate::cli::grid::{Grid, grid_of};
@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 /// Maximum number of final values in a summary.
 const MAXIMUM_SHOWN: usize = 20;
 
-/// Runs an FMU and writes the CSV; the rows up to a failure are kept.
+/// Runs an FMU and writes the CSV; the rows before an error are kept.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.variables {
         return print(&listing(&Fmu::describe(&arguments.fmu).map_err(refused)?));
@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     run.slave.set(settings).map_err(set_refused)?;
     let outcome = run.through(&grid, &writing);
     if let Err(Failure::Files(_) | Failure::Closed) = outcome {
-        return outcome.map(|_| ()); // nothing can be written: an existing file stays
+        return outcome.map(|_| ()); // nothing can be written: an existing file is kept
     }
     let Run { slave, recorder, series, readout, .. } = run;
     recorder.finish().map_err(writing)?.finish()?;
@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A value as JSON; numbers that are not finite are null.
+/// Value as JSON; numbers that are not finite are null.
 fn as_json(datum: &Datum) -> Value {
     match datum {
         Datum::Number(interface::Value::Real(value)) => json!(value),
@@ -108,7 +108,7 @@ fn as_json(datum: &Datum) -> Value {
     }
 }
 
-/// The last values of the recorded variables, one per line, where no file has them.
+/// Final values of the recorded variables, one per line, for a run without an output file.
 fn final_values(recorded: &[&Variable], readout: &Readout) -> String {
     let mut text = String::new();
     for (variable, datum) in recorded.iter().zip(readout.values()).take(MAXIMUM_SHOWN) {
@@ -126,7 +126,7 @@ fn final_values(recorded: &[&Variable], readout: &Readout) -> String {
     text
 }
 
-/// Writes messages of FMUs to standard error: with `everything` also informational ones.
+/// Writes the messages of FMUs to standard error; with `everything`, also informational ones.
 fn show_messages(everything: bool, model_name: &str) {
     let model_name = model_name.to_owned();
     listen(move |Message { instance, severity, text }| {
@@ -140,7 +140,8 @@ fn show_messages(everything: bool, model_name: &str) {
         };
         eprintln!("{instance}: {word}: {text}");
     });
-    // `Slave::call` returns an error for a status on which the crate panics; the panic message would be confusing
+    // `Slave::call` returns an error for a status on which the crate panics; suppress the message of the panic, which
+    // would confuse
     let default = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
         let payload = info.payload();
@@ -168,12 +169,12 @@ fn failed(error: CallError) -> Failure {
     Failure::Simulation(error.to_string())
 }
 
-/// A value rejected by the FMU is an error of the caller; everything else is a failure.
+/// Converts the error of a call: a rejected value is an error of the caller, anything else a failure of the simulation.
 fn set_refused(error: CallError) -> Failure {
     if error.fault == Fault::Discard { Failure::Refused(error.to_string()) } else { failed(error) }
 }
 
-/// Checks that an FMU that only accepts equal steps has no shorter last one.
+/// Checks that the last step is not shorter if the FMU only accepts equal steps.
 fn check_steps(grid: &Grid, description: &Description) -> Result<(), Failure> {
     let whole_s = grid.start_s + grid.steps as f64 * grid.step_s;
     if description.varies_step || (whole_s - grid.stop_s).abs() <= 1e-9 * grid.step_s.max(grid.stop_s.abs()) {
@@ -197,7 +198,7 @@ fn checked(tolerance: Option<f64>) -> Result<Option<f64>, Failure> {
     }
 }
 
-/// Variables to write: those named, else all outputs.
+/// Variables to write: the named ones, or all outputs without names.
 fn recorded<'a>(names: &[String], description: &'a Description) -> Result<Vec<&'a Variable>, Failure> {
     let variables = &description.variables;
     let readable: Vec<&Variable> = variables.iter().filter(|variable| variable.kind != Kind::Opaque).collect();
@@ -207,7 +208,7 @@ fn recorded<'a>(names: &[String], description: &'a Description) -> Result<Vec<&'
     chosen(names, &readable, "variable")
 }
 
-/// Mark of a CSV of these variables. A table of inputs alone may be the user's own, written for a run.
+/// Mark of a CSV of these variables. A table with only inputs has none, since the user may have written it for a run.
 fn table(recorded: &[&Variable]) -> Mark {
     if recorded.iter().all(|variable| variable.causality == "input") {
         return Mark::Never;
@@ -235,19 +236,19 @@ fn named(variable: &Variable) -> (&str, &str) {
     (&variable.name, variable.unit.as_ref().map_or("", |unit| unit.name.as_str()))
 }
 
-/// One simulation.
+/// Simulation of one FMU.
 struct Run<'a, W: Write> {
     slave: Slave,
     description: &'a Description,
     inputs: Option<InputTable>,
     readout: Readout,
     recorder: Recorder<W>,
-    /// For figures, if requested.
+    /// Recorded variables for figures, if requested.
     series: Option<Series>,
 }
 
 impl<W: Write> Run<'_, W> {
-    /// Simulates from the initialisation to the last row; returns the time reached.
+    /// Simulates from initialisation to the last row; returns the time reached.
     fn through(&mut self, grid: &Grid, writing: &impl Fn(io::Error) -> Failure) -> Result<f64, Failure> {
         self.slave.enter_initialization().map_err(failed)?;
         self.feed(grid.start_s)?;

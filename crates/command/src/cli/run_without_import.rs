@@ -1,4 +1,4 @@
-//! `foldwing run` of a build without the feature `import`: an error that names the build that has it.
+//! `foldwing run` in a build without the feature `import`: an error that names the build that has it.
 
 use crate::cli::Failure;
 pub use crate::cli::run_arguments::Arguments;

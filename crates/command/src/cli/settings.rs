@@ -30,8 +30,8 @@ pub(super) fn plant_with(
     Ok(plant)
 }
 
-/// Sets `NAME=VALUE` of an input or parameter, or `NAME=X,Y,Z` of all components of a vector, and returns the value set; `option` is
-/// the start of messages.
+/// Sets `NAME=VALUE` of an input or parameter, or `NAME=X,Y,Z` of all components of a vector, and returns the value set; messages
+/// begin with `option`.
 pub(super) fn apply_setting(
     option: &str,
     setting: &str,
@@ -66,7 +66,7 @@ pub(super) fn apply_setting(
     Ok(vec![Setting { name: name.to_owned(), value }])
 }
 
-/// The components of a vector of real inputs or parameters; `None` for other names.
+/// Components of a vector of real inputs or parameters; `None` for other names.
 fn components<'a>(name: &str, interface: &'a Interface) -> Option<&'a [Variable]> {
     let signal = interface.signals().iter().find(|signal| signal.name == name)?;
     let (first, count) = (signal.first_reference as usize, signal.shape.components().len());
@@ -74,7 +74,7 @@ fn components<'a>(name: &str, interface: &'a Interface) -> Option<&'a [Variable]
     (count > 1 && rows.iter().all(|row| matches!(row.value, Value::Real(_)))).then_some(rows)
 }
 
-/// Sets all components of a vector from numbers with commas between them; a unit after the last one is that of all.
+/// Sets all components of a vector from numbers separated by commas; a unit after the last number is valid for all.
 fn set_vector(text: &str, rows: &[Variable], interface: &Interface, plant: &mut Plant) -> Result<Vec<Setting>, String> {
     let words: Vec<&str> = text.split(',').map(str::trim).collect();
     let unit = words.last().and_then(|last| last.split_once(' ')).map_or("", |(_, unit)| unit.trim());
@@ -96,8 +96,8 @@ fn set_vector(text: &str, rows: &[Variable], interface: &Interface, plant: &mut 
     Ok(settings)
 }
 
-/// Start values for a study of a machine whose shaft turns, as `--set` gives them, by the variables that it has there; `turn` is the
-/// shaft, its speed in rad/s and the steps of a revolution. None where the shaft is none: the study reports that.
+/// Start values, in the format of `--set`, for a study in which a shaft rotates, set on the machine with the rotating shaft. `turn`
+/// is the shaft, its speed in rad/s and the steps per revolution. Empty if the shaft is not valid, which the study itself reports.
 pub(super) fn settings_of_turning(
     machine: &Machine,
     (shaft, speed_rad_s, steps): (Option<&str>, Option<f64>, usize),
@@ -112,7 +112,7 @@ pub(super) fn settings_of_turning(
     }
 }
 
-/// Start values for a study of a machine, as `--set` gives them.
+/// Start values for a study of a machine, in the format of `--set`.
 pub(super) fn typed_settings(machine: &Machine, settings: &[String]) -> Result<Vec<Setting>, Failure> {
     if settings.is_empty() {
         return Ok(Vec::new());
@@ -126,7 +126,7 @@ pub(super) fn typed_settings(machine: &Machine, settings: &[String]) -> Result<V
     Ok(list)
 }
 
-/// Sets a real, given in the variable's unit or, after the number, in one of its display units (`90 deg`).
+/// Sets a real number, given in the variable's unit or in a display unit that follows it (`90 deg`).
 fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut Plant) -> Result<f64, String> {
     let own = variable.unit();
     let (number, unit) = text.trim().split_once(' ').map_or((text, own), |(number, unit)| (number, unit.trim()));
@@ -145,7 +145,7 @@ fn set_real(text: &str, variable: &Variable, interface: &Interface, plant: &mut 
     Ok(value / factor)
 }
 
-/// Reason why a value is rejected; with an example of `number` in the unit in which `variable` is shown, if that is another one.
+/// Reason why a value is rejected, with an example of `number` in the display unit of `variable` if it has one.
 pub(super) fn refusal(error: &AccessError, variable: Option<&Variable>, number: &str) -> String {
     match variable.and_then(|variable| display_unit(variable.unit())) {
         Some((name, _)) if error.is_bad_value() => format!("{error}; in degrees write \"{number} {name}\""),
@@ -153,7 +153,7 @@ pub(super) fn refusal(error: &AccessError, variable: Option<&Variable>, number: 
     }
 }
 
-/// Another unit in which values of a unit are shown, and its factor.
+/// Display unit of a unit, and its factor.
 fn display_unit(unit: &str) -> Option<(&'static str, f64)> {
     UNITS.iter().find(|known| known.name == unit).and_then(|known| known.display)
 }

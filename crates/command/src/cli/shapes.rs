@@ -1,4 +1,4 @@
-//! `--view` and `--vtk` of modes: their shapes about an equilibrium, over the wind speed and about a periodic motion, as pictures.
+//! `--view` and `--vtk` of modes: pictures of mode shapes about an equilibrium, over the wind speed and about a periodic motion.
 
 use crate::cli::Failure;
 use crate::cli::modes::shares;
@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// Frames of a cycle in the VTK files of a mode.
+/// Frames per cycle in the VTK files of a mode.
 pub(super) const CYCLE: usize = 24;
 
 /// A mode about the present state of a plant, at amplitude 1.
@@ -48,15 +48,15 @@ pub(super) fn of_modes(plant: &Plant, modes: &[ModeShape], title: String) -> Sha
     Shapes { scene, title, quantity: None, states: vec![state] }
 }
 
-/// A sweep over the wind speed with the states at its speeds.
+/// Result of a sweep over the wind speed, with the states at its speeds.
 pub(super) struct Seen {
-    /// The result.
+    /// Flutter and divergence of the sweep.
     pub found: Flutter,
-    /// States by the bits of the speed in m/s.
+    /// States; the key is the bit pattern of the speed in m/s.
     states: BTreeMap<u64, Snapshot>,
 }
 
-/// Sweeps over the wind speed, and keeps the states.
+/// Sweeps over the wind speed and stores the states.
 pub(super) fn sweep_seen(
     plant: Plant,
     options: &flutter::Options,
@@ -70,8 +70,8 @@ pub(super) fn sweep_seen(
     Ok(Seen { found, states })
 }
 
-/// Modes over the wind speed: all at the speeds of the table, and those that start or cease to grow at their speeds. `plant` is one of the
-/// same machine.
+/// Modes over the wind speed: all modes at the speeds of the table, and the modes that become unstable or stable at their crossing speeds.
+/// `plant` is another plant of the same machine.
 pub(super) fn of_flutter(mut plant: Plant, seen: &Seen) -> Result<Shapes, PlantError> {
     let Flutter { branches, crossings, .. } = &seen.found;
     let scene = Scene::of(&plant);
@@ -102,7 +102,7 @@ pub(super) fn of_flutter(mut plant: Plant, seen: &Seen) -> Result<Shapes, PlantE
     Ok(Shapes { scene, title, quantity: Some(["wind speed", "m/s"]), states })
 }
 
-/// Floquet modes about a periodic motion that was found with these options, over its turn.
+/// Floquet modes about a periodic motion, computed with these options, over one revolution.
 pub(super) fn of_periodic(machine: &Machine, options: &periodic::Options, found: &Periodic) -> Result<Shapes, Failure> {
     let failed = |error: PlantError| Failure::Statics(error.to_string());
     let speed_rad_s = Some(found.turn.speed_rad_s);
@@ -150,10 +150,10 @@ pub(super) fn of_periodic(machine: &Machine, options: &periodic::Options, found:
     Ok(Shapes { scene, title, quantity: None, states: vec![state] })
 }
 
-/// The page of modes.
+/// Returns the page of modes as HTML.
 ///
 /// # Errors
-/// There are none.
+/// A machine without modes.
 pub(super) fn page(shapes: &Shapes) -> Result<String, Failure> {
     if shapes.states.iter().all(|state| state.modes.iter().all(Option::is_none)) {
         return Err(none(&shapes.scene.name));
@@ -168,12 +168,12 @@ pub(super) fn none(name: &str) -> Failure {
     ))
 }
 
-/// Folder of a mode among the VTK files.
+/// Name of the folder of a mode for its VTK files.
 fn folder_of(number: usize) -> String {
     format!("mode_{number}")
 }
 
-/// Fails before any computation if a VTK file of the first `count` modes would replace one of other origin.
+/// Fails before any computation if a VTK file of the first `count` modes exists that Foldwing did not write.
 pub(super) fn check_vtk(folder: &Path, count: usize, outlets: &Outlets) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|error| Failure::writing(&folder.display().to_string(), &error))?;
     for number in 1..=count {
@@ -190,7 +190,7 @@ pub(super) fn check_vtk(folder: &Path, count: usize, outlets: &Outlets) -> Resul
     Ok(())
 }
 
-/// Writes a cycle of each mode of the first state as VTK files, at amplitude 1, in a folder of its own.
+/// Writes one cycle of each mode of the first state as VTK files, at amplitude 1, in a separate folder for each mode.
 pub(super) fn write_vtk(shapes: &Shapes, folder: &Path, outlets: &mut Outlets) -> Result<(), Failure> {
     let Some(state) = shapes.states.first() else { return Ok(()) };
     let modes: Vec<&DrawnMode> = state.modes.iter().flatten().collect();
@@ -208,7 +208,7 @@ pub(super) fn write_vtk(shapes: &Shapes, folder: &Path, outlets: &mut Outlets) -
     Ok(())
 }
 
-/// A cycle of a mode with constant amplitude; a mode that does not oscillate sways once in 1 s.
+/// One cycle of a mode with constant amplitude; a mode that does not oscillate is shown as an oscillation with a period of 1 s.
 fn cycle(scene: &Scene, base: &Frame, mode: &DrawnMode) -> Vec<Frame> {
     let rate_rad_s = mode.exponent_1_s.im.abs();
     let rate_rad_s = if rate_rad_s > 0.0 { rate_rad_s } else { TAU };

@@ -1,12 +1,12 @@
-//! The examples inside the command: their files, their first lines, and the files that they need.
+//! The examples embedded in the command: their files, summaries, and the files that they need.
 
 use foldwing_file as config;
 use std::borrow::Cow;
 
-/// Names below `examples/`, with `/`, and contents; in the order of the names.
+/// Paths below `examples/`, with `/`, and contents, sorted by path.
 const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/examples.rs"));
 
-/// Scripts without a comment, and their summaries.
+/// Scripts without a comment that could serve as summary, and their summaries.
 const WITHOUT_WORDS: [(&str, &str); 2] = [
     ("fmpy_ten_lines.py", "First script with an FMU, in FMPy: an input and a load set after every step"),
     ("python_ten_lines.py", "First script with the Python package: simulation, linear model, sweep"),
@@ -18,18 +18,18 @@ const SCHEMA: &str = "models/foldwing.schema.json";
 /// An example.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Example {
-    /// Name below `examples/`, with `/`.
+    /// Path below `examples/`, with `/`.
     pub name: &'static str,
     text: Option<&'static str>,
 }
 
 impl Example {
-    /// All examples, in the order of their names.
+    /// All examples, sorted by path.
     pub fn all() -> impl Iterator<Item = Self> {
         FILES.iter().map(|&(name, text)| Self { name, text: Some(text) })
     }
 
-    /// The example, or another file that examples need, of this name.
+    /// The example with this path, or another file that examples need.
     pub fn named(name: &str) -> Option<Self> {
         let schema = (name == SCHEMA).then_some(Self { name: SCHEMA, text: None });
         schema.or_else(|| Self::all().find(|example| example.name == name))
@@ -40,7 +40,7 @@ impl Example {
         self.text.map_or_else(|| Cow::Owned(config::schema()), Cow::Borrowed)
     }
 
-    /// Whether the file is of use by itself: a model, a script or a program, and not a table or a part of a script.
+    /// Returns whether the file is useful by itself: a model, a script or a program, and not a table or a part of a script.
     pub fn is_listed(&self) -> bool {
         let main = self.name.ends_with(".toml") || self.name.ends_with(".rs");
         main || self.name.ends_with(".py") && self.text().contains("__main__") || self.is_without_words()
@@ -50,7 +50,7 @@ impl Example {
         WITHOUT_WORDS.iter().any(|(name, _)| *name == self.name)
     }
 
-    /// The description of a model, or the first line of a comment or script about it.
+    /// Summary: the description of a model, or the first line of the comment of a script.
     pub fn summary(&self) -> String {
         if let Some((_, summary)) = WITHOUT_WORDS.iter().find(|(name, _)| *name == self.name) {
             return (*summary).to_owned();
@@ -67,7 +67,7 @@ impl Example {
         of_model().or_else(beginning).unwrap_or_default().to_owned()
     }
 
-    /// Examples that this one needs, without itself: files that it names relative to its folder, and scripts that it imports.
+    /// Other examples that this one needs: files that it names relative to its folder, and scripts that it imports.
     pub fn needed(&self) -> Vec<Self> {
         let mut found = vec![*self];
         let mut next = 0;
@@ -98,7 +98,7 @@ impl Example {
     }
 }
 
-/// A relative path from a folder, without `.` and `..`; `None` if it leaves the examples.
+/// Joins a folder and a relative path, resolving `.` and `..`; `None` if the result is outside the examples.
 fn joined(folder: &[&str], path: &str) -> Option<String> {
     let mut parts = folder.to_vec();
     for part in path.trim().split('/') {
@@ -116,7 +116,7 @@ fn joined(folder: &[&str], path: &str) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// Every listed example has a summary of one line; the files that models and scripts need are found.
+    /// Every listed example has a one-line summary, and the files that models and scripts need are found.
     #[test]
     fn examples_have_summaries_and_needs() {
         let listed: Vec<Example> = Example::all().filter(Example::is_listed).collect();

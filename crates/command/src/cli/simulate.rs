@@ -71,7 +71,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Arguments for a page alone.
+    /// Arguments that only write a page.
     pub(super) fn for_page(
         model: PathBuf,
         page: PathBuf,
@@ -102,7 +102,7 @@ impl Arguments {
     }
 }
 
-/// Simulates and writes the CSV; the rows up to a failure are kept.
+/// Simulates and writes the CSV; the rows before an error are kept.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     one_standard_input([Some(arguments.model.as_path()), arguments.inputs.as_deref()])?;
     one_standard_output(arguments.json, arguments.csv.as_deref())?;
@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut plant = plant_with(machine, &interface, &arguments.settings)?;
     if arguments.strains.is_none() && arguments.lattice.is_none() && !arguments.pictures.any() {
         let rows: Vec<u32> = recorded.iter().map(|variable| variable.value_reference).collect();
-        plant.watch(interface.needs(rows.as_slice()) | OutputSet::JOINTS); // the summary has the joints
+        plant.watch(interface.needs(rows.as_slice()) | OutputSet::JOINTS); // the summary includes the joints
     }
 
     let read = [Some(arguments.model.as_path()), arguments.inputs.as_deref()].into_iter().flatten();
@@ -147,7 +147,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         timing.finish();
     }
     if let Err(Failure::Usage(_) | Failure::Files(_) | Failure::Closed) = outcome {
-        return outcome; // nothing was computed, or nothing can be written: an existing file stays
+        return outcome; // nothing was computed, or nothing can be written: an existing file is kept
     }
     let Run { plant, recorder, strains, lattices, timing, pictures, .. } = run;
     recorder.finish().map_err(writing)?.finish()?;
@@ -190,7 +190,7 @@ pub(super) fn one_standard_output(json: bool, csv: Option<&Path>) -> Result<(), 
     Ok(())
 }
 
-/// Mark of a CSV of these variables. A table of inputs alone may be the user's own, written for a run.
+/// Mark of a CSV of these variables. A table with only inputs has none, since the user may have written it for a run.
 fn table(recorded: &[&Variable]) -> Mark {
     if recorded.iter().all(|variable| variable.causality == Causality::Input) {
         return Mark::Never;
@@ -198,7 +198,7 @@ fn table(recorded: &[&Variable]) -> Mark {
     Mark::table(std::iter::once("time").chain(recorded.iter().map(|variable| variable.name.as_str())))
 }
 
-/// Files written at the end of a run beside the CSV and the pictures.
+/// Files written at the end of a run in addition to the CSV and the pictures.
 struct Reports {
     timing: Place,
     strains: Place,
@@ -236,14 +236,14 @@ impl Reports {
     }
 }
 
-/// Opens a file, writes it by `write`, and finishes it.
+/// Opens a file, calls `write` on it, and finishes it.
 fn written(place: Place, write: impl FnOnce(&mut Outlet) -> io::Result<()>) -> Result<(), Failure> {
     let mut outlet = place.open()?;
     write(&mut outlet).map_err(|error| outlet.failure(&error))?;
     outlet.finish()
 }
 
-/// Checks that at most one file is read from standard input.
+/// Checks that at most one input file is read from standard input.
 pub(super) fn one_standard_input<'a>(read: impl IntoIterator<Item = Option<&'a Path>>) -> Result<(), Failure> {
     let count = read.into_iter().flatten().filter(|path| *path == Path::new("-")).count();
     if count > 1 {
@@ -252,7 +252,7 @@ pub(super) fn one_standard_input<'a>(read: impl IntoIterator<Item = Option<&'a P
     Ok(())
 }
 
-/// Variables of the table: the named ones, else all outputs.
+/// Variables of the table: the named ones, or all outputs without names.
 fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Variable>, Failure> {
     let variables = interface.variables();
     if names.is_empty() {
@@ -261,7 +261,7 @@ fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Va
     chosen(names, &variables.iter().collect::<Vec<_>>(), "variable")
 }
 
-/// Error for an unknown name.
+/// Error for an unknown variable name.
 pub(super) fn unknown<'a, C: Channel + 'a>(
     name: &str,
     what: &'static str,
@@ -300,7 +300,7 @@ pub(super) fn feed(
     Ok(())
 }
 
-/// One simulation.
+/// Simulation in progress.
 struct Run<'a, W: Write> {
     plant: Plant,
     interface: &'a Interface,
@@ -311,7 +311,7 @@ struct Run<'a, W: Write> {
     strains: Option<StrainPeaks>,
     /// Lattices, if requested.
     lattices: Option<LatticeRecord>,
-    /// Clocks, if requested.
+    /// Timing, if requested.
     timing: Option<Timing>,
     pictures: Pictures<'a>,
 }
@@ -335,7 +335,7 @@ impl<W: Write> Run<'_, W> {
             let begin = self.timing.is_some().then(Instant::now);
             if let Err(error) = self.plant.step(time_s) {
                 if self.plant.time_s() > grid.time_s(point - 1) {
-                    self.record(self.plant.time_s()).map_err(writing)?; // the last good time
+                    self.record(self.plant.time_s()).map_err(writing)?; // the last time reached without an error
                 }
                 return Err(failed(error));
             }
@@ -384,7 +384,7 @@ fn times(given: &GridArguments, grid: &Grid) -> Times {
     }
 }
 
-/// The same as JSON: the joints with one degree of freedom at the end, and the statistics of the solver.
+/// Summary as JSON: final values of the joints with one degree of freedom, and the statistics of the solver.
 fn summary_json(plant: &Plant, grid: &Grid, elapsed: Duration) -> serde_json::Value {
     let machine = plant.machine();
     let outputs = plant.outputs().joints().iter().zip(plant.outputs().latches());
@@ -421,7 +421,7 @@ fn summary_json(plant: &Plant, grid: &Grid, elapsed: Duration) -> serde_json::Va
     })
 }
 
-/// Summary in a few lines.
+/// Summary as text of a few lines.
 fn summary(plant: &Plant, grid: &Grid, elapsed: Duration) -> String {
     let machine = plant.machine();
     let mut text = String::new();
@@ -459,7 +459,7 @@ mod tests {
     use super::*;
     use crate::packaging::drawing::tests::two_body_machine;
 
-    /// A table that has other columns than inputs is recognised by its header; a table of inputs alone is never recognised.
+    /// A table with other columns than inputs is recognised by its header; a table with only inputs is never recognised.
     #[test]
     fn only_tables_of_inputs_alone_are_never_replaced() {
         let interface = Interface::new(&two_body_machine());

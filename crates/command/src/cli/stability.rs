@@ -4,7 +4,8 @@ use foldwing_engine::plant::{Coarseness, Departure, Growth, Plant, Rest, Stabili
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// Describes the stability, the growing motions of an unstable equilibrium, and the reason why the search left the load path.
+/// Describes the stability, the growing motions of an unstable equilibrium, and the reason why the search departed from the
+/// load path.
 pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) -> String {
     let mut text = match departure {
         Some(Departure::Unstable(count)) => format!(
@@ -64,7 +65,7 @@ fn growth_in_words(plant: &Plant, growth: &Growth) -> String {
     )
 }
 
-/// The same as JSON.
+/// Stability as JSON, with the contents of [`text`].
 pub fn as_json(plant: &Plant, stability: &Stability, departure: Option<Departure>) -> Value {
     let growing: Vec<Value> = stability
         .growing
@@ -130,7 +131,7 @@ pub fn path_text(plant: &mut Plant, rest: &Rest) -> String {
     text
 }
 
-/// The same as JSON.
+/// Load path as JSON, with the contents of [`path_text`].
 pub fn path_json(plant: &mut Plant, rest: &Rest) -> Vec<Value> {
     let names = tip_names(plant);
     let mut list = Vec::new();

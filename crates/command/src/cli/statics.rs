@@ -56,7 +56,7 @@ pub enum BranchOption {
 }
 
 impl BranchOption {
-    /// The corresponding choice of the plant.
+    /// Returns the corresponding branch of the engine.
     pub fn choice(self) -> Branch {
         match self {
             Self::Stable => Branch::Stable,
@@ -95,13 +95,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Assumptions of the air that an equilibrium does not meet, and joints that may not be where they are meant to be.
+/// Assumptions of the aerodynamic model that an equilibrium does not meet, and joints whose position may not be the intended one.
 fn doubts_at(plant: &Plant) -> Vec<Doubt> {
     doubts::air_at(plant).into_iter().chain(doubts::stall_at(plant)).chain(doubts::joints_at(plant)).collect()
 }
 
-/// Stability of an equilibrium, with aerodynamics; with a lattice, for which it takes longer than the equilibrium, only if the search has
-/// evaluated it.
+/// Stability of an equilibrium, with aerodynamics; with a lattice, whose stability takes longer to compute than the equilibrium, only if
+/// the search has evaluated it.
 pub(super) fn judged(plant: &mut Plant, rest: &Rest) -> Result<Stability, PlantError> {
     if let Some(stability) = &rest.stability {
         return Ok(stability.clone());
@@ -113,7 +113,7 @@ pub(super) fn judged(plant: &mut Plant, rest: &Rest) -> Result<Stability, PlantE
     plant.study().stability()
 }
 
-/// The present equilibrium of the plant as JSON.
+/// Present equilibrium of the plant as JSON.
 pub(super) fn rest_json(plant: &mut Plant, rest: &Rest) -> Result<Value, PlantError> {
     let stability = judged(plant, rest)?;
     let coarseness = plant.study().coarseness();
@@ -203,7 +203,7 @@ fn as_json(plant: &Plant, effort: StaticEffort) -> Value {
     })
 }
 
-/// Revolute and prismatic joints: type of motion, name, outputs, whether latched.
+/// Revolute and prismatic joints: type of motion, name, outputs, and whether a latch is closed.
 fn joints(plant: &Plant) -> impl Iterator<Item = (Travel, &str, &JointOutputs, bool)> {
     let described = plant.machine().bodies.iter().filter_map(|body| {
         let (travel, _) = body.joint.kind.one_freedom()?;
@@ -298,7 +298,7 @@ fn as_text(plant: &Plant, effort: StaticEffort) -> String {
     text
 }
 
-/// `x, y, z`.
+/// Formats a vector as `x, y, z`.
 fn vector(v: Vector3<f64>) -> String {
     format!("{}, {}, {}", six(v.x), six(v.y), six(v.z))
 }

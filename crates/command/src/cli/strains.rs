@@ -3,7 +3,7 @@
 use foldwing_engine::plant::{Plant, SectionStrain};
 use std::io::{self, Write};
 
-/// Largest `|E₁₁|` per section so far, and its time.
+/// Largest `|E₁₁|` of each section so far, and the time of its occurrence.
 #[derive(Default)]
 pub struct StrainPeaks {
     rows: Vec<(SectionStrain, f64)>,
@@ -13,7 +13,7 @@ impl StrainPeaks {
     /// Names of the columns.
     pub const COLUMNS: [&str; 6] = ["body", "position_m", "largest_axial_strain", "time_s", "y_m", "z_m"];
 
-    /// Includes the plant's present strains.
+    /// Updates the maxima with the plant's present strains.
     pub fn include(&mut self, plant: &Plant) {
         let time_s = plant.time_s();
         let strains = plant.section_strains();

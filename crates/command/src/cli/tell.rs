@@ -1,7 +1,7 @@
 //! Messages on standard error: errors with the line in question and a caret below it, warnings, notes.
 //!
 //! Colours are used if standard error is a terminal; `NO_COLOR`, `CLICOLOR` and `CLICOLOR_FORCE` are respected. The first line of an error
-//! is for editors and scripts: `error: FILE:LINE: cause`.
+//! can be parsed by editors and scripts: `error: FILE:LINE: cause`.
 
 use crate::cli::{Failure, renamed};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
@@ -9,11 +9,11 @@ use anstyle::AnsiColor;
 use foldwing_file::{ConfigError, Doubt, Fault, Problem};
 use std::ops::Range;
 
-/// Maximum number of problems of a file shown with their line; the others have one line each.
+/// Maximum number of problems of a file that are shown with their source line; the others take one line each.
 const MAXIMUM_EXCERPTS: usize = 20;
 /// Maximum number of bytes of a line shown around the caret.
 const MAXIMUM_BYTES: usize = 160;
-/// Maximum size of a file of which a line is shown, in bytes.
+/// Maximum size in bytes of a file whose lines are shown.
 const LARGEST_FILE: u64 = 1 << 24;
 
 /// Excerpt of a text: a line, its number, and the part marked by the caret.
@@ -50,7 +50,7 @@ pub(super) fn note(message: &str) {
     say(Level::NOTE, message, None, "", None);
 }
 
-/// Prints a doubt about a valid model file.
+/// Prints a warning about a valid model file.
 pub(super) fn doubt(file: &str, text: &str, doubt: &Doubt) {
     let title = format!("{file}:{}: key '{}': {}", doubt.line, doubt.key, doubt.reason);
     say(Level::WARNING, &title, line_at(text, &doubt.span), &doubt.advice, None);
@@ -58,7 +58,7 @@ pub(super) fn doubt(file: &str, text: &str, doubt: &Doubt) {
 
 /// Prints an error of clap: its message, then the location.
 pub(super) fn parse_error(error: &clap::Error) {
-    let _ = error.print(); // nowhere to report that it failed
+    let _ = error.print(); // there is no other channel to report a failure
     if !error.use_stderr() {
         return;
     }
@@ -96,7 +96,7 @@ fn problems(text: &str, error: &ConfigError) {
     }
 }
 
-/// Returns the message, the text at the caret, and the allowed values of a problem.
+/// Returns the message of a problem, the text at the caret, and the allowed values.
 fn parts(problem: &Problem) -> (String, String, Option<String>) {
     let key = &problem.key;
     match &problem.fault {
@@ -115,7 +115,7 @@ fn parts(problem: &Problem) -> (String, String, Option<String>) {
     }
 }
 
-/// Prints an error in a file; if the message names a line of it, that line is shown.
+/// Prints an error in a file, with the source line if the message names one.
 fn refused(message: &str) {
     let place = message.split_once(": ").and_then(|(place, cause)| {
         let (file, line) = place.rsplit_once(':')?;
@@ -128,14 +128,14 @@ fn refused(message: &str) {
     };
     let begin = text.split_inclusive('\n').take(number.saturating_sub(1)).map(str::len).sum::<usize>();
     let line = text[begin..].lines().next().unwrap_or_default();
-    // the quoted parts of the message, if the line has them
+    // mark the quoted parts of the message if the line contains them
     let quoted = cause.split('`').skip(1).step_by(2).filter(|quoted| !quoted.is_empty());
     let at = quoted.filter_map(|quoted| line.find(quoted).map(|at| at..at + quoted.len())).next();
     let span = at.unwrap_or(0..line.len());
     say(Level::ERROR, message, line_at(text, &(begin + span.start..begin + span.end)), "", None);
 }
 
-/// Returns the line in which a span starts, shortened around it.
+/// Returns the line in which a span starts, shortened to the surroundings of the span.
 fn line_at<'t>(text: &'t str, span: &Range<usize>) -> Option<Excerpt<'t>> {
     let start = span.start.min(text.len());
     let before = text.get(..start)?;
@@ -150,10 +150,10 @@ fn line_at<'t>(text: &'t str, span: &Range<usize>) -> Option<Excerpt<'t>> {
     Some(Excerpt { line, span: span.start.min(shown.len())..span.end.min(shown.len()), text: shown })
 }
 
-/// The command line as it was typed, as far as it can be reconstructed, for carets below it.
+/// The command line as typed, as far as it can be reconstructed, to show carets below it.
 struct CommandLine {
     text: String,
-    /// Position of each word, without the name of the program.
+    /// Words without the name of the program, with their positions.
     words: Vec<(String, Range<usize>)>,
 }
 
@@ -176,7 +176,7 @@ impl CommandLine {
         line
     }
 
-    /// Returns the word that is `text` or starts with it.
+    /// Returns the word that equals or begins with `text`.
     fn find(&self, text: &str) -> Option<Excerpt<'_>> {
         let whole = self.words.iter().rfind(|(word, _)| word == text);
         let part = || self.words.iter().rfind(|(word, _)| word.contains(text) && !text.is_empty());
@@ -200,7 +200,7 @@ impl CommandLine {
                 }
             }
         }
-        // otherwise an option in the message
+        // otherwise mark an option that the message names
         let option = || {
             let named = self.words.iter().filter(|(word, _)| word.starts_with("--") && message.contains(word.as_str()));
             named.map(|(_, span)| span.clone()).next()
@@ -214,7 +214,7 @@ impl CommandLine {
     }
 }
 
-/// Prints the command line with carets below a part of it: a line without a number.
+/// Prints the command line with carets below a part of it, without a line number.
 fn pointed(excerpt: &Excerpt) {
     let before = excerpt.text[..excerpt.span.start].chars().count();
     let carets = excerpt.text[excerpt.span.clone()].chars().count().max(1);

@@ -1,4 +1,4 @@
-//! `foldwing simulate --profile`: cost of a run, as JSON.
+//! `foldwing simulate --profile`: computing time of a run, as JSON.
 
 use foldwing_engine::plant::Statistics;
 use foldwing_study::latency::processor_time;
@@ -6,8 +6,8 @@ use serde_json::json;
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-/// Clocks of one run. Wall time is split into initialisation, steps and rows; processor time is the sum of all three, since reading it
-/// costs as much as a row.
+/// Clocks of one run. Wall time is split into initialisation, steps and output rows; processor time is measured only in total, since
+/// reading it costs as much as a row.
 pub(super) struct Timing {
     started: Instant,
     processor_start: Option<Duration>,
@@ -51,7 +51,7 @@ impl Timing {
         self.processor = self.processor_start.zip(processor_time()).map(|(begin, end)| end - begin);
     }
 
-    /// Writes all figures, times in s.
+    /// Writes all measurements, times in s.
     pub(super) fn write(&self, statistics: &Statistics, simulated_s: f64, mut sink: impl Write) -> io::Result<()> {
         let steps_s = self.steps.as_secs_f64();
         let per = |count: u64| if count == 0 { None } else { Some(1e6 * steps_s / count as f64) };

@@ -1,4 +1,4 @@
-//! `foldwing trim`: solves for inputs and parameters that give outputs their target values at equilibrium.
+//! `foldwing trim`: solves for inputs and parameters with which outputs reach target values at equilibrium.
 
 use crate::cli::number::six;
 use crate::cli::outlets::Quiet;
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     print(&text(&found))
 }
 
-/// Parses `NAME=VALUE` of an option.
+/// Parses `NAME=VALUE` as the value of an option.
 fn parsed(option: &str, text: &str) -> Result<(String, f64), Failure> {
     let refused = |cause: &str| Failure::Usage(format!("{option} {text}: {cause}"));
     let (name, value) = text.split_once('=').ok_or_else(|| refused("must be NAME=VALUE"))?;
@@ -76,7 +76,7 @@ fn parsed(option: &str, text: &str) -> Result<(String, f64), Failure> {
     Ok((name.to_owned(), value))
 }
 
-/// The result for people.
+/// Returns the result as a text table.
 fn text(found: &Trim) -> String {
     let mut text = format!("{}: trim found after {} steps\n", found.machine, found.steps);
     for Solved { name, unit, value } in &found.solved {
@@ -93,7 +93,7 @@ fn text(found: &Trim) -> String {
     text
 }
 
-/// The error of a trim in the words of the command.
+/// Converts the error of a trim to a message of the command.
 fn failure(error: TrimError, interface: &Interface) -> Failure {
     match error {
         TrimError::Name(error) => Failure::Usage(name_message::<Variable>(&error)),

@@ -3,12 +3,12 @@
 use super::*;
 use crate::packaging::drawing::tests::two_body_machine;
 
-/// Unknowns are reported under the given names, also those with a common value, with their unit, and targets under theirs; the settings are
-/// those of each input with its sign. JSON has the numbers of the text.
+/// Unknowns are reported under the given names with their units, also unknowns shared by several inputs, and targets under theirs; settings
+/// are listed for each input with its sign. Text and JSON have the same numbers.
 #[test]
 fn results_have_the_names_and_units_that_were_given() {
     let mut machine = two_body_machine();
-    machine.bodies.iter_mut().for_each(|body| body.elements = 1); // the names do not depend on them
+    machine.bodies.iter_mut().for_each(|body| body.elements = 1); // the names do not depend on the number of elements
     let interface = Interface::new(&machine);
     let unit = |name: &str| interface.find(name).expect("a variable").unit();
     for free in [

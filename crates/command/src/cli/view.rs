@@ -40,7 +40,7 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// Simulates a model and shows its page; an existing page is shown directly.
+/// Simulates a model and opens its page in the browser; an existing page is opened directly.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let run = &arguments.run;
     let extension = run.extension().unwrap_or_default().to_string_lossy().to_lowercase();

@@ -7,20 +7,20 @@ use foldwing_fmi::interface::Value;
 use std::collections::HashMap;
 use std::fmt;
 
-/// Interpreted model description.
+/// Model description with interpreted contents.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
     /// `modelName`.
     pub model_name: String,
-    /// `guid` or `instantiationToken`, which the library checks.
+    /// `guid` or `instantiationToken`, which the library verifies.
     pub guid: String,
     /// Name of the library without its extension.
     pub identifier: String,
-    /// Steps may vary in size.
+    /// Whether the step size may vary.
     pub varies_step: bool,
     /// Default experiment.
     pub experiment: Experiment,
-    /// In the order of the file.
+    /// Variables in the order of the file.
     pub variables: Vec<Variable>,
 }
 
@@ -92,7 +92,7 @@ impl NativeType {
     }
 }
 
-/// Element of a variable of FMI 3.0: a scalar has one.
+/// Element of a variable of FMI 3.0; a scalar has one element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Element {
     /// Type.
@@ -117,9 +117,9 @@ pub struct Unit {
 pub struct DisplayUnit {
     /// Name in the file.
     pub name: String,
-    /// Displayed value per value.
+    /// Ratio of displayed to stored value.
     pub factor: f64,
-    /// Displayed value of zero.
+    /// Displayed value when the stored value is zero.
     pub offset: f64,
 }
 
@@ -132,7 +132,7 @@ pub struct Variable {
     pub value_reference: u32,
     /// `causality` in the file, `local` if not given.
     pub causality: String,
-    /// May be set before the initialisation: inputs, parameters, and start values of others.
+    /// Whether it may be set before the initialisation: inputs, parameters, and start values of other variables.
     pub settable: bool,
     /// Type.
     pub kind: Kind,
@@ -163,7 +163,7 @@ impl Datum {
         i32::try_from(value).map_or(Self::Whole(value), |value| Self::Number(Value::Integer(value)))
     }
 
-    /// The value as a real number; NaN for a text.
+    /// Value as a real number; NaN for text.
     pub fn real(&self) -> f64 {
         match self {
             Self::Number(value) => number(value),
@@ -172,7 +172,7 @@ impl Datum {
         }
     }
 
-    /// The value as an integer; 0 if it is not a number.
+    /// Value as an integer; 0 if it is not a number.
     pub fn integer(&self) -> i128 {
         match self {
             Self::Number(Value::Integer(value)) => i128::from(*value),
@@ -183,7 +183,7 @@ impl Datum {
     }
 }
 
-/// Checks the identifier, which is a file name below `binaries`: it must not lead elsewhere.
+/// Checks the identifier, which is used as a file name below `binaries`: it must not lead outside this folder.
 fn check_identifier(identifier: &str) -> Result<(), String> {
     let outside = |c: char| c.is_control() || matches!(c, '/' | '\\' | ':');
     if identifier.is_empty() || identifier.starts_with('.') || identifier.contains(outside) {
@@ -278,7 +278,7 @@ impl Variable {
             unit.map(|name| units.get(name).cloned().unwrap_or_else(|| Unit { name: name.clone(), display: vec![] }));
         if own.relative.or(declared.relative) == Some(true) {
             let displays = unit.iter_mut().flat_map(|unit| &mut unit.display);
-            displays.for_each(|display| display.offset = 0.0); // a difference: 5 K are 5 °C
+            displays.for_each(|display| display.offset = 0.0); // a temperature difference has no offset: 5 K are 5 °C
         }
         let (min, max) = (own.min.or(declared.min), own.max.or(declared.max));
         let range =
@@ -300,10 +300,11 @@ impl Variable {
         })
     }
 
-    /// Parses a value from the command line: a number, optionally with a unit after a space; a Boolean, an item of an enumeration, a text.
+    /// Parses a value from the command line: a number, optionally followed by a space and a unit; a Boolean, an item of an enumeration, or
+    /// text.
     ///
     /// # Errors
-    /// Cause and allowed values.
+    /// The cause and the allowed values.
     pub fn parse(&self, text: &str) -> Result<Datum, String> {
         let value = match &self.kind {
             Kind::Real => Value::Real(self.real(text)?),
@@ -332,7 +333,7 @@ impl Variable {
         }
     }
 
-    /// An integer of FMI 3.0, of up to 64 bits.
+    /// Parses an integer of FMI 3.0, of up to 64 bits.
     fn whole(&self, text: &str) -> Result<Datum, String> {
         let value: i128 = text.parse().map_err(|_| format!("`{text}` is not a whole number"))?;
         self.within(text, value as f64, Datum::whole(value))
@@ -347,7 +348,7 @@ impl Variable {
         }
     }
 
-    /// Name of the whole variable of which this may be an element.
+    /// Name of the array if this is an element of one, otherwise of the variable.
     pub fn array_name(&self) -> &str {
         match self.element {
             Some(element) if element.length > 1 => self.name.rfind('[').map_or(&self.name, |at| &self.name[..at]),
@@ -358,7 +359,7 @@ impl Variable {
     /// Start value in the description; zero, false or empty if not given.
     pub fn start_value(&self) -> Datum {
         let given = self.start.as_deref().and_then(|start| match self.kind {
-            // the value may lie outside the range, which is not checked
+            // the start value may be outside the range, which is not checked here
             Kind::Real => start.parse().ok().map(|value| Datum::Number(Value::Real(value))),
             Kind::Integer | Kind::Enumeration(_) => start.parse().ok().map(Datum::whole),
             Kind::Boolean | Kind::String | Kind::Opaque => self.parse(start).ok(),
@@ -371,7 +372,7 @@ impl Variable {
         })
     }
 
-    /// A real, converted to the variable's unit.
+    /// Parses a real number and converts it to the variable's unit.
     fn real(&self, text: &str) -> Result<f64, String> {
         let (number, unit) = text.split_once(' ').map_or((text, None), |(number, unit)| (number, Some(unit.trim())));
         let number = number.parse::<f64>().map_err(|_| format!("`{number}` is not a number"))?;
@@ -389,7 +390,7 @@ impl Variable {
         }
     }
 
-    /// The unit after a space, if it has one.
+    /// The unit preceded by a space; empty if there is none.
     pub fn unit_after_number(&self) -> String {
         self.unit.as_ref().map(|unit| format!(" {}", unit.name)).unwrap_or_default()
     }

@@ -134,7 +134,7 @@ impl Tagged {
         parts!(
             Float32 Float32, Float64 Float64, Int8 Int8, UInt8 UInt8, Int16 Int16, UInt16 UInt16, Int32 Int32,
             UInt32 UInt32, Int64 Int64, UInt64 UInt64, Boolean Boolean, String String, Binary Binary,
-            // an enumeration is read and set as Int64
+            // enumerations are read and set as Int64
             Enumeration Int64, Clock Clock
         )
     }
@@ -157,7 +157,7 @@ pub(super) fn variables(root: Root3, units: &HashMap<String, Unit>) -> Result<Ve
             (words, native, attributes)
         })
         .collect();
-    // lengths may be structural parameters, at their start values: nothing is configured here
+    // lengths may be structural parameters, which keep their start values here
     let length_of = |of: u32| {
         let parameter = list.iter().find(|(_, _, attributes)| attributes.reference == of);
         parameter.and_then(|(.., attributes)| attributes.start.as_deref()?.trim().parse::<usize>().ok())
@@ -188,7 +188,7 @@ pub(super) fn variables(root: Root3, units: &HashMap<String, Unit>) -> Result<Ve
     Ok(found)
 }
 
-/// `name[1,3]`: indices from 1, the last one varies fastest.
+/// Name of an element, such as `name[1,3]`: indices start at 1, and the last one varies fastest.
 fn element_name(name: &str, place: usize, lengths: &[usize]) -> String {
     let mut rest = place;
     let mut indices: Vec<String> = lengths
@@ -204,7 +204,7 @@ fn element_name(name: &str, place: usize, lengths: &[usize]) -> String {
     format!("{name}[{}]", indices.join(","))
 }
 
-/// Start values in row-major order: all, one for all elements, or none.
+/// Start values in row-major order: one for each element, one for all elements, or none.
 fn starts(attributes: &Attributes, native: NativeType, count: usize) -> Result<Vec<String>, String> {
     let starts: Vec<String> = match native {
         NativeType::String | NativeType::Binary => attributes.starts.iter().map(|start| start.value.clone()).collect(),
@@ -242,7 +242,7 @@ fn scalar(
         unit.map(|name| units.get(name).cloned().unwrap_or_else(|| Unit { name: name.clone(), display: vec![] }));
     if own.relative.or(declared.and_then(|declared| declared.relative)) == Some(true) {
         let displays = unit.iter_mut().flat_map(|unit| &mut unit.display);
-        displays.for_each(|display| display.offset = 0.0); // a difference: 5 K are 5 °C
+        displays.for_each(|display| display.offset = 0.0); // a temperature difference has no offset: 5 K are 5 °C
     }
     let kind = match element.native {
         NativeType::Float32 | NativeType::Float64 => Kind::Real,
@@ -283,7 +283,7 @@ fn scalar(
     let range =
         (min.is_some() || max.is_some()).then(|| (min.unwrap_or(f64::NEG_INFINITY), max.unwrap_or(f64::INFINITY)));
     let causality = own.causality.clone().unwrap_or_else(|| "local".to_owned());
-    // without the attribute the standard's default holds, which is "exact" for inputs and parameters only
+    // without the attribute, the standard's default applies, which is "exact" only for inputs and parameters
     let given = matches!(own.initial.as_deref(), Some("exact" | "approx"));
     let opaque = kind == Kind::Opaque;
     let settable = (matches!(causality.as_str(), "input" | "parameter") || given)

@@ -1,4 +1,4 @@
-//! Descriptions written by other tools, and values of `--set` for them.
+//! Model descriptions written by other tools, and values of `--set` for them.
 
 use super::*;
 
@@ -39,7 +39,7 @@ fn foreign() -> Description {
     Description::new(root, None).expect("complete")
 }
 
-/// Everything allowed by the standard is read: other name spaces, annotations, unused attributes.
+/// Everything that the standard allows is read: other namespaces, annotations, unused attributes.
 #[test]
 fn descriptions_of_other_tools_are_understood() {
     let description = foreign();
@@ -55,7 +55,7 @@ fn descriptions_of_other_tools_are_understood() {
     assert_eq!(description.find("y").expect("listed").unit_after_number(), " furlong");
 }
 
-/// Values with and without units, items and numbers; each error has the allowed values.
+/// Values with and without units, enumeration items and numbers are converted; each error lists the allowed values.
 #[test]
 fn settings_are_converted_or_refused() {
     let description = foreign();
@@ -87,7 +87,7 @@ fn settings_are_converted_or_refused() {
     }
 }
 
-/// Missing items are named.
+/// Errors name the missing items.
 #[test]
 fn incomplete_descriptions_are_refused() {
     for (taken, put, message) in [

@@ -76,18 +76,19 @@ pub enum ImportError {
     },
 }
 
-/// Status of a function other than `fmi2OK` or `fmi2Warning`, or the same of FMI 3.0.
+/// Status of a function other than `fmi2OK` or `fmi2Warning`, or the corresponding one of FMI 3.0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// Rejected, nothing changed.
+    /// The call was rejected and changed nothing.
     Discard,
-    /// Failed; the instance can only be reset or freed.
+    /// The call failed; the instance can only be reset or freed.
     Error,
     /// All instances of the FMU are unusable and may not even be freed.
     Fatal,
-    /// A step of FMI 3.0 ended early without permission.
+    /// A step of FMI 3.0 returned early without permission.
     Early,
-    /// A status that cannot be handled: `fmi2Pending`, as steps are never asynchronous here, or one that the standard does not define.
+    /// A status that cannot be handled: `fmi2Pending`, since steps are never asynchronous here, or one that the standard does not
+    /// define.
     Other,
 }
 
@@ -95,14 +96,14 @@ pub enum Fault {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{call}: the FMU returned {answer}", answer = fault.name(&call[..4]))]
 pub struct CallError {
-    /// Function, with its purpose.
+    /// Function and the purpose of the call.
     pub call: String,
-    /// Its status.
+    /// Status that it returned.
     pub fault: Fault,
 }
 
 impl Fault {
-    /// Name in the version of the standard with the prefix `fmi2` or `fmi3`.
+    /// Name of the status in the standard, with the prefix `fmi2` or `fmi3`.
     pub fn name(self, prefix: &str) -> String {
         match self {
             Self::Discard => format!("{prefix}Discard"),

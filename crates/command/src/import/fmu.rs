@@ -1,4 +1,4 @@
-//! An FMU, unpacked into a temporary folder.
+//! FMU that is unpacked into a temporary folder.
 
 use crate::import::description::Description;
 use crate::import::description_file::Root;
@@ -26,7 +26,7 @@ use zip::result::ZipError;
 /// Member of the archive that identifies an FMU.
 const DESCRIPTION: &str = "modelDescription.xml";
 
-/// Maximum size of a description in bytes: hundreds of thousands of variables.
+/// Maximum size of a description in bytes, sufficient for hundreds of thousands of variables.
 const LONGEST_DESCRIPTION: u64 = 1 << 28;
 
 /// A co-simulation FMU whose library is present and can be loaded.
@@ -37,7 +37,7 @@ pub struct Fmu {
     import: Import,
 }
 
-/// Its folder, loaded by the crate `fmi`.
+/// The folder of the FMU, loaded by the crate `fmi`.
 #[derive(Debug)]
 enum Import {
     Fmi2(Fmi2Import),
@@ -45,15 +45,15 @@ enum Import {
 }
 
 impl Fmu {
-    /// Reads the description of an FMU and checks whether it can be run; nothing is unpacked or loaded.
+    /// Reads the description of an FMU and checks whether it can be run, without unpacking or loading anything.
     ///
     /// # Errors
-    /// All but those of [`Fmu::open`] about the library.
+    /// As for [`Fmu::open`], except errors of the library.
     pub fn describe(path: &Path) -> Result<Description, ImportError> {
         Ok(read(path)?.description)
     }
 
-    /// Unpacks an FMU into a folder, which is removed with it, and checks its library.
+    /// Unpacks an FMU into a folder, which is removed with this value, and checks its library.
     ///
     /// # Errors
     /// The file cannot be read, is not an FMU, has another version or interface type, or its library for this platform is missing, cannot
@@ -80,10 +80,10 @@ impl Fmu {
         &self.description
     }
 
-    /// Returns a new instance; `logging` switches its messages on.
+    /// Returns a new instance; `logging` enables its messages.
     ///
     /// # Errors
-    /// [`ImportError::NotInstantiated`]; the FMU's messages have the cause.
+    /// [`ImportError::NotInstantiated`]; the FMU's messages state the cause.
     pub fn instantiate(&self, name: &str, logging: bool) -> Result<Slave, ImportError> {
         let visible = false;
         let none = |function| ImportError::NotInstantiated { path: self.path.clone(), function };
@@ -102,10 +102,10 @@ impl Fmu {
     }
 }
 
-/// An archive with its description.
+/// An opened archive with its description.
 struct Archived {
     archive: ZipArchive<File>,
-    /// FMI 3.0.
+    /// Whether the version is FMI 3.0.
     third: bool,
     description: Description,
 }
@@ -134,7 +134,7 @@ fn read(path: &Path) -> Result<Archived, ImportError> {
     let root: Root = quick_xml::de::from_str(text).map_err(of_text)?;
     let third = match root.version.as_deref() {
         Some("2.0") => None,
-        // 3.0.1 and 3.0.2 also write 3.0; later minor versions keep the functions
+        // versions 3.0.1 and 3.0.2 also write 3.0; later minor versions keep the functions
         Some(version) if is_third(version) => Some(quick_xml::de::from_str::<Root3>(text).map_err(of_text)?),
         Some(found) => return Err(ImportError::Version { path: path.to_owned(), found: found.to_owned() }),
         None => return Err(not_an_fmu(format!("{DESCRIPTION}: no attribute fmiVersion"))),
@@ -147,13 +147,13 @@ fn read(path: &Path) -> Result<Archived, ImportError> {
     Ok(Archived { archive, third: is_third, description })
 }
 
-/// Returns whether this is a final version of FMI 3: `3.0`, `3.1`, but not `3.0-beta.2`.
+/// Returns whether this is a released version of FMI 3: `3.0`, `3.1`, but not `3.0-beta.2`.
 fn is_third(version: &str) -> bool {
     version.strip_prefix("3.").is_some_and(|minor| minor.split('.').all(|part| part.parse::<u32>().is_ok()))
 }
 
-/// The crate passes the path of the resources without the separator that the standard requires at its end, and some FMUs append the name of
-/// a file directly. This makes the files available beside the folder, too.
+/// The crate passes the path of the resources without the trailing separator that the standard requires, and some FMUs append the name of a
+/// file directly. This makes the files available next to the folder, too.
 fn beside_resources(folder: &Path) -> io::Result<()> {
     fn link(from: &Path, to: &Path) -> io::Result<()> {
         if from.is_dir() {
@@ -185,8 +185,8 @@ pub(super) fn of_archive(path: &Path, error: ZipError) -> ImportError {
     }
 }
 
-/// Passes the folder to the crate `fmi` with the minimum description for an instantiation: the crate's own reader rejects attributes that
-/// the standard allows.
+/// Passes the folder to the crate `fmi` with a minimal description, sufficient to instantiate the FMU, because the crate's own parser
+/// rejects attributes that the standard allows.
 fn of_fmi2(folder: TempDir, description: &Description) -> Fmi2Import {
     let [name, guid, identifier] = [&description.model_name, &description.guid, &description.identifier].map(escape);
     let text = format!(
@@ -196,7 +196,7 @@ fn of_fmi2(folder: TempDir, description: &Description) -> Fmi2Import {
     Fmi2Import::new(folder, &text).expect("three texts in attributes, escaped")
 }
 
-/// The same for FMI 3.0.
+/// Like [`of_fmi2`], for FMI 3.0.
 fn of_fmi3(folder: TempDir, description: &Description) -> Fmi3Import {
     let [name, token, identifier] = [&description.model_name, &description.guid, &description.identifier].map(escape);
     let text = format!(
@@ -206,7 +206,7 @@ fn of_fmi3(folder: TempDir, description: &Description) -> Fmi3Import {
     Fmi3Import::new(folder, &text).expect("three texts in attributes, escaped")
 }
 
-/// Fails for libraries that would otherwise stop the program during a run.
+/// Returns an error for libraries that would otherwise abort the program during a run.
 fn check_library<I: FmiImport>(
     path: &Path,
     import: &I,
@@ -231,7 +231,7 @@ fn check_library<I: FmiImport>(
     }
 }
 
-/// Folders of `binaries` by name.
+/// Names of the folders in `binaries`.
 fn platforms(binaries: &Path) -> String {
     let entries = fs::read_dir(binaries).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
@@ -239,7 +239,7 @@ fn platforms(binaries: &Path) -> String {
     if names.is_empty() { "no libraries at all".to_owned() } else { names.join(", ") }
 }
 
-/// The first required function that the library lacks: the bindings would panic at its call.
+/// Returns the first required function that the library lacks; the bindings would panic when calling it.
 fn missing_function(binding: &Fmi2Binding) -> Option<&'static str> {
     macro_rules! first_missing {
         ($($function:ident),* $(,)?) => { [$((binding.$function.is_err(), stringify!($function))),*] };
@@ -267,7 +267,7 @@ fn missing_function(binding: &Fmi2Binding) -> Option<&'static str> {
     .find_map(|(missing, function)| missing.then_some(function))
 }
 
-/// The same for FMI 3.0.
+/// Like [`missing_function`], for FMI 3.0.
 fn missing_function_of_fmi3(binding: &Fmi3Binding) -> Option<&'static str> {
     macro_rules! first_missing {
         ($($function:ident),* $(,)?) => { [$((binding.$function.is_err(), stringify!($function))),*] };

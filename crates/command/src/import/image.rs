@@ -1,14 +1,14 @@
-//! Check for truncated shared libraries: the loader maps the sections given in the headers, and an access beyond the end of the file ends
-//! the process.
+//! Check for truncated shared libraries: the loader maps the sections listed in the headers, and an access beyond the end of the file
+//! would end the process.
 
 use object::{Object, ObjectSection, ObjectSegment};
 use std::fs;
 use std::path::Path;
 
-/// Checks every library in a folder, as one may load another.
+/// Checks every library in a folder, since one may load another.
 ///
 /// # Errors
-/// Path of the first truncated one, and the missing part.
+/// Path of the first truncated library, and the missing part.
 pub(super) fn check_images(folder: &Path) -> Result<(), (String, String)> {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
@@ -19,7 +19,7 @@ pub(super) fn check_images(folder: &Path) -> Result<(), (String, String)> {
     Ok(())
 }
 
-/// Compares the sections of an image with the length of its file. Other files are left to the loader.
+/// Compares the sections of an image with the length of its file. Files of other formats are left to the loader.
 fn check(bytes: &[u8]) -> Result<(), String> {
     if !matches!(bytes, [0x7f, b'E', b'L', b'F', ..] | [b'M', b'Z', ..] | [0xcf, 0xfa, 0xed, 0xfe, ..]) {
         return Ok(());
@@ -39,7 +39,7 @@ fn check(bytes: &[u8]) -> Result<(), String> {
 mod tests {
     use super::*;
 
-    /// This executable is complete; truncated at any length it is an error, and other files are ignored.
+    /// This executable is accepted; truncated to any length it is rejected, and other files are ignored.
     #[test]
     fn a_library_that_ends_too_early_is_found_out() {
         let whole = fs::read(std::env::current_exe().unwrap()).unwrap();

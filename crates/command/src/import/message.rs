@@ -5,7 +5,7 @@ use log::{Level, Log, Metadata, Record};
 /// Severity of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
-    /// For information: status `fmi2OK`.
+    /// Information: status `fmi2OK`.
     Note,
     /// Status `fmi2Warning`.
     Warning,
@@ -15,18 +15,18 @@ pub enum Severity {
     Error,
 }
 
-/// A message of an FMU, with its arguments filled in.
+/// A message of an FMU, with its arguments inserted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// Name of the instance; messages of FMI 3.0 have none.
+    /// Name of the instance; `None` in FMI 3.0.
     pub instance: Option<String>,
-    /// Its status.
+    /// Severity, from the status.
     pub severity: Severity,
-    /// Text, without line feeds at its end.
+    /// Text without trailing line feeds.
     pub text: String,
 }
 
-/// Passes every message of every FMU to a function; returns `false` if another logger is installed.
+/// Passes every message of every FMU to a function; returns `false` if another logger is already installed.
 pub fn listen(to: impl Fn(&Message) + Send + Sync + 'static) -> bool {
     log::set_boxed_logger(Box::new(Listener(to))).is_ok()
 }
@@ -46,7 +46,7 @@ impl<F: Fn(&Message) + Send + Sync> Log for Listener<F> {
             Level::Debug | Level::Trace => Severity::Discard,
         };
         let text = record.args().to_string().trim_end().to_owned();
-        // the crate passes the name of the instance in FMI 2.0, and the category instead in FMI 3.0
+        // in FMI 2.0 the crate passes the name of the instance, in FMI 3.0 the category instead
         let instance = (record.module_path() != Some("fmu")).then(|| record.target().to_owned());
         (self.0)(&Message { instance, severity, text });
     }

@@ -1,4 +1,4 @@
-//! One instance of a foreign FMU of any version, from set-up to termination.
+//! Instance of a foreign FMU of either version, from set-up to termination.
 
 use crate::import::description::{Datum, Variable};
 use crate::import::error::CallError;
@@ -10,11 +10,11 @@ use crate::import::slave3::{Readout3, Slave3};
 pub enum Step {
     /// The step was completed.
     Done,
-    /// The FMU requests the end of the simulation; time reached in s.
+    /// The FMU requested the end of the simulation at this time in s.
     Ended(f64),
 }
 
-/// An instance. It is terminated and freed when it goes out of scope, if its last status allows.
+/// An instance. It is terminated and freed when dropped, if its last status allows this.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "a run has one, and nothing copies it")]
 pub enum Slave {
@@ -24,7 +24,7 @@ pub enum Slave {
     Fmi3(Slave3),
 }
 
-/// Variables to read together, with their last values.
+/// Variables that are read together, and their last values.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "a run has a few, and nothing copies it")]
 pub enum Readout {
@@ -35,7 +35,7 @@ pub enum Readout {
 }
 
 impl Readout {
-    /// Readout of variables of one FMU, in their order.
+    /// Creates the readout of variables of one FMU, in the given order.
     pub fn new<'a>(variables: impl IntoIterator<Item = &'a Variable> + Clone) -> Self {
         let third = variables.clone().into_iter().any(|variable| variable.element.is_some());
         if third { Self::Fmi3(Readout3::new(variables)) } else { Self::Fmi2(Readout2::new(variables)) }
@@ -59,7 +59,7 @@ impl Slave {
         }
     }
 
-    /// Sets times and, if given, tolerance of the experiment.
+    /// Sets the times and, if given, the tolerance of the experiment.
     ///
     /// # Errors
     /// The status of the FMU.
@@ -95,7 +95,7 @@ impl Slave {
         }
     }
 
-    /// Sets variables. Elements of one array of FMI 3.0 are set together, the other elements keep the values last set.
+    /// Sets variables. Elements of one array of FMI 3.0 are set together; the other elements keep the values set last.
     ///
     /// # Errors
     /// The status of the FMU, with the variable's name and value.
@@ -114,12 +114,12 @@ impl Slave {
         match (self, readout) {
             (Self::Fmi2(slave), Readout::Fmi2(readout)) => slave.read(readout),
             (Self::Fmi3(slave), Readout::Fmi3(readout)) => slave.read(readout),
-            // nothing to read
+            // there is nothing to read
             _ => Ok(()),
         }
     }
 
-    /// Executes a step from a communication point.
+    /// Performs a step from a communication point.
     ///
     /// # Errors
     /// The status of the FMU. In FMI 2.0, `fmi2Discard` is an error unless the FMU requests the end of the simulation.

@@ -1,4 +1,4 @@
-//! One instance of a foreign FMU of FMI 2.0 from set-up to termination.
+//! Instance of a foreign FMU of FMI 2.0, from set-up to termination.
 
 use crate::import::description::{Datum, Kind, Variable};
 use crate::import::error::{CallError, Fault};
@@ -9,20 +9,20 @@ use foldwing_fmi::interface::Value;
 use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// An instance. It is terminated and freed when it goes out of scope, if its last status allows.
+/// An instance. It is terminated and freed when dropped, if its last status allows this.
 #[derive(Debug)]
 pub struct Slave2 {
-    /// `None` only while it is dropped.
+    /// `None` only while the instance is dropped.
     instance: Option<InstanceCS>,
     stepping: bool,
     failed: Option<Fault>,
     warnings: u64,
 }
 
-/// Variables to read together, with their last values.
+/// Variables that are read together, and their last values.
 #[derive(Debug, Default)]
 pub struct Readout2 {
-    /// Type and position in the list of that type, in the order of the variables.
+    /// Type and index in the list of that type, in the order of the variables.
     places: Vec<(Type, usize)>,
     reals: List<f64>,
     integers: List<i32>,
@@ -53,7 +53,7 @@ impl<T: Default> List<T> {
 }
 
 impl Readout2 {
-    /// Readout of variables, in their order.
+    /// Creates the readout of variables, in the given order.
     pub fn new<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> Self {
         let mut readout = Self::default();
         for variable in variables {
@@ -91,7 +91,7 @@ impl Slave2 {
         self.warnings
     }
 
-    /// Sets times and, if given, tolerance of the experiment.
+    /// Sets the times and, if given, the tolerance of the experiment.
     ///
     /// # Errors
     /// The status of the FMU.
@@ -136,7 +136,7 @@ impl Slave2 {
                 let value = [i32::from(*value)];
                 self.call(setting("fmi2SetBoolean"), |instance| instance.set_boolean(&reference, &value))
             }
-            // integers beyond 32 bits exist in FMI 3.0 only
+            // integers of more than 32 bits exist in FMI 3.0 only
             Datum::Text(_) | Datum::Whole(_) => {
                 let text = [CString::new(value.to_string().replace('\0', " ")).unwrap_or_default()];
                 let set = |instance: &mut InstanceCS| instance.set_string(&reference, &text).map(|()| Fmi2Res::OK);
@@ -169,7 +169,7 @@ impl Slave2 {
         Ok(())
     }
 
-    /// Executes a step from a communication point.
+    /// Performs a step from a communication point.
     ///
     /// # Errors
     /// The status of the FMU. `fmi2Discard` is an error unless the FMU requests the end of the simulation.
@@ -182,7 +182,7 @@ impl Slave2 {
         }
     }
 
-    /// Time in s at which the FMU requests the end of the simulation, if it does.
+    /// Time in s at which the FMU requested the end of the simulation, if it did.
     fn ended(&mut self) -> Option<f64> {
         let instance = self.instance.as_mut()?;
         let ended = catch_unwind(AssertUnwindSafe(|| instance.terminated().unwrap_or(false))).unwrap_or(false);
@@ -190,14 +190,15 @@ impl Slave2 {
         if ended { time_s } else { None }
     }
 
-    /// The only place where a status of the FMU becomes a `Result`. A status after which no call is allowed is stored.
+    /// The only function that converts a status of the FMU to a `Result`. A status after which no call is allowed is
+    /// stored.
     fn call(
         &mut self,
         name: impl FnOnce() -> String,
         body: impl FnOnce(&mut InstanceCS) -> Result<Fmi2Res, Fmi2Error>,
     ) -> Result<(), CallError> {
         let instance = self.instance.as_mut().expect("taken by drop only");
-        // the crate panics on `fmi2Pending` and on a status that the standard does not have
+        // the crate panics on `fmi2Pending` and on a status that the standard does not define
         let answer = catch_unwind(AssertUnwindSafe(|| body(instance)));
         let fault = match answer {
             Ok(Ok(Fmi2Res::OK)) => return Ok(()),
@@ -222,7 +223,7 @@ impl Drop for Slave2 {
         let Some(mut instance) = self.instance.take() else { return };
         match self.failed {
             None if self.stepping => {
-                // its status has no effect any more
+                // the status no longer has any effect
                 let _ = catch_unwind(AssertUnwindSafe(|| instance.terminate()));
             }
             None | Some(Fault::Discard | Fault::Error | Fault::Early) => {}

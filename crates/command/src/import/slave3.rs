@@ -1,4 +1,4 @@
-//! One instance of a foreign FMU of FMI 3.0 from set-up to termination, without Event Mode and early return.
+//! Instance of a foreign FMU of FMI 3.0, from set-up to termination, without Event Mode and early return.
 
 use crate::import::description::{Datum, NativeType, Variable};
 use crate::import::error::{CallError, Fault};
@@ -11,13 +11,13 @@ use std::ffi::CString;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// An instance. It is terminated and freed when it goes out of scope, if its last status allows.
+/// An instance. It is terminated and freed when dropped, if its last status allows this.
 pub struct Slave3 {
-    /// `None` only while it is dropped.
+    /// `None` only while the instance is dropped.
     instance: Option<InstanceCS>,
     /// Tolerance, start and stop time in s.
     experiment: (Option<f64>, f64, f64),
-    /// Last values set for the elements of an array, by its value reference: an array is set as a whole.
+    /// Values set last for the elements of each array, by value reference, because an array can only be set as a whole.
     held: HashMap<u32, Vec<Datum>>,
     stepping: bool,
     failed: Option<Fault>,
@@ -30,7 +30,7 @@ impl fmt::Debug for Slave3 {
     }
 }
 
-/// Arrays of one type, in succession.
+/// Arrays of one type, concatenated.
 #[derive(Debug)]
 struct List<T> {
     references: Vec<u32>,
@@ -44,7 +44,7 @@ impl<T> Default for List<T> {
 }
 
 impl<T: Default + Clone> List<T> {
-    /// Appends an array; returns the position of its first element.
+    /// Appends an array; returns the index of its first element.
     fn push(&mut self, reference: u32, length: usize) -> usize {
         let begin = self.values.len();
         self.references.push(reference);
@@ -53,7 +53,7 @@ impl<T: Default + Clone> List<T> {
     }
 }
 
-/// Converts an integer to a smaller type; values out of range were rejected when they were read.
+/// Converts an integer to a smaller type; values out of range have already been rejected by the parser.
 macro_rules! narrowed {
     ($value:expr, $type:ty) => {
         $value.clamp(i128::from(<$type>::MIN), i128::from(<$type>::MAX)) as $type
@@ -63,17 +63,17 @@ macro_rules! narrowed {
 macro_rules! natives {
     ($($variant:ident $field:ident $type:ty, $get:ident $get_name:literal, $set:ident $set_name:literal,
         $out:expr, $in:expr;)*) => {
-        /// Variables to read together, with their last values.
+        /// Variables that are read together, and their last values.
         #[derive(Debug, Default)]
         pub struct Readout3 {
-            /// Type and position among the values of that type, in the order of the variables.
+            /// Type and index among the values of that type, in the order of the variables.
             places: Vec<(NativeType, usize)>,
             strings: List<CString>,
             $($field: List<$type>,)*
         }
 
         impl Readout3 {
-            /// Readout of variables, in their order.
+            /// Creates the readout of variables, in the given order.
             pub fn new<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> Self {
                 let mut readout = Self::default();
                 let mut begins: HashMap<u32, usize> = HashMap::new();
@@ -137,13 +137,13 @@ macro_rules! natives {
                         let set = |instance: &mut InstanceCS| instance.set_string(&reference, &texts).map(|()| Fmi3Res::OK);
                         self.call(|| format!("fmi3SetString of {}", shown()), set)
                     }
-                    // values of these types cannot be given
+                    // no value can be given for these types
                     NativeType::Binary | NativeType::Clock => Ok(()),
                 }
             }
         }
 
-        /// A value set and read again: `None` for types that are not numbers.
+        /// Sets a value and reads it again; `None` for types that are not numbers.
         #[cfg(test)]
         fn set_and_read(native: NativeType, value: &Datum) -> Option<Datum> {
             match native {
@@ -183,7 +183,7 @@ natives! {
 }
 
 impl Slave3 {
-    /// `variables` are those of its description.
+    /// Creates the wrapper of an instance; `variables` are those of its description.
     pub(super) fn new(instance: InstanceCS, variables: &[Variable]) -> Self {
         let mut held: HashMap<u32, Vec<Datum>> = HashMap::new();
         for variable in variables.iter().filter(|variable| variable.settable) {
@@ -203,7 +203,7 @@ impl Slave3 {
         self.warnings
     }
 
-    /// Sets times in s and, if given, tolerance, which are passed by [`Slave3::enter_initialization`].
+    /// Stores the times in s and, if given, the tolerance; [`Slave3::enter_initialization`] passes them to the FMU.
     pub fn set_up(&mut self, tolerance: Option<f64>, start_s: f64, stop_s: f64) {
         self.experiment = (tolerance, start_s, stop_s);
     }
@@ -256,10 +256,10 @@ impl Slave3 {
         Ok(())
     }
 
-    /// Executes a step from a communication point.
+    /// Performs a step from a communication point.
     ///
     /// # Errors
-    /// The status of the FMU, or an early end of the step without permission.
+    /// The status of the FMU, or an early return without permission.
     pub fn step(&mut self, time_s: f64, step_s: f64) -> Result<Step, CallError> {
         let (mut event, mut end, mut early, mut last_s) = (false, false, false, time_s + step_s);
         let step = |instance: &mut InstanceCS| {
@@ -278,14 +278,14 @@ impl Slave3 {
         Ok(Step::Done)
     }
 
-    /// The only place where a status of the FMU becomes a `Result`. A status after which no call is allowed is stored.
+    /// The only function that converts a status of the FMU to a `Result`. A status after which no call is allowed is stored.
     fn call(
         &mut self,
         name: impl FnOnce() -> String,
         body: impl FnOnce(&mut InstanceCS) -> Result<Fmi3Res, Fmi3Error>,
     ) -> Result<(), CallError> {
         let instance = self.instance.as_mut().expect("taken by drop only");
-        // the crate panics on a status that the standard does not have
+        // the crate panics on a status that the standard does not define
         let fault = match catch_unwind(AssertUnwindSafe(|| body(instance))) {
             Ok(Ok(Fmi3Res::OK)) => return Ok(()),
             Ok(Ok(Fmi3Res::Warning)) => {
@@ -309,7 +309,7 @@ impl Drop for Slave3 {
         let Some(mut instance) = self.instance.take() else { return };
         match self.failed {
             None if self.stepping => {
-                // its status has no effect any more
+                // the status no longer has any effect
                 let _ = catch_unwind(AssertUnwindSafe(|| instance.terminate()));
             }
             None | Some(Fault::Discard | Fault::Error | Fault::Early) => {}
@@ -323,7 +323,7 @@ impl Drop for Slave3 {
 mod tests {
     use super::*;
 
-    /// Integers of every type are set and read unchanged at the ends of their range and next to them, and saturate beyond; these ends are
+    /// Integers of every type are set and read unchanged at and next to the limits of their range, and saturate beyond; the limits are
     /// also the range of the variables.
     #[test]
     fn whole_numbers_have_the_range_of_their_type() {
@@ -347,12 +347,12 @@ mod tests {
             for (value, end) in [(least - 1, least), (2 * least - 2, least), (most + 1, most), (2 * most + 2, most)] {
                 assert_eq!(passed(value), Datum::whole(end), "{native:?}: {value}");
             }
-            // the limits of 64 bits are not representable as reals: the nearest ones are
+            // the 64-bit limits are not representable as reals: the nearest reals are used
             assert_eq!(native.bounds(), (Some(least as f64), Some(most as f64)), "{native:?}");
         }
     }
 
-    /// Reals and Booleans are set and read unchanged; single precision is rounded.
+    /// Reals and Booleans are set and read unchanged; single-precision values are rounded.
     #[test]
     fn reals_and_booleans_are_set_as_they_are() {
         for value in [0.0, -1.5, 0.1, f64::MAX, f64::MIN_POSITIVE] {

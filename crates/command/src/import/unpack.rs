@@ -1,4 +1,4 @@
-//! Unpacking of a possibly malicious archive: no file leaves the folder, and the size is limited.
+//! Unpacking of a possibly malicious archive: no file is written outside the folder, and the size is limited.
 
 use crate::import::error::ImportError;
 use crate::import::fmu::of_archive;
@@ -8,9 +8,10 @@ use std::path::Path;
 use zip::ZipArchive;
 use zip::read::ZipFile;
 
-/// Maximum size in bytes of any unpacked FMU.
+/// Maximum unpacked size in bytes below which the ratio is not checked.
 const MAXIMUM_BYTES: u64 = 1 << 30;
-/// Maximum ratio of unpacked to packed size above that: a large FMU may be large, a small one that becomes large is an attack.
+/// Maximum ratio of unpacked to packed size above [`MAXIMUM_BYTES`]: a large FMU may unpack to more, but a small one that does
+/// is an attack.
 const MAXIMUM_RATIO: u64 = 20;
 /// Maximum number of members of an FMU.
 const MAXIMUM_MEMBERS: usize = 100_000;
@@ -37,7 +38,7 @@ pub(super) fn unpack(fmu: &Path, archive: &mut ZipArchive<File>, folder: &Path) 
         }
         fs::create_dir_all(target.parent().unwrap_or(folder)).map_err(failed)?;
         let mut file = File::create(&target).map_err(failed)?;
-        // the size given in the archive may be wrong
+        // the size stated in the archive may be wrong
         let written = io::copy(&mut member.by_ref().take(left + 1), &mut file).map_err(failed)?;
         if written > left {
             return Err(refused(format!("more than {most} bytes unpacked, from {packed}; unpacking stopped")));
@@ -58,7 +59,7 @@ fn inside<R: Read>(member: &ZipFile<'_, R>) -> Result<std::path::PathBuf, String
     member.enclosed_name().ok_or_else(|| format!("the member {:?} has no usable path", shown(&name)))
 }
 
-/// The beginning of a name, for messages.
+/// Beginning of a member name, for messages.
 fn shown(name: &str) -> String {
     name.chars().take(60).collect()
 }

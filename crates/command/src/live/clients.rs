@@ -1,4 +1,4 @@
-//! Connections of pages: one thread each, which reads orders and sends the messages of its mailbox.
+//! Connections of pages: each has a thread that reads commands and sends the messages of its mailbox.
 
 use crate::live::http::{Access, ServerAddress, answer, read_head, switching};
 use crate::live::order::Order;
@@ -12,34 +12,34 @@ use std::time::Duration;
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Bytes, Error, Message, WebSocket};
 
-/// Largest number of connections at once, pages and requests.
+/// Maximum number of simultaneous connections, pages and requests.
 const MOST_CONNECTIONS: usize = 32;
 
-/// Largest message of a page in bytes: orders are short.
+/// Maximum size of a message from a page in bytes; commands are short.
 const LARGEST_ORDER: usize = 64 << 10;
 
-/// Largest number of messages that wait for a page. A page that cannot keep up misses the oldest pictures.
+/// Maximum number of messages queued for a page. A page that cannot keep up misses the oldest pictures.
 const MOST_WAITING: usize = 60;
 
-/// Timeout of requests and of writing.
+/// Timeout for reading requests and for writing.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Interval at which the mailbox is polled.
 const POLL: Duration = Duration::from_millis(5);
 
-/// An event of a connection, for the simulation.
+/// Event of a connection, passed to the simulation.
 pub(super) enum ClientEvent {
-    /// The page was sent; its socket follows.
+    /// The page was sent; its WebSocket connection follows.
     Requested,
-    /// The socket of a page was opened.
+    /// The WebSocket of a page was opened.
     Connected(u64),
-    /// An order of a page.
+    /// A command of a page.
     Ordered(u64, Order),
-    /// The socket was closed.
+    /// The WebSocket of a page was closed.
     Disconnected,
 }
 
-/// Messages for one page.
+/// Queue of messages for one page.
 #[derive(Default)]
 struct Mailbox {
     waiting: Mutex<VecDeque<Message>>,
@@ -49,7 +49,7 @@ impl Mailbox {
     fn put(&self, message: Message) {
         let mut waiting = locked(&self.waiting);
         if waiting.len() >= MOST_WAITING {
-            // texts are few, and none may be lost
+            // drop pictures, since texts are few and none may be lost
             let oldest = waiting.iter().position(|message| message.is_binary()).unwrap_or(0);
             waiting.remove(oldest);
         }
@@ -57,7 +57,7 @@ impl Mailbox {
     }
 }
 
-/// Lock that ignores poisoning: the guarded lists are consistent at any time.
+/// Locks a mutex, ignoring poisoning: the guarded lists are always consistent.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -74,7 +74,7 @@ pub(super) struct Clients {
 }
 
 impl Clients {
-    /// No connections yet.
+    /// Creates the list, without connections.
     pub fn new(address: ServerAddress, page: String, events: Sender<ClientEvent>) -> Self {
         Self {
             address,
@@ -87,7 +87,7 @@ impl Clients {
         }
     }
 
-    /// Ends all connections; their threads notice within [`POLL`].
+    /// Ends all connections; their threads react within [`POLL`].
     pub fn end(&self) {
         self.ended.store(true, Ordering::Release);
     }
@@ -103,19 +103,19 @@ impl Clients {
         locked(&self.mailboxes).iter().for_each(|(_, mailbox)| mailbox.put(Message::Binary(picture.clone())));
     }
 
-    /// Sends a text to all pages, or to one.
+    /// Sends a text to all pages, or to the page given by `to`.
     pub fn send_text(&self, text: &str, to: Option<u64>) {
         let wanted = |id: u64| to.is_none_or(|to| to == id);
         let boxes = locked(&self.mailboxes);
         boxes.iter().filter(|(id, _)| wanted(*id)).for_each(|(_, mailbox)| mailbox.put(Message::text(text)));
     }
 
-    /// Serves a connection in a thread of its own.
+    /// Serves a connection in a new thread.
     pub fn serve_in_thread(self: &Arc<Self>, stream: TcpStream) {
         let clients = Arc::clone(self);
         let serve = move || {
             let among = clients.connections.fetch_add(1, Ordering::AcqRel);
-            // an error concerns this connection only
+            // an error affects this connection only
             let _ = clients.serve(stream, among < MOST_CONNECTIONS);
             clients.connections.fetch_sub(1, Ordering::AcqRel);
         };
@@ -149,7 +149,7 @@ impl Clients {
         stream.shutdown(Shutdown::Write)
     }
 
-    /// Receives orders and sends pictures until one side closes the connection.
+    /// Receives commands and sends pictures until one side closes the connection.
     fn exchange(&self, stream: TcpStream, read_already: Vec<u8>) -> io::Result<()> {
         stream.set_read_timeout(Some(POLL))?;
         let limits = WebSocketConfig::default()
@@ -167,12 +167,12 @@ impl Clients {
         Ok(())
     }
 
-    /// Sends waiting messages and reads one; false when the connection has ended.
+    /// Sends the queued messages and reads one; returns false when the connection has ended.
     fn turn(&self, socket: &mut WebSocket<TcpStream>, id: u64, mailbox: &Mailbox) -> bool {
         let waiting = std::mem::take(&mut *locked(&mailbox.waiting));
         let sent = waiting.into_iter().try_for_each(|message| socket.send(message));
         if self.ended.load(Ordering::Acquire) {
-            // an error here does not matter: the process ends
+            // an error has no consequence because the process ends
             let _ = socket.close(None).and_then(|()| socket.flush());
             return false;
         }
@@ -190,7 +190,7 @@ impl Clients {
             Message::Text(text) => Order::read(text),
             Message::Binary(_) => Err("a message is not a command: commands are sent as text".to_owned()),
             Message::Ping(_) | Message::Pong(_) | Message::Frame(_) => return true,
-            // the next read answers it and ends the connection
+            // the next read answers the request to close and ends the connection
             Message::Close(_) => return true,
         };
         match order {
@@ -201,12 +201,12 @@ impl Clients {
     }
 
     fn report(&self, events: ClientEvent) {
-        // the receiver is gone after the end of the simulation
+        // after the end of the simulation there is no receiver
         let _ = locked(&self.events).send(events);
     }
 }
 
-/// Message to a page: an order is invalid.
+/// Message to a page that a command is invalid.
 pub(super) fn refusal(reason: &str) -> String {
     serde_json::json!({ "kind": "refused", "message": reason }).to_string()
 }

@@ -5,10 +5,10 @@ use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Causality, Interface, UNITS, Value, Variability, Variable};
 use serde::Serialize;
 
-/// Gravity that forces are compared with, in m/s².
+/// Gravitational acceleration for the typical size of forces, in m/s².
 const GRAVITY_M_S2: f64 = 9.81;
 
-/// An input or a tunable parameter, as the page shows it.
+/// Input or tunable parameter as shown on the page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Control {
     /// Name of the variable.
@@ -17,22 +17,22 @@ pub struct Control {
     pub role: &'static str,
     /// `real`, `integer` or `switch`.
     pub kind: &'static str,
-    /// Unit in which it is shown; empty for switches and pure numbers.
+    /// Unit in which the value is shown; empty for switches and dimensionless numbers.
     pub unit: &'static str,
-    /// Shown value per value of the variable.
+    /// Ratio of shown value to variable value.
     pub factor: f64,
-    /// Ends of the slider, in the shown unit. The field beside it accepts every allowed value.
+    /// Range of the slider, in the shown unit. The number field next to it accepts every allowed value.
     pub slider: [f64; 2],
-    /// Least and largest value allowed, in the shown unit; `None` where there is no bound.
+    /// Smallest and largest allowed values, in the shown unit; `None` without a limit.
     pub allowed: [Option<f64>; 2],
-    /// One sentence.
+    /// Description in one sentence.
     pub description: String,
     /// Value reference.
     #[serde(skip)]
     pub reference: u32,
 }
 
-/// All controls of a plant, in the order of its variables: inputs before parameters.
+/// All controls of a plant in the order of its variables, inputs before parameters.
 pub fn controls(interface: &Interface, plant: &Plant) -> Vec<Control> {
     let scales = Scales::of(plant);
     let rows = interface.variables().iter();
@@ -63,9 +63,10 @@ fn control(row: &Variable, interface: &Interface, plant: &Plant, scales: &Scales
     Some(Control { name, role, kind, unit, factor, slider, allowed, description, reference: row.value_reference })
 }
 
-/// Ends of a slider around a value: of twice its size, or else of a scale of its unit, within the allowed range.
+/// Range of a slider: up to twice the present value, or for a value of zero a typical size for its unit, within the allowed
+/// range.
 fn ends(value: f64, scale: f64, [least, most]: [Option<f64>; 2]) -> [f64; 2] {
-    // the value of an unlimited quantity is no scale
+    // a value that means "unlimited" does not give a size
     let size = if value == 0.0 || value.abs() >= UNLIMITED { scale } else { 2.0 * value.abs() };
     let narrow = |bound: Option<f64>| bound.filter(|bound| bound.abs() <= 20.0 * size);
     let low = narrow(least).unwrap_or(if least.is_some_and(|least| least >= 0.0) { 0.0 } else { -size });
@@ -85,7 +86,7 @@ impl Scales {
         Self { weight_n: rounded(GRAVITY_M_S2 * plant.mass_kg()), length_m }
     }
 
-    /// A size for a unit.
+    /// Typical size of a quantity with this unit.
     fn of_unit(&self, unit: &str) -> f64 {
         match unit {
             "N" => self.weight_n,
@@ -101,7 +102,7 @@ impl Scales {
     }
 }
 
-/// The next larger of 1, 2 and 5 times a power of ten.
+/// Rounds up to 1, 2 or 5 times a power of ten.
 fn rounded(value: f64) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
         return 1.0;
@@ -115,7 +116,8 @@ mod tests {
     use super::*;
     use crate::live::tests::started;
 
-    /// Every input and tunable parameter has a control, nothing else has; angles are in degrees; sliders hold their values.
+    /// Every input and tunable parameter, and nothing else, has a control; angles are in degrees; slider ranges include the
+    /// present values.
     #[test]
     fn every_input_and_tunable_parameter_has_a_control() {
         for model in ["folding_wing", "folding_wing_in_tunnel", "flying_wing"] {
@@ -144,7 +146,7 @@ mod tests {
         }
     }
 
-    /// Sliders of forces reach to the weight, 0.62 N rounded up.
+    /// Sliders of forces extend to the weight, 0.62 N rounded up.
     #[test]
     fn forces_are_as_large_as_the_weight() {
         let (interface, plant) = started("folding_wing");

@@ -1,16 +1,16 @@
-//! Moments of a simulation to which it can be rolled back: a bounded ring.
+//! Stored states of a simulation to which it can be rolled back: a bounded ring buffer.
 
 use crate::live::pull::Held;
 use foldwing_engine::plant::Snapshot;
 use std::collections::VecDeque;
 
-/// Largest number of moments: a minute of pictures.
+/// Maximum number of states: one minute of pictures.
 const MOST: usize = 1800;
 
-/// Largest size of all moments in bytes.
+/// Maximum total size of the states in bytes.
 const MOST_BYTES: usize = 256 << 20;
 
-/// Moments between two measurements of their size; wakes grow.
+/// Number of states between two measurements of their size, which grows with the wakes.
 const BETWEEN_SIZES: usize = 128;
 
 /// State of a simulation at one time.
@@ -20,27 +20,27 @@ pub(super) struct Moment {
     pub time_s: f64,
     /// State of the plant.
     pub snapshot: Snapshot,
-    /// Station and force without the pull, if one was active.
+    /// Station and its force without the pull, if a pull was active.
     pub held: Option<Held>,
 }
 
-/// Moments in order of time.
+/// Stored states in order of time.
 pub(super) struct History {
     ring: VecDeque<Moment>,
-    /// Number of moments that memory allows.
+    /// Maximum number of states for the available memory.
     most: usize,
     until_size: usize,
 }
 
 impl History {
-    /// A history that starts with one moment.
+    /// Creates a history with one state.
     pub fn new(first: Moment) -> Self {
         let mut history = Self { ring: VecDeque::new(), most: MOST, until_size: 0 };
         history.push(first);
         history
     }
 
-    /// Adds the present moment and removes the oldest beyond the bound; a moment of the same time is replaced.
+    /// Adds the present state and removes the oldest ones beyond the limit; a state of the same time is replaced.
     pub fn push(&mut self, moment: Moment) {
         if self.until_size == 0 {
             let bytes = postcard::to_stdvec(&moment.snapshot).map_or(1, |bytes| bytes.len());
@@ -57,14 +57,15 @@ impl History {
         }
     }
 
-    /// The earliest time available, in s.
+    /// Earliest time available, in s.
     pub fn oldest_s(&self) -> f64 {
         self.ring.front().map_or(0.0, |moment| moment.time_s)
     }
 
-    /// Removes the moments after `time_s` and returns the last one; the oldest for earlier times.
+    /// Removes the states after `time_s` and returns the last remaining one; for earlier times than the history, the
+    /// oldest one.
     pub fn back_to(&mut self, time_s: f64) -> Option<&Moment> {
-        // pages return times in single precision
+        // pages return times with single precision
         let slack_s = 1e-6 * time_s.abs().max(1e-3);
         while self.ring.len() > 1 && self.ring.back().is_some_and(|last| last.time_s > time_s + slack_s) {
             self.ring.pop_back();
@@ -83,7 +84,7 @@ mod tests {
         Moment { time_s, snapshot: plant.snapshot(), held: None }
     }
 
-    /// The ring is bounded; going back finds the last moment before a time and removes later ones.
+    /// The buffer is bounded; rolling back finds the last state up to a time and removes later ones.
     #[test]
     fn moments_are_bounded_and_forgotten() {
         let (_, plant) = started("folding_wing");
@@ -91,7 +92,7 @@ mod tests {
         (1..MOST + 10).for_each(|i| history.push(moment(&plant, i as f64)));
         assert_eq!((history.ring.len(), history.oldest_s()), (MOST, 10.0));
         assert_eq!(history.back_to(100.5).unwrap().time_s, 100.0);
-        // a page has times in single precision
+        // a page returns times with single precision
         history.push(moment(&plant, 100.1));
         assert_eq!(history.back_to(f64::from(100.1_f32)).unwrap().time_s, 100.1);
         assert_eq!(history.back_to(-5.0).unwrap().time_s, 10.0);

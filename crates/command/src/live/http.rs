@@ -1,17 +1,17 @@
-//! Requests of HTTP and their access control: only the page and its socket exist, both protected by the token.
+//! HTTP requests and their access control: the server offers only the page and its WebSocket, both protected by a token.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use sha1::{Digest, Sha1};
 use std::io::{self, Read};
 
-/// Largest head of a request in bytes.
+/// Maximum size of the head of a request in bytes.
 const LARGEST_HEAD: usize = 16 << 10;
 
-/// Largest number of headers.
+/// Maximum number of headers.
 const MOST_HEADERS: usize = 64;
 
-/// Suffix of the key of a handshake, RFC 6455 section 1.3.
+/// Suffix of the key in a WebSocket handshake, RFC 6455 section 1.3.
 const GUID: &str = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
 
 /// Address of the server.
@@ -19,7 +19,7 @@ const GUID: &str = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
 pub(super) struct ServerAddress {
     /// Port on the loopback interface.
     pub port: u16,
-    /// Random first part of every path.
+    /// Random first component of every path.
     pub token: String,
 }
 
@@ -28,14 +28,14 @@ pub(super) struct ServerAddress {
 pub(super) enum Access {
     /// The page.
     Page,
-    /// The page's WebSocket, with the value of `Sec-WebSocket-Accept` for its key.
+    /// The page's WebSocket; the string is the `Sec-WebSocket-Accept` value for its key.
     Socket(String),
     /// An error, with status and reason.
     Refused(u16, String),
 }
 
 impl ServerAddress {
-    /// An address with a new token of 128 random bits.
+    /// Creates an address with a new token of 128 random bits.
     pub fn new(port: u16) -> io::Result<Self> {
         let mut bytes = [0_u8; 16];
         getrandom::fill(&mut bytes).map_err(|error| io::Error::other(error.to_string()))?;
@@ -47,7 +47,7 @@ impl ServerAddress {
         format!("127.0.0.1:{}", self.port)
     }
 
-    /// The only origin from which requests may come.
+    /// The only origin from which requests are accepted.
     pub fn origin(&self) -> String {
         format!("http://{}", self.host())
     }
@@ -57,7 +57,7 @@ impl ServerAddress {
         format!("{}/{}/", self.origin(), self.token)
     }
 
-    /// Access for the head of a request.
+    /// Decides on access from the head of a request.
     pub fn check(&self, head: &[u8]) -> Access {
         let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
         let mut request = httparse::Request::new(&mut headers);
@@ -121,17 +121,17 @@ impl ServerAddress {
     }
 }
 
-/// Text by which a key of a handshake is accepted, RFC 6455 section 4.2.2.
+/// `Sec-WebSocket-Accept` value for a key, RFC 6455 section 4.2.2.
 fn accepted(key: &str) -> String {
     STANDARD.encode(Sha1::digest(format!("{key}{GUID}").as_bytes()))
 }
 
-/// Comparison in constant time.
+/// Compares in constant time.
 fn same(a: &[u8], b: &[u8]) -> bool {
     a.len() == b.len() && a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0
 }
 
-/// Reads the head of a request, and the bytes after it.
+/// Reads the head of a request, and the bytes received after it.
 pub(super) fn read_head(mut stream: impl Read) -> io::Result<(Vec<u8>, Vec<u8>)> {
     let (mut bytes, mut part) = (Vec::new(), [0_u8; 2048]);
     loop {
@@ -151,11 +151,11 @@ pub(super) fn read_head(mut stream: impl Read) -> io::Result<(Vec<u8>, Vec<u8>)>
     }
 }
 
-/// Headers of every answer: no caching, no referrer, no embedding by other pages.
+/// Headers of every response: no caching, no referrer, no embedding by other pages.
 const SAFETY: &str = "Cache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\n\
     X-Frame-Options: SAMEORIGIN\r\nCross-Origin-Resource-Policy: same-origin\r\nConnection: close\r\n";
 
-/// An answer with a text.
+/// Response with a text.
 pub(super) fn answer(status: u16, kind: &str, text: &str, address: &ServerAddress) -> Vec<u8> {
     let reason = match status {
         200 => "OK",
@@ -179,7 +179,7 @@ pub(super) fn answer(status: u16, kind: &str, text: &str, address: &ServerAddres
     .into_bytes()
 }
 
-/// The answer that opens a socket.
+/// Response that opens a WebSocket.
 pub(super) fn switching(accept: &str) -> Vec<u8> {
     format!(
         "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: {accept}\r\n\r\n"
@@ -209,7 +209,8 @@ mod tests {
         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
     ];
 
-    /// The page for requests with the token; the socket for this page alone. The key is the example of RFC 6455, section 1.3.
+    /// The page is served to requests with the token, and the WebSocket only to this page. The key is the example of RFC
+    /// 6455, section 1.3.
     #[test]
     fn the_page_and_its_socket_exist() {
         assert_eq!(asked("/a1b2/", &[HOST]), Access::Page);
@@ -254,7 +255,7 @@ mod tests {
         assert!(matches!(address().check(b""), Access::Refused(400, _)));
     }
 
-    /// Heads end with an empty line wherever the parts of the stream end, and are bounded.
+    /// Heads are read up to the empty line, however the stream is divided into parts, and their size is limited.
     #[test]
     fn heads_are_read_in_pieces() {
         struct Bytes(Vec<u8>, usize);
@@ -276,7 +277,7 @@ mod tests {
         assert!(read_head(Bytes(b"GET".to_vec(), 64)).is_err());
     }
 
-    /// Tokens are 128 bits and no two are alike.
+    /// Tokens have 128 bits and differ from each other.
     #[test]
     fn tokens_are_random() {
         let [a, b] = [(); 2].map(|()| ServerAddress::new(1).unwrap().token);

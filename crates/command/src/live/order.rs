@@ -1,17 +1,17 @@
-//! Orders of a page.
+//! Commands of a page.
 
 use serde::Deserialize;
 
-/// Largest number of variables that all plots together show.
+/// Maximum number of variables in all plots together.
 pub(super) const MOST_WATCHED: usize = 64;
 
-/// Bounds of the speed: simulated seconds per second.
+/// Limits of the speed: simulated seconds per second.
 pub const SPEEDS: [f64; 2] = [1e-3, 100.0];
 
-/// Bounds of a spring's stiffness in N/m.
+/// Limits of the spring stiffness in N/m.
 const STIFFNESSES_N_M: [f64; 2] = [1e-9, 1e12];
 
-/// Bound of places in m: far beyond any machine.
+/// Limit of coordinates in m, far beyond the size of any machine.
 const FARTHEST_M: f64 = 1e6;
 
 /// A value of an input or parameter.
@@ -72,10 +72,10 @@ pub enum Order {
 }
 
 impl Order {
-    /// Reads the text of a message.
+    /// Parses the text of a message.
     ///
     /// # Errors
-    /// Text that is no order, and numbers out of bounds, with the allowed values.
+    /// Text that is not a command, and numbers out of range, with the allowed values.
     pub fn read(text: &str) -> Result<Self, String> {
         let order: Self = serde_json::from_str(text).map_err(|error| format!("a message is not a command: {error}"))?;
         let within = |what: &str, value: f64, [least, most]: [f64; 2], unit: &str| match (least..=most).contains(&value)

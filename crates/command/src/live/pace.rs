@@ -1,22 +1,22 @@
-//! Simulated time by the wall clock: never ahead of it; long delays are counted as lost time.
+//! Pace of the simulation relative to the wall clock: never ahead of it, and long delays are counted as lost time.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// Delay in s of wall time up to which the simulation catches up; a longer one is lost time.
+/// Maximum delay in s of wall time that the simulation catches up; a longer delay is counted as lost time.
 const LARGEST_DELAY_S: f64 = 0.25;
 
 /// Span in s of wall time over which the real-time factor is measured.
 const SPAN_S: f64 = 1.0;
 
-/// The clock of a simulation. All wall times are those since one common start.
+/// Clock of a simulation. All wall times are measured from the same start.
 #[derive(Debug, Clone)]
 pub(super) struct Pace {
     /// Simulated seconds per second of wall time.
     speed: f64,
-    /// Wall time and simulated time at the start of the schedule; `None` while the clock is stopped.
+    /// Wall time and simulated time when the clock was started; `None` while it is stopped.
     began: Option<(Duration, f64)>,
-    /// Wall and simulated times of the last [`SPAN_S`], for the factor.
+    /// Wall and simulated times of the last [`SPAN_S`], for the real-time factor.
     seen: VecDeque<(Duration, f64)>,
     /// Lost wall time in s.
     lost_s: f64,
@@ -27,12 +27,12 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// A stopped clock.
+    /// Creates a stopped clock.
     pub fn new(speed: f64) -> Self {
         Self { speed, began: None, seen: VecDeque::new(), lost_s: 0.0, latest_s: 0.0, ran_s: 0.0 }
     }
 
-    /// Whether the clock runs.
+    /// Returns whether the clock runs.
     pub fn runs(&self) -> bool {
         self.began.is_some()
     }
@@ -69,7 +69,7 @@ impl Pace {
         self.began = None;
     }
 
-    /// Changes the speed from the present time on.
+    /// Changes the speed from now on.
     pub fn set_speed(&mut self, speed: f64, wall: Duration, time_s: f64) {
         self.speed = speed;
         if self.runs() {
@@ -77,19 +77,20 @@ impl Pace {
         }
     }
 
-    /// Simulated time in s that is due; minus infinity while the clock is stopped.
+    /// Simulated time in s that should have been reached; minus infinity while the clock is stopped.
     pub fn due_s(&self, wall: Duration) -> f64 {
         self.began
             .map_or(f64::NEG_INFINITY, |(begin, from_s)| from_s + self.speed * wall.saturating_sub(begin).as_secs_f64())
     }
 
-    /// Wall time until a simulated time is due; `None` while the clock is stopped.
+    /// Remaining wall time until a simulated time is due; `None` while the clock is stopped.
     pub fn until(&self, time_s: f64, wall: Duration) -> Option<Duration> {
         self.began?;
         Duration::try_from_secs_f64(((time_s - self.due_s(wall)) / self.speed).max(0.0)).ok()
     }
 
-    /// Records the time reached; the next step ends `step_s` later. A delay above [`LARGEST_DELAY_S`] is counted as lost.
+    /// Records the simulated time reached; the next step ends `step_s` later. A delay above [`LARGEST_DELAY_S`] is
+    /// counted as lost.
     pub fn catch_up(&mut self, wall: Duration, reached_s: f64, step_s: f64) {
         if !self.runs() {
             return;
@@ -109,7 +110,7 @@ impl Pace {
         }
     }
 
-    /// Simulated time over wall time of the last second; `None` while the clock is stopped or has just started.
+    /// Ratio of simulated to wall time over the last second; `None` while the clock is stopped or has just started.
     pub fn factor(&self) -> Option<f64> {
         let (first, last) = (self.seen.front()?, self.seen.back()?);
         let wall_s = last.0.saturating_sub(first.0).as_secs_f64();
@@ -125,7 +126,7 @@ mod tests {
         Duration::from_secs_f64(time_s)
     }
 
-    /// The due time grows by the speed from the start of the clock, and not while it is stopped.
+    /// The due time grows with the speed from the start of the clock, and does not grow while the clock is stopped.
     #[test]
     fn time_is_due_by_the_clock() {
         let mut pace = Pace::new(2.0);
@@ -139,7 +140,7 @@ mod tests {
         assert_eq!(pace.due_s(wall(9.0)), f64::NEG_INFINITY);
     }
 
-    /// A short delay is caught up; a long one is counted as lost and reduces the factor.
+    /// A short delay is caught up; a long one is counted as lost time and reduces the factor.
     #[test]
     fn long_delays_are_given_up() {
         let mut pace = Pace::new(1.0);
@@ -149,7 +150,7 @@ mod tests {
         assert!((pace.latest_s() - 0.09).abs() < 1e-12);
         pace.catch_up(wall(1.0), 0.5, 0.0);
         assert_eq!((pace.lost_s(), pace.due_s(wall(1.0)), pace.factor()), (0.5, 0.5, Some(0.5)));
-        // half as fast as the clock for three seconds more: the factor is that of the last second
+        // run at half speed for three more seconds: the factor is that of the last second
         (1..=30).for_each(|i| pace.catch_up(wall(1.0 + 0.1 * f64::from(i)), 0.5 + 0.08 * f64::from(i), 0.0));
         assert!((pace.factor().unwrap() - 0.8).abs() < 0.01, "{:?}", pace.factor());
         assert!((pace.ran_s() - 4.0).abs() < 1e-9);

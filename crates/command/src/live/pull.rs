@@ -1,21 +1,21 @@
-//! The spring between pointer and load station.
+//! Spring between the mouse pointer and a load station.
 
 use foldwing_engine::load::LoadFrame;
 use foldwing_engine::plant::{OutputSet, Plant};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Force of the input of a station without the pull.
+/// Station that is pulled, and the force of its input without the pull.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Held {
     /// Index of the station, as in [`foldwing_engine::plant::Inputs::stations`].
     pub station: usize,
-    /// Its force in N, in the load frame of its body.
+    /// Force of the input in N, in the load frame of the body.
     pub base_n: Vector3<f64>,
 }
 
 impl Held {
-    /// Removes the pull from the inputs.
+    /// Removes the pull from the inputs of the plant.
     pub fn release(self, plant: &mut Plant) {
         if let Some(load) = plant.inputs_mut().stations_mut().get_mut(self.station) {
             load.force_n = self.base_n;
@@ -28,15 +28,15 @@ impl Held {
 pub(super) struct Pull {
     /// The station, and its force without the spring.
     pub held: Held,
-    /// The end of the spring that the pointer moves, root frame, m.
+    /// End of the spring that follows the pointer, in m in the root frame.
     pub target_m: Vector3<f64>,
     /// Stiffness in N/m.
     pub stiffness_n_m: f64,
-    /// Force of the spring on the machine, root frame, N.
+    /// Force of the spring on the machine, in N in the root frame.
     pub force_n: Vector3<f64>,
 }
 
-/// A pull in a picture: index of its station, and vectors in the root frame.
+/// Pull as shown in a picture: index of its station, and vectors in the root frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct Shown {
     station: usize,
@@ -45,7 +45,7 @@ pub(super) struct Shown {
 }
 
 impl Pull {
-    /// A spring on a station; `None` if the machine has no such station.
+    /// Attaches a spring to a station; `None` if the machine has no such station.
     pub fn new(plant: &Plant, station: usize, target_m: Vector3<f64>, stiffness_n_m: f64) -> Option<Self> {
         let base_n = plant.inputs().stations().get(station)?.force_n;
         let held = Held { station, base_n };
@@ -54,9 +54,9 @@ impl Pull {
 
     /// Sets the force for the next step, of length `step_s`.
     ///
-    /// The force is constant over the step. With the position at its start it would act like a damper of `−k h/2` and feed energy into
-    /// oscillations; with the position in the middle of the step, extrapolated by the velocity, the error is of second order, and zero at
-    /// rest.
+    /// The force is held constant over the step. Computed from the position at the start of the step, it would act like a negative
+    /// damping of `−k h/2` and feed energy into oscillations. It is computed from the position extrapolated to the middle of the step by
+    /// the velocity: the error is then of second order, and zero at rest.
     pub fn apply(&mut self, plant: &mut Plant, step_s: f64) {
         plant.provide(OutputSet::STATION_PLACES | OutputSet::STATION_MOTIONS);
         let Some(station) = plant.outputs().stations().get(self.held.station) else { return };
@@ -71,13 +71,13 @@ impl Pull {
         }
     }
 
-    /// The pull for a picture.
+    /// Data of the pull for a picture.
     pub fn shown(&self) -> Shown {
         Shown { station: self.held.station, target: self.target_m.into(), force: self.force_n.into() }
     }
 }
 
-/// Frame of the loads on a station.
+/// Frame of the load on a station.
 fn frame_of(plant: &Plant, station: usize) -> LoadFrame {
     let bodies = &plant.machine().bodies;
     let mut frames = bodies.iter().flat_map(|body| body.station_positions_m.iter().map(|_| body.load_frame));

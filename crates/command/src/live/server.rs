@@ -1,4 +1,4 @@
-//! The server: a listener on the loopback interface, and the loop that joins pages and simulation.
+//! The server: a listener on the loopback interface, and the loop that connects pages and simulation.
 
 use crate::live::clients::{ClientEvent, Clients, refusal};
 use crate::live::http::ServerAddress;
@@ -10,10 +10,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// Time after which the server ends when the last page has gone.
+/// Time between the closing of the last page and the end of the server.
 const GRACE: Duration = Duration::from_secs(3);
 
-/// The same if the page was requested meanwhile: slow browsers need time to load it.
+/// Longer time if the page was requested again meanwhile, because slow browsers need time to load it.
 const GRACE_FOR_LOADING: Duration = Duration::from_secs(30);
 
 /// Longest interval between two checks for interruption.
@@ -22,20 +22,20 @@ const POLL: Duration = Duration::from_millis(50);
 /// Timeout for closing the connections at the end.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// Reason for the end of a live simulation.
+/// Reason why a live simulation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
-    /// The last page has gone.
+    /// The last page was closed.
     Left,
-    /// A signal, such as that of Ctrl-C.
+    /// A signal, such as that of Ctrl-C, was received.
     Interrupted,
 }
 
-/// A server with its bound address.
+/// Server with its bound address.
 pub struct Server {
     listener: TcpListener,
     address: ServerAddress,
-    /// Time after which it ends when the last page has gone.
+    /// Time between the closing of the last page and the end of the server.
     grace: Duration,
 }
 
@@ -43,7 +43,7 @@ impl Server {
     /// Binds a port of the loopback interface; 0 selects a free one.
     ///
     /// # Errors
-    /// The port is taken or not allowed.
+    /// The port is in use or not allowed.
     pub fn bind(port: u16) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         let address = ServerAddress::new(listener.local_addr()?.port())?;
@@ -55,7 +55,7 @@ impl Server {
         self.address.page_url()
     }
 
-    /// The same server with another time after the last page.
+    /// Returns the server with another time between the closing of the last page and its end.
     #[cfg(test)]
     pub(super) fn with_grace(self, grace: Duration) -> Self {
         Self { grace, ..self }
@@ -66,8 +66,8 @@ impl Server {
         self.address.port
     }
 
-    /// Serves a simulation until the last page has been closed or `interrupted` is set. The clock runs on request of a page, and stops
-    /// while no page is connected.
+    /// Serves a simulation until the last page has been closed or `interrupted` is set. A page starts the clock, which stops while no
+    /// page is connected.
     ///
     /// # Errors
     /// The listener fails.
@@ -84,7 +84,7 @@ impl Server {
                 }
                 match stream {
                     Ok(stream) => own.serve_in_thread(stream),
-                    // no free descriptor: retry after others have been closed
+                    // no file descriptor is free: retry after other connections have been closed
                     Err(_) => std::thread::sleep(POLL),
                 }
             }
@@ -94,7 +94,7 @@ impl Server {
         let why = run_loop(session, &clients, (&events, interrupted), viewers);
         ended.store(true, Ordering::Release);
         clients.end();
-        // a last connection wakes the listener
+        // a final connection wakes the listener
         drop(std::net::TcpStream::connect(address));
         let _ = acceptor.join();
         let begun = Instant::now();
@@ -105,7 +105,7 @@ impl Server {
     }
 }
 
-/// The loop of the simulation.
+/// Main loop of the simulation.
 fn run_loop(
     session: &mut Session,
     clients: &Clients,
@@ -133,7 +133,7 @@ fn run_loop(
             if let Some(picture) = session.picture() {
                 clients.send_picture(picture);
             }
-            // a late picture shifts the schedule
+            // a late picture delays the following ones
             next_picture = (next_picture + between).max(now);
         }
         let picture = if viewers.pages > 0 { next_picture.saturating_duration_since(Instant::now()) } else { POLL };
@@ -148,15 +148,15 @@ fn run_loop(
     }
 }
 
-/// Connected pages, and the time of the end without them.
+/// Connected pages, and the time at which the server ends without them.
 struct Viewers {
-    /// Time after which the server ends when the last of them has gone.
+    /// Time between the closing of the last page and the end of the server.
     grace: Duration,
     /// Number of connected pages.
     pages: usize,
-    /// End of the server unless a page connects before; `None` before the first page has been closed.
+    /// Time at which the server ends unless a page connects before; `None` before the first page has been closed.
     ends: Option<Instant>,
-    /// Latest time at which a requested page connects.
+    /// Latest time at which a page being loaded may connect.
     loads_until: Option<Instant>,
 }
 
@@ -166,7 +166,7 @@ fn handle(session: &mut Session, clients: &Clients, events: ClientEvent, viewers
         ClientEvent::Requested => {
             let until = Instant::now() + GRACE_FOR_LOADING;
             viewers.loads_until = Some(until);
-            // the first page may connect at any time
+            // there is no time limit for the first page
             viewers.ends = viewers.ends.map(|end| end.max(until));
         }
         ClientEvent::Connected(id) => {
@@ -177,10 +177,10 @@ fn handle(session: &mut Session, clients: &Clients, events: ClientEvent, viewers
         }
         ClientEvent::Disconnected => {
             viewers.pages = viewers.pages.saturating_sub(1);
-            // on reload, browsers request the new page before they close the old one
+            // when reloading, browsers request the new page before they close the old one
             let end = Instant::now() + viewers.grace;
             viewers.ends = Some(viewers.loads_until.map_or(end, |until| until.max(end)));
-            // the spring of this page, if any
+            // release the spring of this page, if any
             session.release_pull();
         }
         ClientEvent::Ordered(id, order) => match session.execute(&order) {

@@ -1,4 +1,4 @@
-//! The server over real connections of this computer.
+//! Tests of the server over real connections on this computer.
 
 use crate::live::server::{Ended, Server};
 use crate::live::session::Session;
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
-/// A server with the shipped wing in a thread.
+/// Server that runs a supplied wing model in a thread.
 struct Served {
     port: u16,
     token: String,
@@ -44,7 +44,7 @@ impl Served {
         stream
     }
 
-    /// The whole answer to a request.
+    /// Returns the complete response to a request.
     fn answer(&self, request: &str) -> String {
         let mut stream = self.connected();
         stream.write_all(request.as_bytes()).unwrap();
@@ -69,7 +69,7 @@ impl Served {
         format!("http://127.0.0.1:{}", self.port)
     }
 
-    /// A page that has been let in.
+    /// Opens the WebSocket of a page.
     fn page(&self) -> WebSocket<TcpStream> {
         let mut stream = self.connected();
         stream.write_all(self.upgrade(&self.token, &self.origin()).as_bytes()).unwrap();
@@ -98,7 +98,7 @@ impl Drop for Served {
     }
 }
 
-/// The next text of a kind.
+/// Returns the next text message of a kind.
 fn told(page: &mut WebSocket<TcpStream>, kind: &str) -> Value {
     loop {
         if let Message::Text(text) = page.read().unwrap() {
@@ -110,7 +110,7 @@ fn told(page: &mut WebSocket<TcpStream>, kind: &str) -> Value {
     }
 }
 
-/// The header of the first picture that fits.
+/// Returns the header of the first picture that satisfies a condition.
 fn pictured(page: &mut WebSocket<TcpStream>, fits: impl Fn(&Value) -> bool) -> Value {
     loop {
         if let Message::Binary(bytes) = page.read().unwrap() {
@@ -123,7 +123,8 @@ fn pictured(page: &mut WebSocket<TcpStream>, fits: impl Fn(&Value) -> bool) -> V
     }
 }
 
-/// Without the token, from another origin or by another name there is neither page nor socket; with all of them there are both.
+/// Without the token, from another origin or with another host name, neither page nor WebSocket is served; if all three are right, both
+/// are.
 #[test]
 fn wrong_tokens_and_foreign_origins_are_refused() {
     let mut served = Served::new(Duration::from_millis(50));
@@ -151,12 +152,12 @@ fn wrong_tokens_and_foreign_origins_are_refused() {
     assert_eq!(served.ended(), Ended::Left);
 }
 
-/// The port is one of this computer's loopback address alone: its other addresses reject the connection.
+/// The port is open only on the loopback address; connections to other addresses of this computer are rejected.
 #[test]
 fn other_addresses_of_this_computer_are_closed() {
     let served = Served::new(TIMEOUT);
     assert!(served.connected().peer_addr().unwrap().ip().is_loopback());
-    // where packets would leave this computer from; nothing is sent
+    // the address from which packets would leave this computer; nothing is sent
     let outside = std::net::UdpSocket::bind("0.0.0.0:0")
         .and_then(|socket| socket.connect("192.0.2.1:9").and_then(|()| socket.local_addr()))
         .map(|address| address.ip());
@@ -170,7 +171,8 @@ fn other_addresses_of_this_computer_are_closed() {
     }
 }
 
-/// A text that is no order is answered with an error, and the connection stays open; one that is too long closes it, and the server continues.
+/// A text that is not a command is answered with an error, and the connection stays open; a text that is too long closes it, and the server
+/// continues.
 #[test]
 fn malformed_messages_are_refused() {
     let served = Served::new(TIMEOUT);
@@ -191,18 +193,18 @@ fn malformed_messages_are_refused() {
     let mut long = served.page();
     let _ = long.send(Message::text("x".repeat(100_000)));
     while long.read().is_ok() {}
-    // bytes that are no frame
+    // these bytes are not a WebSocket frame
     let mut torn = served.page();
     torn.get_mut().write_all(&[0xff; 64]).unwrap();
     while torn.read().is_ok() {}
-    // half a request stays alone
+    // an incomplete request does not affect other connections
     let mut half = served.connected();
     half.write_all(b"GET / HT").unwrap();
     page.send(Message::text(r#"{"do":"step"}"#)).unwrap();
     assert_eq!(pictured(&mut page, |header| header["time"] == 5e-4)["running"], false);
 }
 
-/// The machine moves for the page, and stops when the page has gone without a word; then the server ends.
+/// The simulation runs for a page, and stops when the connection is lost without a closing message; then the server ends.
 #[test]
 fn a_client_that_disconnects_ends_the_work() {
     let mut served = Served::new(Duration::from_millis(200));
@@ -218,7 +220,7 @@ fn a_client_that_disconnects_ends_the_work() {
     assert!(begun.elapsed() >= Duration::from_millis(150), "a page that is loaded again has no time to come back");
 }
 
-/// Another page shows the same machine, and one that is closed does not end it for the other.
+/// A second page shows the same machine, and closing it does not end the simulation for the first.
 #[test]
 fn pages_share_the_machine() {
     let served = Served::new(Duration::from_millis(10));
@@ -234,7 +236,7 @@ fn pages_share_the_machine() {
     assert_eq!(pictured(&mut first, |header| header["time"] == 5e-4)["oldest"], 0.0);
 }
 
-/// Ctrl-C ends it at once: the page receives the end.
+/// Ctrl-C ends the server at once, and the page is notified.
 #[test]
 fn an_interruption_ends_in_order() {
     let mut served = Served::new(TIMEOUT);

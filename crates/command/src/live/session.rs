@@ -1,4 +1,4 @@
-//! The simulation of the page: its plant, clock and history, and the messages about it.
+//! The simulation of the page: its plant, clock and history, and the messages to the page.
 
 use crate::live::controls::{Control, controls};
 use crate::live::history::{History, Moment};
@@ -21,47 +21,47 @@ use std::time::{Duration, Instant};
 /// Frames per second of wall time.
 pub(super) const PICTURES_1_S: f64 = 30.0;
 
-/// Longest and shortest communication step in s of wall time. The spring is updated, and events are detected, between steps.
+/// Minimum and maximum communication step in s of wall time. Between steps the spring is updated and events are reported.
 const STEPS_S: [f64; 2] = [5e-4, 1.0 / 60.0];
 
-/// Longest wall time in s of consecutive steps, so that a slow simulation still responds to orders.
+/// Maximum wall time in s of uninterrupted steps, so that a slow simulation still responds to commands.
 const TURN_S: f64 = 0.02;
 
-/// Samples per second of wall time of the outputs that are plotted.
+/// Samples of the plotted outputs per second of wall time.
 const SAMPLES_1_S: f64 = 250.0;
 
-/// A simulation by the wall clock.
+/// Simulation paced by the wall clock.
 pub struct Session {
     pub(super) plant: Plant,
     interface: Interface,
     pub(super) controls: Vec<Control>,
     scene: Scene,
     watch: Watch,
-    /// Communication step in s, and its start and number since the last jump of the time.
+    /// Communication step in s; start time and number of steps since the last jump in time.
     step_s: f64,
     origin_s: f64,
     taken: u64,
     pace: Pace,
-    /// Start of the wall times.
+    /// Instant from which wall times are measured.
     started: Instant,
     first: Snapshot,
     history: History,
     pub(super) pull: Option<Pull>,
-    /// Value references of the outputs that are plotted, and their values since the last picture, row by row after the times.
+    /// Value references of the plotted outputs, and the samples since the last picture, row by row after their times.
     pub(super) watched: Vec<u32>,
     samples: Vec<f32>,
     next_sample_s: f64,
     /// Number of events sent so far.
     sent_events: usize,
-    /// Error of the last step, if it failed.
+    /// Error of the last step, if any.
     failure: Option<String>,
-    /// Something changed since the last picture.
+    /// Whether anything changed since the last picture.
     changed: bool,
     summary: Summary,
 }
 
 impl Session {
-    /// A simulation, with its clock stopped, at the present state of an initialised plant.
+    /// Creates a simulation, with its clock stopped, from the present state of an initialised plant.
     pub fn new(mut plant: Plant, interface: Interface, speed: f64) -> Self {
         plant.watch(OutputSet::NONE);
         plant.provide(OutputSet::ALL);
@@ -96,7 +96,7 @@ impl Session {
         session
     }
 
-    /// The page that shows the simulation, as HTML.
+    /// Page that shows the simulation, as HTML.
     pub fn page(&mut self) -> String {
         self.plant.provide(OutputSet::ALL);
         let frame = Frame::of(&self.scene, &self.plant);
@@ -129,12 +129,12 @@ impl Session {
         self.plant.time_s()
     }
 
-    /// Whether the time runs.
+    /// Returns whether the clock runs.
     pub fn runs(&self) -> bool {
         self.pace.runs()
     }
 
-    /// Figures up to now.
+    /// Statistics of the simulation so far.
     pub fn summary(&self) -> Summary {
         let (ran_s, lost_s, latest_s) = (self.pace.ran_s(), self.pace.lost_s(), self.pace.latest_s());
         Summary { ran_s, lost_s, latest_s, ..self.summary }
@@ -145,7 +145,7 @@ impl Session {
         self.started.elapsed()
     }
 
-    /// Wall time until the next step is due; `None` while the time stands.
+    /// Remaining wall time until the next step is due; `None` while the clock is stopped.
     pub fn until_step(&self) -> Option<Duration> {
         self.pace.until(self.next_s(), self.wall())
     }
@@ -155,10 +155,10 @@ impl Session {
         self.origin_s + (self.taken + 1) as f64 * self.step_s
     }
 
-    /// Executes an order of a page; the result is a message for all pages, if any.
+    /// Executes a command of a page and returns a message for all pages, if any.
     ///
     /// # Errors
-    /// Invalid orders, with the allowed values.
+    /// Invalid commands, with the allowed values.
     pub fn execute(&mut self, order: &Order) -> Result<Option<String>, String> {
         self.changed = true;
         match order {
@@ -222,7 +222,7 @@ impl Session {
         Ok(None)
     }
 
-    /// Takes the steps that are due, for a short while at most.
+    /// Performs the steps that are due, for at most [`TURN_S`].
     pub fn advance(&mut self) {
         let begun = self.wall();
         while self.pace.runs() && self.next_s() <= self.pace.due_s(self.wall()) {
@@ -235,7 +235,7 @@ impl Session {
         self.pace.catch_up(wall, reached_s, step_s);
     }
 
-    /// Takes one communication step; a failure stops the time at the last valid one.
+    /// Performs one communication step; after an error the simulation stops at the last valid time.
     fn advance_one(&mut self) {
         let (before_s, next_s, begun) = (self.time_s(), self.next_s(), Instant::now());
         if let Some(pull) = &mut self.pull {
@@ -255,7 +255,7 @@ impl Session {
         }
     }
 
-    /// Adds the present values of the plotted signals.
+    /// Adds a sample of the plotted signals.
     fn sample(&mut self) {
         let now_s = self.time_s();
         if self.watched.is_empty() || now_s < self.next_sample_s - 1e-9 * self.step_s {
@@ -303,12 +303,12 @@ impl Session {
         json!({ "kind": "rolled_back", "time": self.time_s(), "values": self.value_list() }).to_string()
     }
 
-    /// The message with the values of all controls.
+    /// Message with the values of all controls.
     pub fn values(&mut self) -> String {
         json!({ "kind": "values", "values": self.value_list() }).to_string()
     }
 
-    /// First message to a page: values of the controls and events so far.
+    /// First message to a page: values of the controls, and the events so far.
     pub fn connected_message(&mut self) -> String {
         self.changed = true;
         let events: Vec<_> = self.watch.events.iter().map(event).collect();
@@ -325,7 +325,7 @@ impl Session {
         self.without_pull(values)
     }
 
-    /// Calls a function with the inputs as they are without the pull.
+    /// Calls a function while the inputs have the values without the pull.
     fn without_pull<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let held = self.pull.as_ref().map(|pull| pull.held);
         let with_pull = held.and_then(|held| Some(self.plant.inputs().stations().get(held.station)?.force_n));
@@ -336,7 +336,7 @@ impl Session {
         if let (Some(pull), Some(with_n)) = (&mut self.pull, with_pull)
             && let Some(load) = self.plant.inputs_mut().stations_mut().get_mut(pull.held.station)
         {
-            // the function may have set the force
+            // the function may have changed the force
             let set_n = load.force_n;
             load.force_n = with_n + set_n - pull.held.base_n;
             pull.held.base_n = set_n;
@@ -387,7 +387,7 @@ impl Session {
         let too_many = self.watched.len().saturating_sub(MOST_WATCHED);
         self.watched.drain(..too_many);
         if self.watched != before {
-            // the rows of a picture have one width
+            // all rows of a picture have the same width
             self.samples.clear();
         }
         Ok(())
@@ -423,8 +423,8 @@ impl Session {
 
     /// The present picture, if anything has changed: a header in JSON, then numbers in single precision, little-endian.
     ///
-    /// The first four bytes are the length of the header, which spaces fill up to a multiple of four. The numbers are samples (time and
-    /// the values of `names`, row by row), then the frame as `run.js` reads it.
+    /// The first four bytes are the length of the header, which is padded with spaces to a multiple of four. The numbers are the
+    /// samples (time and the values of `names`, row by row), followed by the frame in the format of `run.js`.
     pub fn picture(&mut self) -> Option<Vec<u8>> {
         if !std::mem::take(&mut self.changed) {
             return None;
@@ -432,7 +432,7 @@ impl Session {
         self.summary.pictures += 1;
         self.plant.provide(OutputSet::ALL);
         if self.failure.is_none() {
-            // the state of a failed step replaces no valid one
+            // do not replace a valid state by that of a failed step
             self.history.push(self.moment());
         }
         let frame = Frame::of(&self.scene, &self.plant);
@@ -471,7 +471,7 @@ impl Session {
 
 /// Length in m of the longest chain of bodies from the root.
 fn reach_m(machine: &Machine) -> f64 {
-    // carriers precede the bodies that they carry
+    // parent bodies precede their children
     let mut begins_m: Vec<f64> = Vec::new();
     for body in &machine.bodies {
         begins_m.push(match body.joint.parent {

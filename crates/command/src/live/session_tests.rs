@@ -1,4 +1,4 @@
-//! The simulation behind the page without a network.
+//! Tests of the simulation of the page, without a network.
 
 use crate::live::order::{Given, Order};
 use crate::live::session::Session;
@@ -20,7 +20,7 @@ fn set(name: &str, value: f64) -> Order {
     Order::Set { name: name.to_owned(), value: Given::Number(value) }
 }
 
-/// Header and numbers of a picture.
+/// Splits a picture into header and numbers.
 fn read(picture: &[u8]) -> (Value, Vec<f32>) {
     let length = u32::from_le_bytes(picture[..4].try_into().unwrap()) as usize;
     assert_eq!(length % 4, 0, "the numbers are not aligned");
@@ -32,7 +32,7 @@ fn pictured(session: &mut Session) -> (Value, Vec<f32>) {
     read(&session.picture().unwrap())
 }
 
-/// The time is never ahead of the clock, and follows it to the last step that fits.
+/// The simulated time is never ahead of the clock, and follows it up to the last complete step.
 #[test]
 fn time_follows_the_clock() {
     let mut session = session("folding_wing");
@@ -55,7 +55,7 @@ fn time_follows_the_clock() {
     std::thread::sleep(Duration::from_millis(5));
     session.advance();
     assert_eq!(session.time_s(), stood_s);
-    // ten times as fast from here on
+    // from here on ten times as fast
     session.execute(&Order::Speed { value: 10.0 }).unwrap();
     session.execute(&Order::Run {}).unwrap();
     let begun = Instant::now();
@@ -69,7 +69,8 @@ fn time_follows_the_clock() {
     );
 }
 
-/// A picture has the frame of its time, with the values of the plotted signals at the times between; without a change there is none.
+/// A picture has the frame at its time, and the samples of the plotted signals since the last picture; without a change there is no
+/// picture.
 #[test]
 fn pictures_have_the_frame_and_samples() {
     let mut session = session("folding_wing");
@@ -85,18 +86,18 @@ fn pictures_have_the_frame_and_samples() {
     let (header, numbers) = pictured(&mut session);
     assert_eq!(header["names"], serde_json::json!(["fold.angle", "tip.position.z"]));
     let rows = header["samples"].as_u64().unwrap() as usize;
-    // every 4 ms of 20 ms
+    // one sample every 4 ms for 20 ms
     assert_eq!((rows, numbers.len()), (5, 3 * rows + first.len()));
     let frame = &numbers[3 * rows..];
     assert!((frame[0] - 0.02).abs() < 1e-8, "{}", frame[0]);
     let last = &numbers[3 * (rows - 1)..3 * rows];
     assert!((last[0] - 0.0165).abs() < 1e-6, "{last:?}");
-    // the joint of the frame is in degrees
+    // the joint angle of the frame is in degrees
     let turned = last[1].to_degrees() - frame[1];
     assert!((0.0..6.0).contains(&turned), "{} then {}", last[1].to_degrees(), frame[1]);
 }
 
-/// Back at a picture, with its inputs, events and state bit for bit: the same steps give the same picture again.
+/// A rollback restores inputs, events and state bit for bit: the same steps give the same picture again.
 #[test]
 fn rolling_back_repeats_the_run() {
     let mut session = session("folding_wing");
@@ -120,13 +121,13 @@ fn rolling_back_repeats_the_run() {
     assert_eq!(numbers, repeated);
     let message: Value = serde_json::from_str(&session.connected_message()).unwrap();
     assert_eq!(latches(&message), 1, "the latching that was taken back is told: {message}");
-    // the start
+    // back to the start
     session.execute(&Order::Restart {}).unwrap();
     let (header, _) = pictured(&mut session);
     assert_eq!((header["time"].as_f64(), header["oldest"].as_f64()), (Some(0.0), Some(0.0)));
 }
 
-/// A picture taken while the spring pulls does not keep the spring: back there, the load is that of the input.
+/// A picture taken while the spring pulls does not store the spring: after a rollback to it, the load is that of the input.
 #[test]
 fn a_rollback_into_a_pull_has_no_spring() {
     let mut session = session("folding_wing");
@@ -135,7 +136,7 @@ fn a_rollback_into_a_pull_has_no_spring() {
     step(&mut session, 10);
     let (header, _) = pictured(&mut session);
     assert!(header["pull"]["force"][2].as_f64().unwrap().abs() > 0.1, "{header}");
-    // a value set during a pull is the load without the pull
+    // a value set during a pull changes the load without the pull
     session.execute(&set("load.outer[4].force.z", 0.5)).unwrap();
     step(&mut session, 10);
     let at_s = session.time_s();
@@ -150,8 +151,8 @@ fn a_rollback_into_a_pull_has_no_spring() {
     assert_eq!(session.plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
 }
 
-/// The latched wing under a spring settles at the static equilibrium under the spring's force: with eight times its damping within four
-/// seconds. The tolerance is that of the statics and of the solver's steps.
+/// The latched wing, pulled by a spring, settles at the static equilibrium under the force of the spring; with eight times its damping,
+/// within four seconds. The tolerance covers the errors of the statics and of the time steps.
 #[test]
 fn a_pull_at_rest_is_a_static_load() {
     let mut session = session("folding_wing");
@@ -173,7 +174,7 @@ fn a_pull_at_rest_is_a_static_load() {
     assert!(statics_m.z > 4e-3 && (tip_m - statics_m).norm() < 1e-6, "{tip_m} against {statics_m}");
 }
 
-/// The force of a spring is in the root frame, for any frame of the loads of the body: follower loads turn with the section.
+/// The force of a spring is in the root frame for either load frame of the body, although follower loads rotate with the section.
 #[test]
 fn a_spring_pulls_alike_in_both_load_frames() {
     let forces = ["root", "section"].map(|frame| {
@@ -185,11 +186,11 @@ fn a_spring_pulls_alike_in_both_load_frames() {
         session.plant.provide(foldwing_engine::plant::OutputSet::ALL);
         session.plant.outputs().tips()[0].position_m
     });
-    // the force is held over a step in the frame of its load, which turns by 0.02 rad meanwhile
+    // over a step, the force is constant in its load frame, which rotates by 0.02 rad meanwhile
     assert!((forces[0] - forces[1]).norm() < 1e-4, "{forces:?}");
 }
 
-/// A spring does not feed energy into an oscillation: with the place of the step's start alone it would.
+/// A spring does not feed energy into an oscillation, as it would if its force depended only on the position at the start of the step.
 #[test]
 fn a_stiff_spring_does_not_feed_the_oscillation() {
     let mut session = session("folding_wing");
@@ -211,11 +212,11 @@ fn a_stiff_spring_does_not_feed_the_oscillation() {
         }
         energies.push(most);
     }
-    // the damper of the joint takes some; the hold over the step alone would give it back tenfold
+    // the joint damper dissipates some energy; a force held from the start of the step would feed in ten times as much
     assert!(energies[1] < 1.05 * energies[0], "{energies:?}");
 }
 
-/// An invalid value or pull gives a message, and changes nothing.
+/// An invalid value or pull returns a message, and changes nothing.
 #[test]
 fn wrong_orders_are_refused_with_what_is_allowed() {
     let mut session = session("folding_wing");
@@ -242,7 +243,7 @@ fn wrong_orders_are_refused_with_what_is_allowed() {
     assert!(session.pull.is_none() && session.watched.is_empty());
 }
 
-/// A step that fails stops the simulation with its reason; from an earlier time it continues.
+/// A failed step stops the simulation and reports the reason; after a rollback the simulation can continue.
 #[test]
 fn a_failure_stops_the_time_until_it_is_rolled_back() {
     let mut session = session("folding_wing");
@@ -262,7 +263,7 @@ fn a_failure_stops_the_time_until_it_is_rolled_back() {
     assert!(header["failure"].is_null() && session.time_s() > good_s);
 }
 
-/// The page has the elements that its scripts use, and no text of the model that would end an element.
+/// The page contains the elements that its scripts use, and no text of the model that would close an HTML element.
 #[test]
 fn the_page_holds_the_machine_and_its_controls() {
     let mut session = session("folding_wing_in_tunnel");
@@ -270,7 +271,7 @@ fn the_page_holds_the_machine_and_its_controls() {
     let begin = page.find("class=\"live\">").unwrap() + "class=\"live\">".len();
     let live: Value = serde_json::from_str(&page[begin..begin + page[begin..].find("</script").unwrap()]).unwrap();
     assert_eq!(live["controls"].as_array().unwrap().len(), session.controls.len());
-    // inner 0.15 m, outer 0.15 m at its end
+    // the inner body is 0.15 m long, and the outer one, of 0.15 m, is attached to its end
     assert!((live["reach_m"].as_f64().unwrap() - 0.3).abs() < 1e-12 && live["step_s"] == 5e-4);
     assert!((live["weight_n"].as_f64().unwrap() - 9.81 * 0.06305).abs() < 1e-9);
 }

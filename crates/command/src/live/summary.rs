@@ -1,20 +1,20 @@
-//! Figures of a live simulation for its user.
+//! Statistics of a live simulation.
 
-/// Figures of a live simulation.
+/// Statistics of a live simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Summary {
-    /// Simulated time in s, over all rollbacks.
+    /// Simulated time in s, including parts that were rolled back.
     pub simulated_s: f64,
     /// Wall time in s for which the clock ran.
     pub ran_s: f64,
     /// Lost wall time in s.
     pub lost_s: f64,
-    /// Largest delay behind the clock in s of wall time.
+    /// Largest delay relative to the clock in s of wall time.
     pub latest_s: f64,
-    /// Longest communication step in s of wall time.
+    /// Longest computing time of a communication step in s of wall time.
     pub slowest_s: f64,
-    /// Communication steps.
+    /// Number of communication steps.
     pub steps: u64,
-    /// Pictures.
+    /// Number of pictures.
     pub pictures: u64,
 }

@@ -4,12 +4,12 @@ use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::Interface;
 use std::sync::Arc;
 
-/// Table and plant of a shipped model, initialised.
+/// Interface and initialised plant of a supplied model.
 pub fn started(name: &str) -> (Interface, Plant) {
     changed(name, "", "")
 }
 
-/// The same with other text in the first place of `old`.
+/// Like [`started`], with the first occurrence of `old` in the model file replaced by `new`.
 pub fn changed(name: &str, old: &str, new: &str) -> (Interface, Plant) {
     let path = format!("{}/../../examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap().replacen(old, new, 1);

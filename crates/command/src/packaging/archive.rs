@@ -1,4 +1,4 @@
-//! The FMU archive: the same model, library and version give the same bytes.
+//! The FMU archive, which is reproducible: the same model, library and version give the same bytes.
 
 use crate::packaging::contents::{Extras, contents};
 use crate::packaging::{Library, MODEL_IDENTIFIER, Platform};
@@ -21,7 +21,7 @@ pub enum PackageError {
         /// Error of the operating system.
         source: io::Error,
     },
-    /// The file is not a Foldwing library, or is for another platform than requested, or for one without a name in FMI.
+    /// The file is not a Foldwing library, or its platform is not the requested one or has no name in FMI.
     #[error("{path}: {cause}")]
     NotALibrary {
         /// The file.
@@ -29,22 +29,22 @@ pub enum PackageError {
         /// The cause.
         cause: String,
     },
-    /// Two libraries for one platform.
+    /// Two libraries for the same platform.
     #[error("{path}: a second library for {platform}; the first is {first}")]
     Twice {
         /// The second one.
         path: PathBuf,
         /// The first one.
         first: PathBuf,
-        /// Platform of both.
+        /// Platform of both libraries.
         platform: Platform,
     },
 }
 
-/// The bytes of the FMU of a model.
+/// Returns the bytes of the FMU of a model.
 ///
 /// `model_text` is the file from which `machine` was read; it is included in the archive. `libraries` are shared libraries of this package,
-/// one for each platform of the FMU. `extras` are the optional contents of the archive.
+/// one for each platform of the FMU. `extras` are the optional contents.
 pub fn package(
     machine: &Machine,
     model_text: &str,
@@ -59,7 +59,7 @@ pub fn package(
     Ok(archive(&entries))
 }
 
-/// The libraries by their paths in the archive.
+/// Libraries by their paths in the archive.
 fn binaries(libraries: &[Library], version: Version) -> Result<BTreeMap<String, Entry>, PackageError> {
     for (i, library) in libraries.iter().enumerate() {
         if let Some(first) = libraries[..i].iter().find(|first| first.platform == library.platform) {
@@ -76,13 +76,13 @@ fn binaries(libraries: &[Library], version: Version) -> Result<BTreeMap<String, 
     Ok(libraries.iter().map(entry).collect())
 }
 
-/// One file of the archive; the map that holds them keeps them sorted by path.
+/// File of the archive; the map that contains them sorts them by path.
 struct Entry {
     bytes: Vec<u8>,
     permissions: u32,
 }
 
-/// A zip of the entries: deflate only, with a fixed date, so that the bytes depend on the contents only.
+/// Creates a zip archive of the entries, all compressed with deflate and with a fixed date, so that the bytes depend only on the contents.
 fn archive(entries: &BTreeMap<String, Entry>) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (path, entry) in entries {
@@ -101,7 +101,7 @@ mod tests {
     use super::*;
     use std::io::Read;
 
-    /// Each library is in the folder of its platform; two for one platform are an error with both names.
+    /// Each library is in the folder of its platform; two for one platform are an error that names both.
     #[test]
     fn libraries_go_into_the_folders_of_their_platforms() {
         let library = |path: &str, platform: &str| Library {

@@ -1,4 +1,5 @@
-//! Files required by the rules of the FMI Cross-Check (version 4.1) from an exporting tool, generated from a finished FMU.
+//! Files that the rules of the FMI Cross-Check (version 4.1) require from an exporting tool, generated from a finished
+//! FMU.
 
 use crate::packaging::xml::real;
 use crate::packaging::{Library, Reference, VERSION};
@@ -9,16 +10,17 @@ use std::path::PathBuf;
 /// Contribution of one platform to the cross-check: its folder, and its files by name.
 pub type Submission<'a> = (PathBuf, Vec<(String, &'a [u8])>);
 
-/// The text files of the cross-check, the same for every platform.
+/// Text files of the cross-check, identical for all platforms.
 pub struct CrossCheck {
     name: String,
     texts: [(String, String); 4],
 }
 
 impl CrossCheck {
-    /// Inputs, reference result, options and a page for a model with the name `name`, that of the FMU's file.
+    /// Creates inputs, reference result, options and a page for a model with the name `name`, which is the FMU's file
+    /// name.
     pub fn new(machine: &Machine, reference: &Reference, name: &str) -> Self {
-        // the one with inputs, which shows whether an importer reads them correctly
+        // use the experiment with inputs, which shows whether an importer reads them correctly
         let [_, experiment] = &reference.experiments;
         let texts = [
             (format!("{name}_ref.csv"), experiment.result.clone()),
@@ -29,7 +31,7 @@ impl CrossCheck {
         Self { name: name.to_owned(), texts }
     }
 
-    /// `fmus/2.0/cs/<platform>/Foldwing/<version>/<model>/` with its files, once for each platform of the FMU `fmu`.
+    /// Folder `fmus/2.0/cs/<platform>/Foldwing/<version>/<model>/` with its files, for each platform of the FMU `fmu`.
     pub fn submissions<'a>(&'a self, libraries: &[Library], fmu: &'a [u8]) -> Vec<Submission<'a>> {
         let platforms: BTreeSet<&str> = libraries.iter().map(|library| library.platform.folder).collect();
         let folder = |platform| ["fmus/2.0/cs", platform, "Foldwing", VERSION, &self.name].iter().collect();
@@ -41,7 +43,7 @@ impl CrossCheck {
     }
 }
 
-/// Options in the form required by the rules.
+/// Options in the format that the rules require.
 fn options(machine: &Machine, reference: &Reference) -> String {
     let experiment = &machine.experiment;
     [

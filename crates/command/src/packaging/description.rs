@@ -1,6 +1,7 @@
-//! `modelDescription.xml` from the variable table, in the element order of the FMI 2.0 schema.
+//! `modelDescription.xml`, generated from the variable table, in the element order of the FMI 2.0 schema.
 //!
-//! The text depends only on the model, the table and the version: no date, no path, so that packaging twice gives the same bytes.
+//! The text depends only on the model, the table and the version; it contains no date or path, so that packaging twice gives the same
+//! bytes.
 
 use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
 use crate::packaging::{Kinds, MODEL_IDENTIFIER, VERSION};
@@ -15,13 +16,13 @@ use std::sync::Arc;
 
 /// Capability flags of the `CoSimulation` element.
 ///
-/// A flag may be true only if the capability is implemented: importers rely on it.
+/// A flag may be true only if the capability is implemented, because importers rely on it.
 const CAPABILITIES: [(&str, &str); 9] = [
     ("needsExecutionTool", "false"),
     ("canHandleVariableCommunicationStepSize", "true"),
     ("canInterpolateInputs", "true"),
     ("maxOutputDerivativeOrder", "1"),
-    ("canRunAsynchronuously", "false"), // the standard's own spelling
+    ("canRunAsynchronuously", "false"), // spelled as in the standard
     ("canBeInstantiatedOnlyOncePerProcess", "false"),
     ("canNotUseMemoryManagementFunctions", "true"),
     ("canGetAndSetFMUstate", "true"),
@@ -39,10 +40,10 @@ const EXCHANGE_CAPABILITIES: [(&str, &str); 7] = [
     ("providesDirectionalDerivative", "true"),
 ];
 
-/// The complete text of `modelDescription.xml`, ending in a line feed.
+/// Returns the complete text of `modelDescription.xml`, ending in a line feed.
 ///
 /// `variables` is the table of `machine`, in order, with the dependencies of each row; `guid` is the hash that the library checks on
-/// instantiation. For Model Exchange the table must have continuous states.
+/// instantiation. For Model Exchange the table must include the continuous states.
 pub fn model_description(
     machine: &Machine,
     variables: &[Variable],
@@ -84,7 +85,7 @@ fn write_root(
         if kinds.co_simulation {
             let mut co_simulation: Attributes = identifier();
             co_simulation.extend(CAPABILITIES.map(|(name, value)| (name, value.to_owned())));
-            // with constant aerodynamic loads they would be wrong
+            // with aerodynamics the derivatives would be wrong, since they hold the aerodynamic loads constant
             co_simulation.push(("providesDirectionalDerivative", machine.air.is_none().to_string()));
             leaf(xml, "CoSimulation", &co_simulation)?;
         }
@@ -106,7 +107,7 @@ pub(super) fn write_log_categories(xml: &mut Xml) -> io::Result<()> {
     })
 }
 
-/// Units of the types in use: base-unit exponents (zero ones are omitted) and the display unit.
+/// Units of the types in use: non-zero exponents of the base units, and the display unit.
 pub(super) fn write_units(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
     let types = types_in_use(variables);
     let used: Vec<&Unit> = UNITS.iter().filter(|unit| types.iter().any(|t| t.unit == unit.name)).collect();
@@ -152,7 +153,7 @@ fn write_types(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
     })
 }
 
-/// Declared types used in the table, in the order of [`TYPES`].
+/// Declared types that occur in the table, in the order of [`TYPES`].
 pub(super) fn types_in_use(variables: &[Variable]) -> Vec<&'static RealType> {
     TYPES.iter().filter(|t| variables.iter().any(|v| v.declared_type == Some(t.name))).collect()
 }
@@ -206,14 +207,14 @@ fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
     if let Some(state) = variable.derivative_of {
         attributes.push(("derivative", (state + 1).to_string()));
     }
-    // latches change rates and the work, projections redundant parameters
+    // latches change rates and the work at events, and projections change redundant parameters
     if variable.nominal.is_some() {
         attributes.push(("reinit", "true".to_owned()));
     }
     leaf(xml, element, &attributes)
 }
 
-/// Bounds of a variable, if any.
+/// Attributes with the bounds of a variable, if it has any.
 pub(super) fn range(variable: &Variable) -> Attributes {
     let Some((smallest, largest)) = variable.range else { return vec![] };
     let integer = matches!(variable.value, Value::Integer(_));
@@ -221,7 +222,7 @@ pub(super) fn range(variable: &Variable) -> Attributes {
     vec![("min", bound(smallest)), ("max", bound(largest))]
 }
 
-/// `ModelStructure`: every output, and every unknown of Initialization Mode, with its dependencies.
+/// `ModelStructure`: outputs and unknowns of Initialization Mode, with their dependencies.
 fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Dependencies]) -> io::Result<()> {
     let of = |index: usize| &dependencies[index - 1];
     nest(xml, "ModelStructure", &vec![], |xml| {
@@ -243,7 +244,7 @@ fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Depend
         if !unknowns.is_empty() {
             nest(xml, "InitialUnknowns", &vec![], |xml| {
                 unknowns.iter().try_for_each(|(index, row)| {
-                    // start values of states and derivatives depend on everything that acts at the start
+                    // start values of states and derivatives depend on all quantities that act at the start
                     let on_all = of(*index).on_all || row.causality == Causality::Local;
                     unknown(xml, *index, on_all, &of(*index).initial)
                 })
@@ -253,20 +254,20 @@ fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Depend
     })
 }
 
-/// Outputs, continuous states and their derivatives whose initial value is calculated; the standard requires exactly these (there are no
-/// calculated parameters).
+/// Returns whether a variable is an unknown of Initialization Mode: an output, continuous state or state derivative whose initial value
+/// is calculated. The standard requires exactly these (there are no calculated parameters).
 pub(super) fn is_initial_unknown(variable: &Variable) -> bool {
     let exposed = variable.nominal.is_some() || variable.derivative_of.is_some();
     (variable.causality == Causality::Output || exposed)
         && matches!(variable.initial, Some(Initial::Calculated | Initial::Approximate))
 }
 
-/// Rows with their index in `ModelVariables`, from 1.
+/// Rows with their indices in `ModelVariables`, which start at 1.
 fn rows(variables: &[Variable]) -> impl Iterator<Item = (usize, &Variable)> {
     variables.iter().enumerate().map(|(row, variable)| (row + 1, variable))
 }
 
-/// One `Unknown`; an empty list of dependencies means "none" and must be written, no list means "all".
+/// Writes one `Unknown`. An empty list of dependencies means that there are none and must be written; a missing list means all.
 fn unknown(xml: &mut Xml, index: usize, on_all: bool, dependencies: &[(u32, DependencyKind)]) -> io::Result<()> {
     if on_all {
         return leaf(xml, "Unknown", &vec![("index", index.to_string())]);
@@ -276,7 +277,7 @@ fn unknown(xml: &mut Xml, index: usize, on_all: bool, dependencies: &[(u32, Depe
     leaf(xml, "Unknown", &attributes)
 }
 
-/// The lists of dependencies and of their kinds, in order; rows count from `first`.
+/// Lists of the dependencies and of their kinds, in order; the first row of the table has the index `first`.
 pub(super) fn dependency_lists(dependencies: &[(u32, DependencyKind)], first: u32) -> Attributes {
     let mut sorted = dependencies.to_vec();
     sorted.sort_by_key(|(row, _)| *row);
@@ -286,7 +287,7 @@ pub(super) fn dependency_lists(dependencies: &[(u32, DependencyKind)], first: u3
     vec![("dependencies", rows), ("dependenciesKind", kinds)]
 }
 
-/// Returns whether a variable has a start value: inputs, parameters, and continuous states whose start is known.
+/// Returns whether a variable has a start value: inputs, parameters, and continuous states with a known start value.
 pub(super) fn has_start(variable: &Variable) -> bool {
     variable.causality == Causality::Input || matches!(variable.initial, Some(Initial::Exact | Initial::Approximate))
 }

@@ -1,5 +1,5 @@
-//! `modelDescription.xml` of FMI 3.0 from the variable table, in the element order of its schema. Parts common to both versions are in
-//! `description.rs`.
+//! `modelDescription.xml` of FMI 3.0, generated from the variable table, in the element order of its schema. Parts common to both versions
+//! are in `description.rs`.
 
 use crate::packaging::description::{
     causality, dependency_lists, has_start, initial_word, is_initial_unknown, range, types_in_use, variability,
@@ -11,7 +11,7 @@ use foldwing_engine::machine::Machine;
 use foldwing_fmi::interface::{Array, Causality, Dependencies, Interface, RealType, UNITS, Value, Variable};
 use std::io;
 
-/// Capability flags of the `CoSimulation` element. A flag may be true only if the capability is implemented: importers rely on it.
+/// Capability flags of the `CoSimulation` element. A flag may be true only if the capability is implemented, because importers rely on it.
 const CAPABILITIES: [(&str, &str); 11] = [
     ("needsExecutionTool", "false"),
     ("canBeInstantiatedOnlyOncePerProcess", "false"),
@@ -38,10 +38,10 @@ const EXCHANGE_CAPABILITIES: [(&str, &str); 8] = [
     ("needsCompletedIntegratorStep", "true"),
 ];
 
-/// The complete text of `modelDescription.xml`, ending in a line feed.
+/// Returns the complete text of `modelDescription.xml`, ending in a line feed.
 ///
-/// `interface` is the table of `machine`, with continuous states and indicators for Model Exchange; `rows` has the dependencies of each of
-/// its rows, `token` is checked by the library on instantiation.
+/// `interface` is the table of `machine`, for Model Exchange with continuous states and event indicators; `rows` has the dependencies of
+/// each of its rows, and `token` is checked by the library on instantiation.
 pub(super) fn model_description(
     machine: &Machine,
     interface: &Interface,
@@ -81,7 +81,7 @@ fn write_root(
             kind(xml, "ModelExchange", &EXCHANGE_CAPABILITIES, vec![])?;
         }
         if kinds.co_simulation {
-            // with constant aerodynamic loads they would be wrong
+            // with aerodynamics the derivatives would be wrong, since they hold the aerodynamic loads constant
             let derivatives = machine.air.is_none().to_string();
             let more = vec![
                 ("providesDirectionalDerivatives", derivatives.clone()),
@@ -119,7 +119,7 @@ fn write_type(xml: &mut Xml, of: &RealType) -> io::Result<()> {
     leaf(xml, "Float64Type", &attributes)
 }
 
-/// A variable with its lengths; start values if the standard requires them, the last dimension fastest.
+/// Writes a variable with its dimensions, and its start values if the standard requires them, the last index varying fastest.
 fn write_variable(xml: &mut Xml, interface: &Interface, reference: u32, array: &Array) -> io::Result<()> {
     let head = interface.head(array);
     let mut attributes: Attributes = vec![
@@ -178,13 +178,13 @@ fn write_structure(
         arrays.filter(|((_, array), _)| which(interface.head(array))).try_for_each(|((reference, array), found)| {
             let local = interface.head(array).causality == Causality::Local;
             let list = if initial { &found.initial } else { &found.running };
-            // start values of states and derivatives depend on everything that acts at the start; indicators on anything
+            // start values of states and derivatives depend on all quantities that act at the start; indicators may depend on any quantity
             let on_all = found.on_all || local && (initial || interface.head(array).derivative_of.is_none());
             let mut attributes = vec![("valueReference", reference.to_string())];
             match (&everything, on_all) {
                 (None, true) => {}
                 (None, false) => attributes.extend(dependency_lists(list, 0)),
-                // importers without arrays may need a list too, as CasADi does
+                // importers that do not support arrays, such as CasADi, may need the list even so
                 (Some(all), true) => attributes.extend(dependency_lists(&all[usize::from(initial)], 0)),
                 (Some(_), false) => attributes.extend(dependency_lists(&interface.with_tunables(list, initial), 0)),
             }

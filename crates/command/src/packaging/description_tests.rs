@@ -1,4 +1,4 @@
-//! The description of a small table, as text: elements and attributes required by the standard, in their places.
+//! Description of a small table: elements and attributes required by the standard, at the required positions.
 
 use super::*;
 use crate::packaging::drawing::tests::two_body_machine;
@@ -50,7 +50,7 @@ fn text() -> String {
     model_description(&two_body_machine(), &table(), &dependencies(), "{guid}", Kinds::default())
 }
 
-/// Elements are in the order of the schema's sequence.
+/// Elements are in the order of the schema.
 #[test]
 fn elements_follow_the_schema_order() {
     let text = text();
@@ -59,7 +59,7 @@ fn elements_follow_the_schema_order() {
     assert!(positions.is_sorted(), "{positions:?}");
 }
 
-/// Inputs and parameters have a start value, outputs and time none.
+/// Inputs and parameters have a start value; outputs and time do not.
 #[test]
 fn start_values_stand_where_the_standard_wants_them() {
     let text = text();
@@ -74,7 +74,7 @@ fn start_values_stand_where_the_standard_wants_them() {
     assert_eq!(text.matches("start=").count(), 3);
 }
 
-/// Dependencies are indices from 1 in ascending order, each with its kind; "none" is an empty list.
+/// Dependencies are ascending indices, which start at 1, each with its kind; an empty list means none.
 #[test]
 fn structure_counts_from_one_and_sorts() {
     let text = text();
@@ -87,7 +87,7 @@ fn structure_counts_from_one_and_sorts() {
     }
 }
 
-/// Markup in a description is escaped, and the text does not depend on time or place.
+/// Markup in a description is escaped, and the text does not depend on the time or folder of packaging.
 #[test]
 fn text_is_escaped_and_reproducible() {
     let text = text();

@@ -1,4 +1,4 @@
-//! `documentation/index.html`: one page without external references, from the model and the variable table.
+//! `documentation/index.html`: a page without external references, generated from the model and the variable table.
 
 use crate::packaging::contents::Extras;
 use crate::packaging::{VERSION, air_section, drawing, palette, use_section};
@@ -17,7 +17,7 @@ use std::fmt::Write;
 const STYLE: &str = include_str!("documentation.css");
 const EQUATIONS: &str = include_str!("equations.html");
 
-/// Sections linked in the head of the page: anchor and title.
+/// Sections linked at the top of the page: anchor and title.
 const SECTIONS: [(&str, &str); 9] = [
     ("wing", "The wing"),
     ("use", "How to use it"),
@@ -30,7 +30,7 @@ const SECTIONS: [(&str, &str); 9] = [
     ("licence", "Licence"),
 ];
 
-/// The whole page; `extras` are the optional contents of the archive.
+/// Returns the complete page; `extras` are the optional contents of the archive.
 pub fn page(machine: &Machine, variables: &[Variable], extras: &Extras) -> String {
     let name = escape(&machine.name);
     let mut html = String::new();
@@ -131,7 +131,7 @@ fn bodies_section(html: &mut String, machine: &Machine) {
                 row.extend([body.station_positions_m.len().to_string(), "–".to_owned(), "–".to_owned()]);
                 return row;
             }
-            // a varying section is shown at both ends
+            // a section that varies along the body is shown at both ends
             let ends = match body.section.is_uniform() {
                 true => vec![body.section.at(0.0)],
                 false => vec![body.section.at(0.0), body.section.at(body.length_m)],
@@ -217,7 +217,7 @@ fn loops_section(html: &mut String, machine: &Machine) {
     );
 }
 
-/// The start attitude is given as a rotation vector; a free joint has no spring and no damper.
+/// Describes a spatial joint. The start attitude is given as a rotation vector; a free joint has no spring and no damper.
 fn spatial(joint: &Spatial, mount: &Matrix3<f64>) -> Vec<String> {
     let kind = match &joint.freedom {
         SpatialFreedom::Universal { parent_axis, body_axis } => {
@@ -233,7 +233,8 @@ fn spatial(joint: &Spatial, mount: &Matrix3<f64>) -> Vec<String> {
     row
 }
 
-/// The columns have the units of a revolute joint; cells of a prismatic joint include their own.
+/// Describes a joint with one degree of freedom. The columns have the units of a revolute joint; cells of a prismatic joint include
+/// their units.
 fn one_freedom(travel: Travel, joint: &OneFreedom) -> Vec<String> {
     let motion = travel.words(match joint.motion {
         JointMotion::Free => "revolute",
@@ -337,7 +338,7 @@ fn type_name(variable: &Variable) -> String {
     }
 }
 
-/// Unit followed by the display unit, as `rad (deg)`.
+/// Unit followed by the display unit, such as `rad (deg)`.
 fn unit(variable: &Variable) -> String {
     let declared = TYPES.iter().find(|t| Some(t.name) == variable.declared_type);
     let Some(unit) = declared.and_then(|t| UNITS.iter().find(|unit| unit.name == t.unit)) else {
@@ -357,7 +358,7 @@ fn start(value: &Value) -> String {
     }
 }
 
-/// At most six significant digits, a power of ten if it is shorter, `unlimited` for infinite limits.
+/// Formats at most six significant digits, as a power of ten if this is shorter; infinite limits as `unlimited`.
 pub(super) fn number(value: f64) -> String {
     if value.abs() >= UNLIMITED {
         return "unlimited".to_owned();
@@ -373,13 +374,13 @@ pub(super) fn vector(components: &[f64]) -> String {
     format!("({})", components.iter().map(|value| number(*value)).collect::<Vec<_>>().join(", "))
 }
 
-/// Writes a table of finished cells.
+/// Writes a table of cells that are already HTML.
 pub(super) fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item = Vec<String>>) {
     let line = |cell: &str, cells: &[String]| -> String {
         let cells: String = cells.iter().map(|text| format!("<{cell}>{text}</{cell}>")).collect();
         format!("<tr>{cells}</tr>\n")
     };
-    // descriptions may wrap, numbers and names not
+    // descriptions may wrap, numbers and names may not
     let prose = match head.last() {
         Some(&"meaning") => " meaning",
         Some(&"case") => " cases",
@@ -403,7 +404,7 @@ mod tests {
     use foldwing_engine::machine::Closure;
     use foldwing_engine::machine::JointKind;
 
-    /// The page has the names of the model, escapes its text, has no external references and closes its tags.
+    /// The page contains the names of the model, escapes its texts, has no external references and closes its tags.
     #[test]
     fn page_is_complete_and_self_contained() {
         let html = page(&two_body_machine(), &[], &Extras::default());
@@ -417,7 +418,8 @@ mod tests {
         }
     }
 
-    /// The start attitude is shown for a universal, ball or free joint; the caption describes the drawing; every row fills its table.
+    /// The start attitude is shown for a universal, ball or free joint; the caption describes the drawing; every table row has all
+    /// cells.
     #[test]
     fn joints_of_several_freedoms_are_described() {
         let mut machine = two_body_machine();
@@ -440,7 +442,7 @@ mod tests {
         assert!(html.contains("<td>free</td><td>(0, 0.5, 0)</td><td></td><td></td><td></td><td></td><td></td></tr>"));
     }
 
-    /// Loops have both ends and their penalty, in the table and in the drawing, which shows the start only.
+    /// Loops are listed with both ends and their penalty in the table, and shown in the drawing, which has only the start position.
     #[test]
     fn closed_loops_are_described() {
         let mut machine = two_body_machine();
@@ -462,7 +464,7 @@ mod tests {
         );
     }
 
-    /// Numbers stay short and readable.
+    /// Numbers are short and readable.
     #[test]
     fn numbers_are_short() {
         let cases = [

@@ -1,5 +1,5 @@
-//! Drawing of an undeformed wing: deployed, at its start angles, and positions between them. One list of shapes, drawn as SVG on the page
-//! and as pixels in `model.png`.
+//! Drawing of an undeformed wing: deployed, at its start angles, and at positions between them. The same list of shapes is drawn as SVG
+//! on the page and as pixels in `model.png`.
 
 use crate::packaging::palette::{self, Role, ink};
 use foldwing_engine::machine::Machine;
@@ -13,11 +13,11 @@ use std::fmt::Write;
 const WIDTH: f64 = 880.0;
 /// Maximum height in user units.
 const MAXIMUM_HEIGHT: f64 = 580.0;
-/// Free border in user units.
+/// Margin in user units.
 const MARGIN: f64 = 24.0;
 /// Length of the axes of the root frame in user units.
 const AXIS: f64 = 60.0;
-/// Points along a body: enough for a smooth curve of an initially curved one.
+/// Number of intervals along a body, sufficient to draw an initially curved body smoothly.
 const POINTS: usize = 24;
 
 /// Roles explained in the legend, if they are drawn.
@@ -31,17 +31,17 @@ pub const KEYS: [(Role, &str); 7] = [
     (Role::Surface, "lifting surface"),
 ];
 
-/// A point of the drawing in user units, to the right and down, rounded to a tenth: common to SVG and icon.
+/// Point of the drawing in user units, rightwards and downwards, rounded to a tenth: the same for SVG and icon.
 pub type Point = [f64; 2];
 
-/// A shape; later ones are on top.
+/// Shape of the drawing; later shapes cover earlier ones.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// Closed outline.
     Outline(Role, Vec<Point>),
     /// Open line.
     Line(Role, Vec<Point>),
-    /// Dot with a title shown on hovering; its radius is that of the role.
+    /// Dot with a title shown on hovering; its radius is determined by the role.
     Dot(Role, Point, String),
 }
 
@@ -63,10 +63,10 @@ impl Drawing {
     }
 }
 
-/// Frames along every body at equal arc lengths, `POINTS + 1` each, with natural strains only.
+/// Frames along every body at equal arc lengths, `POINTS + 1` each, with initial strains only.
 ///
-/// Fold angles and positions of prismatic joints are at the fraction `fraction` from deployed (that of the latch, else 0) to the start;
-/// universal, ball and free joints are in their start attitude, which is their mount.
+/// Fold angles and positions of prismatic joints are at the fraction `fraction` of the path from deployed (the latch position, or 0
+/// without a latch) to the start; universal, ball and free joints are at their start attitude.
 pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
     let stand = |joint: &OneFreedom| {
         let deployed = joint.latch.as_ref().map_or(0.0, |latch| latch.angle_rad);
@@ -83,7 +83,7 @@ pub fn undeformed(machine: &Machine, fraction: f64) -> Vec<Vec<Frame>> {
         .collect()
 }
 
-/// Axonometric view from the front, the left and above: `x` to the right, `z` up, `y` into the depth.
+/// Axonometric view from the front, left and above: `x` to the right, `z` up, `y` away from the viewer.
 fn project(point: &Vector3<f64>) -> Point {
     const AZIMUTH: f64 = 0.5;
     const ELEVATION: f64 = 0.42;
@@ -94,7 +94,7 @@ fn project(point: &Vector3<f64>) -> Point {
     [right, -(cos_e * point.z + sin_e * depth)]
 }
 
-/// Outline of a beam; for a rigid body, lines from its frame to its child bodies.
+/// Contour of a body: outline of a beam; for a rigid body, lines from its frame to its child bodies.
 pub(super) fn contour(machine: &Machine, index: usize, wing: &[Vec<Frame>]) -> Vec<Vector3<f64>> {
     let (body, own) = (&machine.bodies[index], &wing[index]);
     if !body.is_rigid() {
@@ -110,7 +110,7 @@ pub(super) fn contour(machine: &Machine, index: usize, wing: &[Vec<Frame>]) -> V
     points
 }
 
-/// Both edges of a body as one closed outline.
+/// Closed outline formed by both edges of a body.
 pub(super) fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
     let place = |i: usize| body.length_m * i as f64 / (frames.len() - 1) as f64;
     let half: Vec<f64> = (0..frames.len()).map(|i| body.section.at(place(i)).half_width_m).collect();
@@ -119,7 +119,7 @@ pub(super) fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
     edge(1.0).chain(edge(-1.0).rev()).collect()
 }
 
-/// Draws the wing. Closed loops close at the start angles only, so a machine with loops is drawn only there.
+/// Draws the wing. Loops are closed only at the start angles, so a machine with loops is drawn only there.
 pub fn drawing(machine: &Machine) -> Drawing {
     let looped = !machine.closures.is_empty();
     let deployed = undeformed(machine, if looped { 1.0 } else { 0.0 });
@@ -136,7 +136,7 @@ pub fn drawing(machine: &Machine) -> Drawing {
         .iter()
         .flat_map(|(role, wing)| (0..machine.bodies.len()).map(|index| (*role, contour(machine, index, wing))))
         .collect();
-    // behind the deployed wing
+    // shapes drawn behind the deployed wing
     let behind = outlines.len() - machine.bodies.len();
     outlines.splice(behind..behind, planforms(machine, &wings[wings.len() - 1].1));
     // the first body is attached to the root
@@ -174,10 +174,10 @@ pub(super) fn planforms(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Ve
     surfaces.map(planform).collect()
 }
 
-/// Half length of the drawn fold axis of a rigid body, which has no section, in m.
+/// Half the length of the fold axis drawn on a rigid body, which has no section, in m.
 const RIGID_HALF_WIDTH_M: f64 = 0.02;
 
-/// Legend of the lines through the joints: axes of revolute joints, prismatic joints, or both.
+/// Legend for the lines through the joints: axes of revolute joints, prismatic joints, or both.
 pub(super) fn axes(machine: &Machine) -> &'static str {
     let has =
         |wanted| machine.bodies.iter().any(|body| body.joint.kind.one_freedom().is_some_and(|own| own.0 == wanted));
@@ -188,11 +188,11 @@ pub(super) fn axes(machine: &Machine) -> &'static str {
     }
 }
 
-/// Fold and sliding axes, as lines slightly longer than the width of the section of the joint's body.
+/// Fold and sliding axes, drawn as lines slightly longer than the section width of the joint's body.
 pub(super) fn hinges(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<[Vector3<f64>; 2]> {
     let line = |(body, frames): (&Body, &Vec<Frame>)| {
         let (_, joint) = body.joint.kind.one_freedom()?;
-        // the joint does not move its own axis, so the axis follows from the body's first frame
+        // the axis is invariant under the joint's motion, so it follows from the first frame of the body
         let axis = frames[0].attitude * body.joint.mount.transpose() * joint.axis;
         let half_m = match body.is_rigid() {
             true => RIGID_HALF_WIDTH_M,
@@ -231,7 +231,7 @@ pub(super) fn places(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Vecto
     places
 }
 
-/// Transformation from metres in the projection plane to the drawing.
+/// Transformation from the projection plane in m to the drawing.
 struct Canvas {
     /// Position of the projection's origin in user units.
     origin: Point,
@@ -243,7 +243,7 @@ struct Canvas {
 }
 
 impl Canvas {
-    /// Fits the points to the page, with space for the axes at `root`.
+    /// Fits the points to the page, leaving space for the axes at `root`.
     fn around(points: &[Point], root: Point) -> Self {
         let span = |points: &[Point]| -> [[f64; 2]; 2] {
             [0, 1].map(|axis| {
@@ -255,7 +255,7 @@ impl Canvas {
         let [[left, right], [top, bottom]] = span(points);
         let border = 2.0 * MARGIN;
         let fit = |room: f64, length: f64| (room - border) / length.max(f64::MIN_POSITIVE);
-        // a model without extent is drawn at the scale of one metre
+        // a model of zero size is drawn at the scale of one metre
         let scale = match right - left > 0.0 || bottom - top > 0.0 {
             true => fit(WIDTH, right - left).min(fit(MAXIMUM_HEIGHT, bottom - top)),
             false => WIDTH - border,
@@ -280,7 +280,7 @@ impl Canvas {
         [0, 1].map(|axis| round(self.origin[axis] + self.scale * point[axis]))
     }
 
-    /// Axes of the root frame with their letters.
+    /// Axes of the root frame with their labels.
     fn axes(&self) -> Vec<Shape> {
         let mut shapes = Vec::new();
         let letters: [&[&[Point]]; 3] = [
@@ -306,12 +306,12 @@ impl Canvas {
     }
 }
 
-/// Rounds to a tenth of a user unit: far below the visible, far above differences between platforms.
+/// Rounds to a tenth of a user unit: too small to be visible, but much larger than differences between platforms.
 fn round(value: f64) -> f64 {
     (10.0 * value).round() / 10.0
 }
 
-/// The drawing as a stand-alone SVG file: white paper, fixed colours, a legend below.
+/// Returns the drawing as a stand-alone SVG file: white background, fixed colours, and a legend below.
 pub fn file(machine: &Machine) -> String {
     const ROW: f64 = 26.0;
     let drawing = drawing(machine);
@@ -341,7 +341,7 @@ pub fn file(machine: &Machine) -> String {
     )
 }
 
-/// The drawing as a self-contained `<svg>` element; classes are those of the palette.
+/// Returns the drawing as a self-contained `<svg>` element with the style classes of the palette.
 pub fn svg(drawing: &Drawing) -> String {
     let [width, height] = drawing.size;
     format!(
@@ -350,7 +350,7 @@ pub fn svg(drawing: &Drawing) -> String {
     )
 }
 
-/// The shapes as SVG elements.
+/// Returns the shapes as SVG elements.
 fn body(drawing: &Drawing) -> String {
     let mut svg = String::new();
     let path = |points: &[Point], end: &str| -> String {

@@ -1,4 +1,4 @@
-//! The undeformed wing: joints rotate as in design section 1, curved bodies close.
+//! The drawn undeformed wing: joints rotate as in design section 1, and a body curved to a full circle closes.
 
 use super::*;
 use foldwing_engine::beam::section::{Material, Section};
@@ -34,7 +34,7 @@ fn body(name: &str, joint: Joint) -> Body {
     }
 }
 
-/// Two bodies in line with a fold joint between them, as in every test of this module.
+/// Two bodies in line, connected by a fold joint, as used in all tests of this module.
 pub(crate) fn two_body_machine() -> Machine {
     let clamp = Joint {
         name: "clamp".to_owned(),
@@ -112,7 +112,7 @@ fn positive_angle_folds_downwards() {
     assert!((tip - Vector3::new(0.3, 0.0, 0.0)).norm() < 1e-12, "tip at {tip}");
 }
 
-/// A body whose natural curvature makes a full circle ends where it starts, to the accuracy of a drawing.
+/// A body whose initial curvature forms a full circle ends where it starts, within the accuracy of the drawing.
 #[test]
 fn natural_curvature_is_followed() {
     let mut machine = two_body_machine();
@@ -122,8 +122,8 @@ fn natural_curvature_is_followed() {
     assert!(gap < 1e-6, "tip misses root by {gap:.1e} m");
 }
 
-/// Universal, ball and free joints are drawn at the start: a free body at its initial position, its outboard bodies rotated as in the file,
-/// and without intermediate positions if no joint folds.
+/// Universal, ball and free joints are drawn at the start: a free body at its initial position, and its outboard bodies rotated as in the
+/// model file. There are no intermediate positions if no joint folds.
 #[test]
 fn joints_of_several_freedoms_stand_at_their_start() {
     let mut machine = two_body_machine();
@@ -147,7 +147,7 @@ fn joints_of_several_freedoms_stand_at_their_start() {
     assert!(svg.contains("<title>joint fold</title>"));
 }
 
-/// Coordinates are finite even for a wing that projects to a line.
+/// Coordinates are finite even for a wing whose projection is a line.
 #[test]
 fn drawing_is_finite() {
     let mut machine = two_body_machine();
@@ -157,7 +157,7 @@ fn drawing_is_finite() {
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
 }
 
-/// The fold axis is drawn through its joint along the axis of the file, for any mount of its body and any fold angle.
+/// The fold axis is drawn through its joint with the direction in the model file, for any mount of its body and any fold angle.
 #[test]
 fn fold_axes_lie_where_the_file_says() {
     let mut machine = two_body_machine();
@@ -174,7 +174,7 @@ fn fold_axes_lie_where_the_file_says() {
     }
 }
 
-/// The file of `--draw` is self-contained: fixed colours, a legend of the drawn roles only, names escaped.
+/// The file of `--draw` is self-contained: it has fixed colours, a legend with only the drawn roles, and escaped names.
 #[test]
 fn the_drawing_is_a_file_of_its_own() {
     let machine = Machine { name: "A<B".to_owned(), ..two_body_machine() };

@@ -1,4 +1,4 @@
-//! `model.png`: the drawing as pixels, icon of the FMU.
+//! `model.png`: the drawing as pixels, used as icon of the FMU.
 
 use crate::packaging::drawing::{Drawing, Point, Shape, drawing};
 use crate::packaging::palette::{Colour, Ink, PAPER, ink};
@@ -8,10 +8,10 @@ use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pi
 /// Width and height in pixels.
 pub const SIZE: [u32; 2] = [800, 600];
 
-/// Factor on the width of lines and dots: importers show the icon at a fraction of its size.
+/// Factor for the width of lines and dots, because importers show the icon at a fraction of its size.
 const BOLD: f64 = 1.6;
 
-/// The icon as a PNG file, on white. Equal machines give equal bytes.
+/// Returns the icon as a PNG file with white background. Equal machines give equal bytes.
 pub fn png(machine: &Machine) -> Vec<u8> {
     let drawing = drawing(machine);
     let mut pixels = Pixmap::new(SIZE[0], SIZE[1]).expect("the size is not zero");
@@ -24,7 +24,7 @@ pub fn png(machine: &Machine) -> Vec<u8> {
     pixels.encode_png().expect("writing to memory does not fail")
 }
 
-/// The drawing in the centre, as large as possible.
+/// Transformation that centres the drawing, as large as possible.
 fn placement(drawing: &Drawing) -> Transform {
     let [width, height] = drawing.size;
     let size = SIZE.map(f64::from);
@@ -41,7 +41,7 @@ fn paint(pixels: &mut Pixmap, shape: &Shape, place: Transform) {
             (role, PathBuilder::from_circle(*x as f32, *y as f32, (BOLD * ink(*role).radius) as f32))
         }
     };
-    // a path without extent draws nothing, as on the page
+    // a path of zero size draws nothing, as on the page
     let Some(path) = path else { return };
     let Ink { light, opacity, width, dash, .. } = ink(*role);
     if let Some(colour) = light.fill {
@@ -83,8 +83,8 @@ mod tests {
     use crate::packaging::drawing::tests::two_body_machine;
     use crate::packaging::palette::Role;
 
-    /// The icon decodes to its size, has the colours of wing, joints and start angles at their positions on the page, and is the same when
-    /// drawn twice.
+    /// The decoded icon has its nominal size and the colours of wing, joints and start angles at their positions on the page; drawing it
+    /// twice gives the same bytes.
     #[test]
     fn icon_shows_what_the_page_shows() {
         let machine = two_body_machine();
@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(joints.len(), 2);
         for shape in joints {
             let Shape::Dot(_, at, title) = shape else { unreachable!("filtered above") };
-            // nothing covers the last joint; the axes cover the first, at their origin
+            // nothing covers the last joint; the first one is covered by the axes at their origin
             if title.ends_with("fold") {
                 assert_eq!(pixel(*at), ink(Role::Joint).light.fill.unwrap(), "{title}");
             }

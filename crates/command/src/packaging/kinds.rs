@@ -1,4 +1,4 @@
-//! Version of the standard and interface types of an FMU.
+//! FMI version and interface types of an FMU.
 
 use crate::packaging::{description, description3};
 use foldwing_engine::machine::Machine;
@@ -13,11 +13,11 @@ use std::sync::Arc;
 pub struct Kinds {
     /// Version of the standard.
     pub version: Version,
-    /// Co-simulation: the FMU integrates.
+    /// Co-simulation: the FMU integrates the equations.
     pub co_simulation: bool,
-    /// Model Exchange: the importer integrates.
+    /// Model Exchange: the importer integrates the equations.
     pub model_exchange: bool,
-    /// FMI 3.0 in scalars instead of arrays.
+    /// Whether an FMI 3.0 FMU has scalars instead of arrays.
     pub scalars: bool,
 }
 
@@ -38,13 +38,13 @@ impl fmt::Display for Kinds {
 }
 
 impl Kinds {
-    /// Fails for Model Exchange of machines whose states an importer cannot integrate.
+    /// Returns an error for Model Exchange if an importer cannot integrate all states of the machine.
     pub fn check(self, machine: &Machine) -> Result<(), NotHybrid> {
         let sampled = machine.air.as_ref().is_some_and(|air| !air.options.is_continuous());
         if self.model_exchange && sampled { Err(NotHybrid::Air) } else { Ok(()) }
     }
 
-    /// The variable table: with the continuous states and their start values for Model Exchange.
+    /// Returns the variable table, for Model Exchange with the continuous states and their start values.
     pub fn interface(self, machine: &Machine) -> Interface {
         let arrays = if self.model_exchange { self.with_states(machine) } else { Interface::new(machine) };
         if self.scalars { arrays.in_scalars() } else { arrays }
@@ -56,7 +56,8 @@ impl Kinds {
             Version::Fmi2 => Interface::with_states(machine, &plant),
             Version::Fmi3 => Interface::with_states_and_indicators(machine, &plant),
         };
-        // an importer that starts from the description has a legal state; a machine without an initial state has none
+        // the start values are a valid state for importers that start from the description; a machine without an
+        // initial state has none
         let started = plant.initialize(machine.experiment.start_time_s).is_ok();
         if started && plant.system_mut().begin_exchange().is_ok() {
             interface.give_start_states(&plant);
@@ -64,7 +65,7 @@ impl Kinds {
         interface
     }
 
-    /// GUID of FMI 2.0 or instantiation token of FMI 3.0, for the table from [`Kinds::interface`].
+    /// Returns the GUID of FMI 2.0 or the instantiation token of FMI 3.0 for the table of [`Kinds::interface`].
     pub fn token(self, interface: &Interface, model_text: &str) -> String {
         match self.version {
             Version::Fmi2 => guid(model_text, interface.variables()),
@@ -72,7 +73,7 @@ impl Kinds {
         }
     }
 
-    /// `modelDescription.xml` of a machine with the model file `model_text`.
+    /// Returns the `modelDescription.xml` of a machine with the model file `model_text`.
     pub fn model_description(self, machine: &Machine, interface: &Interface, model_text: &str) -> String {
         let (dependencies, token) = (interface.dependencies(machine), self.token(interface, model_text));
         match self.version {
@@ -83,7 +84,7 @@ impl Kinds {
         }
     }
 
-    /// The variables of the FMU: for FMI 3.0 one row for each array, with its lengths in its name.
+    /// Variables of the FMU; for FMI 3.0 one row per array, with its dimensions in its name.
     pub fn variables(self, interface: &Interface) -> Vec<Variable> {
         match self.version {
             Version::Fmi2 => interface.variables().to_vec(),
@@ -91,7 +92,7 @@ impl Kinds {
         }
     }
 
-    /// Version number of the standard.
+    /// Returns the version number of the standard.
     pub fn standard(self) -> &'static str {
         match self.version {
             Version::Fmi2 => "2.0",

@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 
 /// Folder and file extension of a platform below `binaries/`.
 ///
-/// FMI 2.0.4, section 2.3: `win32`, `win64`, `linux32`, `linux64`, `darwin32`, `darwin64` are x86; any other platform has its platform
-/// tuple of FMI 3.0, section 2.5.1.4.1.
+/// FMI 2.0.4, section 2.3: `win32`, `win64`, `linux32`, `linux64`, `darwin32`, `darwin64` are x86 platforms; any other platform is
+/// named by its platform tuple of FMI 3.0, section 2.5.1.4.1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Platform {
     /// Name of the folder.
@@ -28,7 +28,7 @@ impl fmt::Display for Platform {
     }
 }
 
-/// Supported platforms: folder, extension, and format and architecture in the header of the library.
+/// Supported platforms: folder, file extension, and the format and architecture in the header of the library.
 const PLATFORMS: &[(&str, &str, BinaryFormat, Architecture)] = &[
     ("linux64", "so", BinaryFormat::Elf, Architecture::X86_64),
     ("linux32", "so", BinaryFormat::Elf, Architecture::I386),
@@ -44,7 +44,7 @@ const PLATFORMS: &[(&str, &str, BinaryFormat, Architecture)] = &[
 ];
 
 impl Platform {
-    /// Returns the platform of a name; an unknown name is an error with all names.
+    /// Returns the platform with a name; the error for an unknown name lists all names.
     pub fn named(name: &str) -> Result<Self, String> {
         Self::find(|row| row.0 == name).ok_or_else(|| {
             let allowed: Vec<&str> = PLATFORMS.iter().map(|row| row.0).collect();
@@ -52,7 +52,7 @@ impl Platform {
         })
     }
 
-    /// Folder below `binaries/` in an archive of a version: FMI 3.0 uses platform tuples only.
+    /// Folder below `binaries/` for a version of FMI: FMI 3.0 uses platform tuples only.
     pub fn folder_of(self, version: Version) -> &'static str {
         match (version, self.folder) {
             (Version::Fmi3, "linux64") => "x86_64-linux",
@@ -71,7 +71,7 @@ impl Platform {
     }
 }
 
-/// A checked shared library of this package, with its platform.
+/// Shared library of this package that has been checked, with its platform.
 #[derive(Debug, Clone)]
 pub struct Library {
     /// Path of the file.
@@ -83,10 +83,10 @@ pub struct Library {
 }
 
 impl Library {
-    /// Reads a library and determines its platform from its header, not from its name; a macOS library for several architectures has
-    /// several platforms.
+    /// Reads a library and determines its platform from its header rather than its name; a macOS library for several architectures
+    /// gives one entry for each.
     ///
-    /// With `wanted` the library must be for that platform and is used for it alone.
+    /// With `wanted`, the library must support this platform and is used for it only.
     pub fn read(path: &Path, wanted: Option<Platform>) -> Result<Vec<Self>, PackageError> {
         let bytes = std::fs::read(path).map_err(|source| PackageError::Library { path: path.to_owned(), source })?;
         let refuse = |cause| PackageError::NotALibrary { path: path.to_owned(), cause };
@@ -103,7 +103,7 @@ impl Library {
     }
 }
 
-/// Platforms of a library, each checked to export every function required of an FMU.
+/// Platforms of a library; each image is checked to export all functions required of an FMU.
 fn platforms(bytes: &[u8]) -> Result<Vec<Platform>, String> {
     let mut platforms = Vec::new();
     for image in images(bytes)? {
@@ -114,7 +114,7 @@ fn platforms(bytes: &[u8]) -> Result<Vec<Platform>, String> {
     Ok(platforms)
 }
 
-/// The images in a file: one, except in macOS libraries with several.
+/// Images in a file: one, except in macOS libraries for several architectures.
 fn images(bytes: &[u8]) -> Result<Vec<&[u8]>, String> {
     fn parts<'data, Fat: FatArch>(arches: &[Fat], bytes: &'data [u8]) -> object::read::Result<Vec<&'data [u8]>> {
         arches.iter().map(|arch| arch.data(bytes)).collect()
@@ -146,11 +146,11 @@ fn platform(file: &object::File) -> Result<Platform, String> {
     })
 }
 
-/// Checks that an image exports every function of the standard.
+/// Checks that an image exports all functions of the standard.
 fn complete(file: &object::File) -> Result<(), String> {
     let exports: object::read::Result<Vec<_>> = file.exports().and_then(Iterator::collect);
     let exports = exports.map_err(|error| format!("not a Foldwing library: its export table is damaged: {error}"))?;
-    let prefix: &[u8] = if file.format() == BinaryFormat::MachO { b"_" } else { b"" }; // of C names on macOS
+    let prefix: &[u8] = if file.format() == BinaryFormat::MachO { b"_" } else { b"" }; // prefix of C names on macOS
     let names: Vec<&[u8]> = exports
         .iter()
         .filter_map(|export| match export.name() {
@@ -168,7 +168,7 @@ fn complete(file: &object::File) -> Result<(), String> {
     }
 }
 
-/// Functions of both versions.
+/// Functions of both FMI versions.
 fn functions() -> impl Iterator<Item = &'static str> {
     fmi2::FUNCTIONS.iter().chain(fmi3::FUNCTIONS).copied()
 }
@@ -177,7 +177,7 @@ fn functions() -> impl Iterator<Item = &'static str> {
 mod tests {
     use super::*;
 
-    /// Start of an ELF shared library for a processor.
+    /// Beginning of an ELF shared library for a processor.
     fn elf(class: u8, machine: u8) -> Vec<u8> {
         let mut bytes = b"\x7fELF".to_vec();
         bytes.extend([class, 1, 1]);
@@ -187,7 +187,7 @@ mod tests {
         bytes
     }
 
-    /// Start of a PE file for a processor; `characteristics` 0x2000 is a DLL.
+    /// Beginning of a PE file for a processor; the bit 0x2000 of `characteristics` marks a DLL.
     fn pe(machine: u16, magic: u16, characteristics: u16) -> Vec<u8> {
         let mut bytes = b"MZ".to_vec();
         bytes.resize(0x3c, 0);
@@ -234,7 +234,7 @@ mod tests {
         platform(&object::File::parse(bytes).expect("a file that can be read")).map(|platform| platform.folder)
     }
 
-    /// The folder follows from format and architecture in the library's header, with the name of FMI 2.0.4.
+    /// The folder is determined by format and architecture in the library's header, and has the name defined in FMI 2.0.4.
     #[test]
     fn platform_is_read_from_the_library() {
         assert_eq!(folder(&elf(2, 0x3e)).unwrap(), "linux64");
@@ -247,7 +247,7 @@ mod tests {
         assert_eq!(folder(&macho(ARM64, 6)).unwrap(), "aarch64-darwin");
     }
 
-    /// A file that no platform of the standard can load is an error with its type.
+    /// A file that no platform of the standard can load is an error that states its type.
     #[test]
     fn other_files_are_refused_with_what_they_are() {
         let sparc = folder(&elf(2, 0x2b)).unwrap_err();
@@ -269,7 +269,7 @@ mod tests {
         assert!(error.contains(&rest), "{error}");
     }
 
-    /// A macOS library for two architectures is split; one for none, or a truncated one, is an error.
+    /// A macOS library for two architectures is split into both; one without an architecture, or a truncated one, is an error.
     #[test]
     fn macos_libraries_for_several_processors_serve_each() {
         let both = fat(&[(X86_64, macho(X86_64, 6)), (ARM64, macho(ARM64, 6))]);
@@ -280,7 +280,7 @@ mod tests {
         assert!(images(&none).unwrap_err().contains("no architecture"));
     }
 
-    /// An unknown platform is an error with the names.
+    /// The error for an unknown platform lists the names.
     #[test]
     fn platforms_have_the_names_of_the_standard() {
         assert_eq!(Platform::named("win64").unwrap(), Platform { folder: "win64", extension: "dll" });

@@ -9,7 +9,7 @@ pub const FOLDER: &str = "extra/org.foldwing.linear";
 
 const README: &str = include_str!("linear_model.txt");
 
-/// Files of the linear model by their path in the archive.
+/// Files of the linear model by their paths in the archive.
 pub fn files(model: &LinearModel) -> BTreeMap<String, Vec<u8>> {
     let mut mat = Vec::new();
     write_mat(model, &mut mat).expect("writing to memory does not fail");

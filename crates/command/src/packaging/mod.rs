@@ -1,4 +1,5 @@
-//! From a validated model to an FMU: model description, documentation page, icon, licences, reference results, archive.
+//! Packaging of a validated model as an FMU: model description, documentation page, icon, licences, reference results,
+//! archive.
 
 mod air_section;
 pub mod archive;
@@ -28,7 +29,7 @@ pub use kinds::Kinds;
 pub use library::{Library, Platform};
 pub use reference::Reference;
 
-/// Name of the library inside every FMU, the standard's `modelIdentifier`.
+/// Name of the library inside every FMU; the standard's `modelIdentifier`.
 pub const MODEL_IDENTIFIER: &str = "foldwing";
 
 /// Version of this package, written into the model description.

@@ -1,4 +1,4 @@
-//! Colours of the drawing, one table for the page (light and dark) and the icon.
+//! Colours of the drawing, in a table shared by the page (light and dark) and the icon.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ pub enum Role {
     Surface,
     /// The wing deployed.
     Deployed,
-    /// Direction of the root frame.
+    /// Axis of the root frame.
     Axis,
     /// Load station.
     Station,
@@ -32,10 +32,10 @@ pub enum Role {
 /// A colour as `[red, green, blue]`.
 pub type Colour = [u8; 3];
 
-/// Fill and line of a role on light or dark paper; `None` if not drawn.
+/// Fill and line colour of a role on a light or dark background; `None` if not drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct Tint {
-    /// Colour inside.
+    /// Colour of the interior.
     pub fill: Option<Colour>,
     /// Colour of the line.
     pub line: Option<Colour>,
@@ -46,11 +46,11 @@ pub struct Tint {
 pub struct Ink {
     /// Role.
     pub role: Role,
-    /// Class in the page.
+    /// Style class on the page.
     pub class: &'static str,
-    /// On light paper and in the icon.
+    /// Colours on a light background and in the icon.
     pub light: Tint,
-    /// On dark paper.
+    /// Colours on a dark background.
     pub dark: Tint,
     /// Opacity of the fill, 0 to 1.
     pub opacity: f64,
@@ -58,11 +58,11 @@ pub struct Ink {
     pub width: f64,
     /// Lengths of dash and gap, `None` for a solid line.
     pub dash: Option<[f64; 2]>,
-    /// Radius of a dot, 0 for other roles.
+    /// Radius of the dot; 0 for roles that are not dots.
     pub radius: f64,
 }
 
-/// Paper, light and dark.
+/// Background colours, light and dark.
 pub const PAPER: [Colour; 2] = [[0xff, 0xff, 0xff], [0x14, 0x1a, 0x21]];
 
 const NAVY: Colour = [0x0f, 0x35, 0x57];
@@ -76,7 +76,7 @@ const VIOLET: [Colour; 2] = [[0x6b, 0x4f, 0x9a], [0xc0, 0xa8, 0xe8]];
 const RED: [Colour; 2] = [[0xb0, 0x1e, 0x3c], [0xf0, 0x7c, 0x94]];
 const GOLD: [Colour; 2] = [[0xc8, 0xa2, 0x00], [0xee, 0xd0, 0x4a]];
 
-/// A tint for each paper.
+/// Tints for both backgrounds.
 const fn tints(fill: Option<[Colour; 2]>, line: Option<[Colour; 2]>) -> [Tint; 2] {
     const fn pick(pair: Option<[Colour; 2]>, dark: usize) -> Option<Colour> {
         match pair {
@@ -103,7 +103,7 @@ const fn shape(role: Role, class: &'static str, fill: [Colour; 2], line: [Colour
     Ink { role, class, light, dark, opacity, width, dash: None, radius: 0.0 }
 }
 
-/// Style of every role.
+/// Styles of all roles.
 pub const INKS: [Ink; 11] = [
     line(Role::Ghost, "ghost", GREY, 0.8, None),
     line(Role::Start, "start", RUST, 1.4, Some([6.0, 4.0])),
@@ -123,7 +123,7 @@ pub fn ink(role: Role) -> &'static Ink {
     INKS.iter().find(|ink| ink.role == role).expect("every role has a row")
 }
 
-/// Style sheet of the drawing and of the keys in its caption.
+/// Style sheet of the drawing and of the symbols in its caption.
 pub fn style() -> String {
     let mut css = String::new();
     for (dark, paper) in [(false, PAPER[0]), (true, PAPER[1])] {
@@ -158,7 +158,7 @@ pub fn style() -> String {
             let border = if light.line.is_some() { format!("{width}px solid var(--{class}-line)") } else { "0".into() };
             let _ = writeln!(css, ".key.{class}{{background:{fill};border:{border}}}");
         } else if light.fill.is_some() {
-            // half as transparent as the shape, which is larger
+            // the symbol is small, so it is half as transparent as the shape
             let share = 50.0 * (1.0 + opacity);
             let _ = writeln!(
                 css,
@@ -175,7 +175,7 @@ pub fn style() -> String {
     css
 }
 
-/// Style sheet of the drawing on white paper, without variables, which many SVG readers do not support.
+/// Style sheet of the drawing on white, without CSS variables, which many SVG viewers do not support.
 pub fn print_style() -> String {
     let colour = |colour: Option<Colour>| colour.map_or("none".to_owned(), hex);
     let rule = |ink: &Ink| {
@@ -200,7 +200,7 @@ fn hex([red, green, blue]: Colour) -> String {
 mod tests {
     use super::*;
 
-    /// Contrast of two colours after WCAG 2: relative luminance with the sRGB curve, 1 to 21.
+    /// Contrast of two colours according to WCAG 2: ratio of relative luminances with the sRGB curve, 1 to 21.
     fn contrast(a: Colour, b: Colour) -> f64 {
         let luminance = |colour: Colour| -> f64 {
             let linear = colour.map(|value| {
@@ -213,8 +213,8 @@ mod tests {
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
     }
 
-    /// Roles differ from either paper by line or fill: WCAG requires a contrast of 3 for graphics. Intermediate positions are intended to
-    /// be faint, and the gold of a gauge is on the blue of the wing.
+    /// Each role differs from either background by its line or fill: WCAG requires a contrast of 3 for graphics. Intermediate positions
+    /// are meant to be faint, and the gold of a gauge lies on the blue of the wing.
     #[test]
     fn every_role_is_visible_on_both_papers() {
         for ink in INKS.iter().filter(|ink| ink.role != Role::Ghost) {

@@ -1,5 +1,5 @@
-//! Reference results: the default experiment, and the same with moving inputs, simulated during packaging, so that they agree with the
-//! library. Stored in the format of FMI-LS-REF 1.0.0-alpha.1.
+//! Reference results: the default experiment, and the same experiment with varying inputs, simulated during packaging, so that they agree
+//! with the library. Stored in the format of FMI-LS-REF 1.0.0-alpha.1.
 
 use crate::packaging::xml::{self, real};
 use crate::report::{InputTable, Recorder};
@@ -13,35 +13,36 @@ use std::sync::Arc;
 /// Folder of the layered standard inside the archive.
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 
-/// Maximum number of communication steps of a reference: enough to show the motion, small enough for the archive.
+/// Maximum number of communication steps of a reference: enough to show the motion, and few enough to keep the archive small.
 const MAXIMUM_STEPS: u64 = 400;
 
-/// Maximum number of variables, by the rules of the FMI Cross-Check.
+/// Maximum number of variables according to the rules of the FMI Cross-Check.
 const MAXIMUM_VARIABLES: usize = 10;
 
-/// Tolerance of a repeated run, relative to each variable's range over the run. The same library on the same platform gives the same bits
-/// for the same inputs; importers that interpolate the stimuli differently, and functions of other compilers, differ in the last bit.
+/// Tolerance for a repeated run, relative to each variable's range over the run. The same library on the same platform gives bit-identical
+/// results for the same inputs; importers that interpolate the stimuli differently, and mathematical functions of other compilers, differ
+/// in the last bit.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// The same for variables that are zero except for round-off, in the variable's unit.
+/// Absolute tolerance for variables that are zero except for round-off, in the variable's unit.
 pub const LEAST: f64 = 1e-9;
 
-/// Maximum downward acceleration of the root in the experiment with moving inputs, in m/s².
+/// Maximum downward acceleration of the root in the experiment with varying inputs, in m/s².
 const ROOT_ACCELERATION_M_S2: f64 = 2.0;
 
-/// Force on the outermost station there, relative to its body's weight.
+/// Force on the outermost station in this experiment, as a fraction of its body's weight.
 const LOAD_SHARE: f64 = 0.2;
 
 const GRAVITY_M_S2: f64 = 9.81;
 
-/// One experiment with its result.
+/// An experiment with its result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
-    /// Name, the prefix of the names of its files.
+    /// Name, used as prefix of its file names.
     pub name: &'static str,
     /// Description.
     pub description: &'static str,
-    /// Inputs over time as CSV; `None` if all stay at their start values.
+    /// Inputs over time as CSV; `None` if all inputs keep their start values.
     pub stimuli: Option<String>,
     /// Outputs over time as CSV.
     pub result: String,
@@ -59,7 +60,7 @@ pub struct Reference {
 impl Reference {
     /// Simulates the experiments of a machine.
     ///
-    /// Inputs are taken at the start of each communication step, reals interpolated linearly between the rows of the stimuli, as in
+    /// Inputs are sampled at the start of each communication step, with reals interpolated linearly between the rows of the stimuli, as in
     /// `foldwing simulate --inputs` and FMPy.
     pub fn simulate(machine: &Machine) -> Result<Self, PlantError> {
         let interface = Interface::new(machine);
@@ -84,7 +85,7 @@ impl Reference {
         })
     }
 
-    /// Files of the layered standard by their path in the archive.
+    /// Files of the layered standard by their paths in the archive.
     pub fn files(&self, machine: &Machine) -> BTreeMap<String, String> {
         let mut files = BTreeMap::from([
             (format!("{FOLDER}/fmi-ls-manifest.xml"), self.manifest()),
@@ -206,8 +207,8 @@ struct Grid {
 }
 
 impl Grid {
-    /// The model's steps, or every second, third, … of them: a multiple that ends exactly at the stop time, if there is one at most twice
-    /// as long as necessary.
+    /// Communication steps of the model or every second, third, … of them: a multiple that ends exactly at the stop time, if there is one
+    /// no longer than twice the smallest possible step.
     fn new(machine: &Machine) -> Self {
         let experiment = &machine.experiment;
         let (start_s, stop_s) = (experiment.start_time_s, experiment.stop_time_s);
@@ -224,7 +225,7 @@ impl Grid {
     }
 }
 
-/// Outputs that describe a wing in few columns: folds and latches, strains, the first tip, root loads.
+/// Outputs that describe a wing with few columns: fold angles and latches, strains, the first tip, root loads.
 pub(super) fn recorded(variables: &[Variable]) -> Vec<&Variable> {
     let is = |row: &&Variable, prefix: &str, suffix: &str| row.name.starts_with(prefix) && row.name.ends_with(suffix);
     let kinds: [(&str, &str, usize); 10] = [
@@ -249,8 +250,8 @@ pub(super) fn recorded(variables: &[Variable]) -> Vec<&Variable> {
     rows
 }
 
-/// Triangles over the run: the root accelerates downwards, and the outermost station, if any, is loaded upwards. Every other input has a
-/// column with its start value, as importers require it.
+/// Triangular pulses over the run: the root accelerates downwards, and the outermost station, if any, is loaded upwards. Every other input
+/// has a column with its start value, because importers require it.
 fn stimuli(machine: &Machine, interface: &Interface) -> String {
     let mut peaks = BTreeMap::from([("root.acceleration.z".to_owned(), -ROOT_ACCELERATION_M_S2)]);
     if let Some(body) = machine.bodies.iter().rev().find(|body| !body.station_positions_m.is_empty()) {
@@ -271,19 +272,19 @@ fn stimuli(machine: &Machine, interface: &Interface) -> String {
     text(recorder)
 }
 
-/// Text written by a recorder.
+/// Returns the text written by a recorder.
 fn text(recorder: Recorder<Vec<u8>>) -> String {
     let bytes = recorder.finish().expect("writing to memory does not fail");
     String::from_utf8(bytes).expect("the recorder writes text")
 }
 
-/// Weight of a body from its mass per length in the middle, in N, to two digits.
+/// Weight of a body in N, computed from the mass per length at its middle, rounded to two digits.
 fn weight_n(body: &Body) -> f64 {
     let weight_n = GRAVITY_M_S2 * body.length_m * body.section.at(0.5 * body.length_m).mass_kg_m;
     format!("{weight_n:.1e}").parse().expect("a number just written")
 }
 
-/// The recorded outputs at every communication point.
+/// Records the outputs at every communication point.
 fn run(machine: &Machine, interface: &Interface, grid: &Grid, stimuli: Option<&str>) -> Result<String, PlantError> {
     let inputs = stimuli.map(|text| {
         InputTable::read(text.as_bytes(), "stimuli", interface.variables()).expect("the stimuli name inputs")
@@ -323,8 +324,8 @@ fn run(machine: &Machine, interface: &Interface, grid: &Grid, stimuli: Option<&s
     Ok(text(recorder))
 }
 
-/// Columns that change by more than round-off: comparisons relative to the range of the others would compare noise. The first column if
-/// none does.
+/// Indices of columns that change by more than round-off; a comparison of the others relative to their range would compare noise. The first
+/// column if none changes.
 fn moving(history: &[(f64, Vec<Value>)]) -> Vec<usize> {
     let number = |value: &Value| match value {
         Value::Real(value) => *value,
@@ -344,7 +345,7 @@ mod tests {
     use super::*;
     use crate::packaging::drawing::tests::two_body_machine;
 
-    /// Steps are multiples of the model's that reach the end, if possible, at most 400 in number, and end at the stop time.
+    /// Communication steps are multiples of the model's step, at most 400 if possible, and end at the stop time.
     #[test]
     fn steps_are_few_and_reach_the_end() {
         let cases =
@@ -359,8 +360,8 @@ mod tests {
         }
     }
 
-    /// Both experiments reach the end in the CSV format of the cross-check (quoted names, at most ten), differ by the effect of the inputs,
-    /// and every file listed in the manifest or the experiments exists.
+    /// Both experiments reach the end, are in the CSV format of the cross-check (quoted names, at most ten) and differ by the effect of the
+    /// inputs; every file listed in the manifest or the experiments exists.
     #[test]
     fn reference_holds_two_experiments_and_names_its_files() {
         let machine = two_body_machine();
@@ -370,7 +371,7 @@ mod tests {
             let lines: Vec<&str> = experiment.result.lines().collect();
             assert_eq!(lines.len(), 402, "header, start and 400 steps");
             assert!(lines[0].starts_with("\"time\",\"fold.angle\","), "{}", lines[0]);
-            // the wing moves in its plane of symmetry: constant columns are omitted
+            // the wing moves in its plane of symmetry, so constant columns are omitted
             assert!(!lines[0].contains("tip.position.y"), "{}", lines[0]);
             assert!(lines[0].split(',').count() <= 1 + MAXIMUM_VARIABLES);
             assert!(lines[401].starts_with("0.4,"), "{}", lines[401]);

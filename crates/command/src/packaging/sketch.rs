@@ -1,6 +1,6 @@
-//! Drawing of the wing in characters, for terminals: from above and from the side, at its start angles.
+//! Drawing of the wing with text characters, for terminals: from above and from the side, at its start angles.
 //!
-//! ASCII only, which every terminal, log and continuous integration displays correctly; 80 columns.
+//! Only ASCII, which every terminal, log and continuous integration service displays correctly; at most 80 columns.
 
 use crate::packaging::drawing::{axes, hinges, outline, places, planforms, undeformed};
 use crate::packaging::palette::Role;
@@ -9,25 +9,25 @@ use foldwing_engine::machine::pose::Frame;
 use nalgebra::Vector3;
 use std::fmt::Write;
 
-/// Columns of a view; with its indentation it fits into 80.
+/// Columns of a view; with its indentation it fits into 80 columns.
 const COLUMNS: usize = 76;
 /// Maximum number of rows of a view.
 const MAXIMUM_ROWS: usize = 22;
-/// Height of a character over its width.
+/// Ratio of height to width of a character.
 const ASPECT: f64 = 2.0;
-/// Fill characters of the bodies, in turn.
+/// Characters that fill the bodies, used in rotation.
 const FILLS: [char; 6] = ['=', '#', '~', '%', ':', '&'];
 /// Lifting surface that extends beyond its body.
 const SURFACE: char = '.';
 
-/// Characters of parts on the wing, with their names; later ones are on top.
+/// Characters of parts on the wing, with their names; later ones cover earlier ones.
 const SIGNS: [(Role, char, &str); 4] = [
     (Role::Station, '+', "load station"),
     (Role::Mass, 'M', "mass"),
     (Role::Loop, 'L', "closed loop"),
     (Role::Gauge, 'G', "strain gauge"),
 ];
-/// Fold joint without and with a latch, other joints.
+/// Characters of joints: fold joint without and with a latch, other joints.
 const JOINTS: [(char, &str); 6] = [
     ('O', "fold joint"),
     ('@', "fold joint with latch"),
@@ -56,13 +56,13 @@ pub fn sketch(machine: &Machine) -> String {
     text + &painter.legend(machine)
 }
 
-/// A shape to draw: points in the root frame in m.
+/// Shape to draw; points are in the root frame in m.
 enum Mark {
-    /// Quadrilaterals between two edges, with a character.
+    /// Quadrilaterals between two edges, filled with a character.
     Area(char, Vec<Vector3<f64>>, Vec<Vector3<f64>>),
-    /// Line of a fold axis from end to end.
+    /// Fold axis, drawn as a line between its ends.
     Line([Vector3<f64>; 2]),
-    /// One character.
+    /// Single character at a point.
     Sign(char, Vector3<f64>),
 }
 
@@ -136,16 +136,16 @@ impl Painter {
         let rows = span.y.max(span.z) / ((MAXIMUM_ROWS - 1) as f64 * ASPECT);
         self.scale_m = columns.max(rows);
         if self.scale_m <= 0.0 {
-            self.scale_m = 1.0; // no extent at all
+            self.scale_m = 1.0; // the machine has zero size
         }
     }
 
-    /// Column and row of a point, as fractions; rows increase downwards.
+    /// Column and row of a point, not rounded; rows increase downwards.
     fn place(&self, point: &Vector3<f64>, up: usize) -> [f64; 2] {
         [(point.x - self.least_m.x) / self.scale_m, (self.most_m[up] - point[up]) / (self.scale_m * ASPECT)]
     }
 
-    /// Rows of a view with the axis `up` upwards.
+    /// Rows of the view in which the axis `up` points upwards.
     fn view(&mut self, up: usize) -> Vec<String> {
         let [_, bottom] = self.place(&self.least_m, up);
         let mut rows = vec![vec![' '; COLUMNS]; bottom.round() as usize + 1];
@@ -211,7 +211,7 @@ fn fill([a, b, c, d]: [[f64; 2]; 4], mut put: impl FnMut([f64; 2])) {
     }
 }
 
-/// The character with the direction of a line.
+/// Character that best matches the direction of a line.
 fn stroke(from: [f64; 2], to: [f64; 2]) -> char {
     let (right, down) = (to[0] - from[0], to[1] - from[1]);
     match (right.abs(), down.abs()) {
@@ -222,13 +222,13 @@ fn stroke(from: [f64; 2], to: [f64; 2]) -> char {
     }
 }
 
-/// Three digits.
+/// Formats three significant digits.
 fn significant(value: f64) -> String {
     let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{value:.digits$}")
 }
 
-/// Joins words with commas, in lines that fit; words that are too long are truncated.
+/// Joins words with commas and wraps the lines; words that are too long are truncated.
 fn wrap(words: &[String]) -> String {
     let mut lines = vec![String::new()];
     for word in words {
@@ -255,8 +255,8 @@ mod tests {
         text.lines().skip_while(|line| !line.contains(title)).skip(1).take_while(|line| !line.is_empty()).collect()
     }
 
-    /// Folded down by 90 degrees: from the side the inner body is at the top, the outer one extends down from its end, twice as many
-    /// columns long as rows.
+    /// Folded down by 90 degrees, seen from the side: the inner body is at the top, and the outer body extends down from its end; the
+    /// inner body has twice as many columns as the outer one has rows.
     #[test]
     fn a_folded_wing_hangs_from_its_hinge() {
         let text = sketch(&two_body_machine());
@@ -272,13 +272,13 @@ mod tests {
         );
         assert!(side[side.len() - 1].ends_with('#'));
 
-        // from above the hinge is a chord, the inner body as wide as its section
+        // seen from above, the hinge spans the chord, and the inner body is as wide as its section
         let above = rows(&text, "from above");
         assert!(above.len() >= 3 && above.iter().all(|row| row.contains('|') || row.contains('@')), "{text}");
         assert!(text.contains("= inner   # outer   @ fold joint with latch   X clamp   + load station"), "{text}");
     }
 
-    /// A machine without extent is drawn, too.
+    /// A machine of zero size is drawn, too.
     #[test]
     fn a_point_is_drawn() {
         let mut machine = two_body_machine();
@@ -288,7 +288,7 @@ mod tests {
         assert!(sketch(&machine).contains("one column is"));
     }
 
-    /// A machine with infinite coordinates is not drawn, without a panic.
+    /// A machine with infinite coordinates gives no drawing, and no panic.
     #[test]
     fn an_endless_machine_is_not_drawn() {
         for position_m in [f64::INFINITY, f64::NAN] {
@@ -299,7 +299,7 @@ mod tests {
         }
     }
 
-    /// Characters have the direction of their lines: rows increase downwards.
+    /// Characters have the slope of their lines, with rows increasing downwards.
     #[test]
     fn strokes_lean() {
         let signs = [([0.0, 5.0], '|'), ([5.0, 0.0], '-'), ([5.0, 5.0], '\\'), ([5.0, -5.0], '/')];

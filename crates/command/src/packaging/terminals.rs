@@ -1,5 +1,5 @@
-//! `terminalsAndIcons/terminalsAndIcons.xml` of FMI 3.0: groups of variables at the root, at each driven joint and at each tip, which a
-//! tool can connect at once; and the path of the icon.
+//! `terminalsAndIcons/terminalsAndIcons.xml` of FMI 3.0: the path of the icon, and groups of variables at the root, at each driven
+//! joint and at each tip, which a tool can connect as a unit.
 
 use crate::packaging::xml::{self, Xml, leaf, nest};
 use foldwing_engine::machine::Machine;
@@ -9,7 +9,7 @@ use std::io;
 /// Folder in the archive.
 pub(super) const FOLDER: &str = "terminalsAndIcons";
 
-/// Half the side of the square in which tools draw the icon, in their units, and the size of such a unit in mm.
+/// Half the side of the square in which tools draw the icon, in their units, and the size of one such unit in mm.
 const HALF: &str = "100.0";
 const UNIT_MM: &str = "0.1";
 
@@ -21,7 +21,7 @@ struct Terminal {
     further: &'static [&'static str],
 }
 
-/// The complete text, ending in a line feed.
+/// Returns the complete text, ending in a line feed.
 pub(super) fn document(machine: &Machine, interface: &Interface) -> String {
     let root = Terminal {
         name: "root".to_owned(),

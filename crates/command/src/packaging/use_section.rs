@@ -1,4 +1,4 @@
-//! Sections of the FMU's page besides the model: its use, its accuracy, other contents of the archive, licences.
+//! Sections of the FMU's page other than the model: its use, its accuracy, further contents of the archive, licences.
 
 use crate::packaging::contents::Extras;
 use crate::packaging::documentation::{number, table};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// The accuracy table of `README.md`.
 const ACCURACY: &str = include_str!("../../shipped/accuracy.md");
 
-/// Writes how to use the FMU, with names of this model.
+/// Writes how to use the FMU, with variable names of this model.
 pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable], kinds: Kinds) {
     let experiment = &machine.experiment;
     let names: Vec<String> =
@@ -62,7 +62,7 @@ pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]
     }
 }
 
-/// Writes data for the integrators of an importer: the highest frequency at the start, and the explicit step that it allows.
+/// Writes data for the integrator of an importer: the highest frequency at the start, and the explicit step that it allows.
 fn integrate(html: &mut String, machine: &Machine) {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     let started = plant.initialize(machine.experiment.start_time_s).is_ok();
@@ -81,7 +81,8 @@ fn integrate(html: &mut String, machine: &Machine) {
     }
 }
 
-/// Step times frequency up to which the classical Runge–Kutta method of order 4 is stable without damping, 2√2.
+/// Product of step and angular frequency up to which the classical fourth-order Runge–Kutta method is stable without
+/// damping, 2√2.
 const RUNGE_KUTTA: f64 = 2.8;
 
 /// A line of start values for the example: the first switch among the inputs, or the first parameter.
@@ -115,7 +116,7 @@ pub(super) fn validation(html: &mut String) {
     );
 }
 
-/// Cells of the table, code spans as HTML; the head first.
+/// Cells of the table with code spans as HTML; the header is the first row.
 fn accuracy() -> Vec<Vec<String>> {
     let cell = |text: &str| -> String {
         let spans = escape(text.trim()).into_owned();
@@ -132,7 +133,7 @@ fn accuracy() -> Vec<Vec<String>> {
         .collect()
 }
 
-/// Writes the other contents of the archive, and the licences.
+/// Writes the list of other contents of the archive, and of the licences.
 pub(super) fn archive(html: &mut String, extras: &Extras) {
     html.push_str(
         "<h2 id=\"archive\">In the archive</h2>\n<ul>\n\
@@ -172,7 +173,8 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
-    /// The figures on the page are those of `docs/VALIDATION.md`, word for word, and their cases are in the list of cases.
+    /// The numbers on the page are identical to those of `docs/VALIDATION.md`, and their test cases are in the list of
+    /// cases.
     #[test]
     fn accuracy_is_stated_in_one_place() {
         let read = |path: &str| {

@@ -1,4 +1,4 @@
-//! Writer of XML for the description and the manifests: elements with attributes, indented by two spaces.
+//! XML writer for the description and the manifests: elements with attributes, indented by two spaces.
 
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
@@ -7,7 +7,7 @@ use std::io;
 pub(super) type Xml = Writer<Vec<u8>>;
 pub(super) type Attributes = Vec<(&'static str, String)>;
 
-/// A document: the declaration, the output of `root`, a line feed at the end.
+/// Returns a document: the declaration, the output of `root`, and a line feed at the end.
 pub(super) fn document(root: impl FnOnce(&mut Xml) -> io::Result<()>) -> String {
     let mut xml = Writer::new_with_indent(Vec::new(), b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))
@@ -18,12 +18,12 @@ pub(super) fn document(root: impl FnOnce(&mut Xml) -> io::Result<()>) -> String 
     text
 }
 
-/// An element without children.
+/// Writes an element without children.
 pub(super) fn leaf(xml: &mut Xml, name: &str, attributes: &Attributes) -> io::Result<()> {
     element(xml, name, attributes).write_empty().map(|_| ())
 }
 
-/// An element with the output of `children`.
+/// Writes an element that contains the output of `children`.
 pub(super) fn nest(
     xml: &mut Xml,
     name: &str,
@@ -41,7 +41,8 @@ fn element<'a>(
     xml.create_element(name).with_attributes(attributes.iter().map(|(key, value)| (*key, value.as_str())))
 }
 
-/// Shortest text that reads back to the same number, with an exponent if it is shorter: `1e30`, not thirty zeros.
+/// Shortest text from which the same number is read back, with an exponent if this is shorter: `1e30`, not thirty
+/// zeros.
 pub(super) fn real(value: f64) -> String {
     assert!(value.is_finite(), "the standard has no infinite or undefined numbers in a description");
     format!("{value:?}")

@@ -1,4 +1,4 @@
-//! Inputs over time from a CSV file: first column `time`, the others with names of inputs.
+//! Inputs over time from a CSV file: the first column is `time`, the others have names of inputs.
 
 use crate::report::lines::Lines;
 use csv::StringRecord;
@@ -10,18 +10,18 @@ use std::io::{self, Read};
 /// Error in an input file, with its location.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum InputsError {
-    /// The file is not CSV: rows of different length, bytes that are not UTF-8, a read error.
+    /// The file is not valid CSV: rows of different lengths, bytes that are not UTF-8, a read error.
     #[error("{file}: {cause}")]
     Malformed {
-        /// File as given by the caller.
+        /// File name given by the caller.
         file: String,
-        /// Error of the reader, with its line.
+        /// Error of the CSV reader, with its line.
         cause: String,
     },
     /// The file cannot be read.
     #[error("{file}: cannot be read: {cause}")]
     Unreadable {
-        /// File as given by the caller.
+        /// File name given by the caller.
         file: String,
         /// Error of the operating system.
         cause: String,
@@ -29,7 +29,7 @@ pub enum InputsError {
     /// The header is invalid.
     #[error("{file}:1: column {column}: {cause}")]
     Header {
-        /// File as given by the caller.
+        /// File name given by the caller.
         file: String,
         /// Column, counted from 1.
         column: usize,
@@ -39,7 +39,7 @@ pub enum InputsError {
     /// The value of a cell is invalid.
     #[error("{file}:{line}: column {column} ({name}): `{text}` {cause}")]
     Cell {
-        /// File as given by the caller.
+        /// File name given by the caller.
         file: String,
         /// Line, counted from 1.
         line: u64,
@@ -55,22 +55,22 @@ pub enum InputsError {
     /// The file has only a header.
     #[error("{file}: no rows below the header; at least one is needed")]
     Empty {
-        /// File as given by the caller.
+        /// File name given by the caller.
         file: String,
     },
 }
 
 /// Properties of a variable needed for a table of inputs.
 pub trait Channel {
-    /// The command that lists the names, for messages.
+    /// Command that lists the names, for messages.
     const LISTED_BY: &'static str;
-    /// Its name.
+    /// Returns its name.
     fn name(&self) -> &str;
     /// Returns whether it is an input.
     fn is_input(&self) -> bool;
-    /// A value of its type; `None` for text, which a table cannot contain.
+    /// Returns any value of its type; `None` for text, which a table cannot contain.
     fn kind(&self) -> Option<Value>;
-    /// Smallest and largest value allowed.
+    /// Returns the smallest and largest allowed values.
     fn range(&self) -> Option<(f64, f64)>;
 }
 
@@ -94,10 +94,10 @@ impl Channel for Variable {
     }
 }
 
-/// One input over time.
+/// Column of one input over time.
 #[derive(Debug, Clone, PartialEq)]
 struct Column {
-    /// Position in the list of variables.
+    /// Index in the list of variables.
     position: usize,
     kind: Value,
     values: Vec<f64>,
@@ -111,7 +111,7 @@ pub struct InputTable {
 }
 
 impl InputTable {
-    /// Reads a table; `file` is the name in errors.
+    /// Reads a table; `file` is its name in errors.
     pub fn read(source: impl Read, file: &str, variables: &[impl Channel]) -> Result<Self, InputsError> {
         let unreadable = |error: io::Error| InputsError::Unreadable { file: file.to_owned(), cause: error.to_string() };
         let lines = Lines::of(source).map_err(unreadable)?;
@@ -129,11 +129,11 @@ impl InputTable {
         Ok(table)
     }
 
-    /// A table of columns from a program: a name and its values at `times_s`, Booleans as 0 and 1.
+    /// Creates a table from columns given by a program: a name and its values at `times_s`, Booleans as 0 and 1.
     ///
     /// # Errors
-    /// Names that are not inputs or occur twice, times that descend, columns of other lengths, values that are not finite, out of range or
-    /// not of the input's type: with name and row, counted from 0.
+    /// Names that are not inputs or occur twice, descending times, columns of different lengths, values that are not finite, out of range
+    /// or not of the input's type. Errors state the name and the row, numbered from 0.
     pub fn of_columns(
         times_s: Vec<f64>,
         given: Vec<(String, Vec<f64>)>,
@@ -208,9 +208,9 @@ impl InputTable {
         Ok(())
     }
 
-    /// Positions in the list of variables and values of all columns at a time: reals interpolated linearly between rows, the others held
-    /// from their row on; constant before the first row and after the last. Two rows at one time are a jump: the interpolation before it
-    /// ends at the first, the second is valid from there on.
+    /// Values of all columns at a time, with their indices in the list of variables. Reals are interpolated linearly between rows, others
+    /// are held from their row on; all are constant before the first row and after the last. Two rows at the same time are a jump: the
+    /// interpolation before it ends at the first, and the second is valid from there on.
     pub fn at(&self, time_s: f64) -> impl Iterator<Item = (usize, Value)> + '_ {
         let next = self.times_s.partition_point(|t| *t <= time_s);
         self.columns.iter().map(move |column| {
@@ -229,12 +229,12 @@ impl InputTable {
         &self.times_s
     }
 
-    /// Names and values of the inputs of a model; those of reals are interpolated linearly.
+    /// Names and values of the inputs of a model; reals are interpolated linearly.
     pub fn columns<'a>(&'a self, interface: &'a Interface) -> impl Iterator<Item = (&'a Variable, &'a [f64])> {
         self.columns.iter().map(|column| (&interface.variables()[column.position], column.values.as_slice()))
     }
 
-    /// The rows for the engine.
+    /// Returns the rows in the form of the engine.
     ///
     /// # Errors
     /// None for a table that was read with the variables of `interface`.
@@ -254,12 +254,12 @@ impl InputTable {
         let Some(after) = column.values.get(next) else { return before };
         let share = (time_s - self.times_s[next - 1]) / (self.times_s[next] - self.times_s[next - 1]);
         let change = after - before;
-        // the difference of two huge numbers of opposite signs may overflow
+        // the difference of two huge numbers of opposite sign may overflow
         if change.is_finite() { before + share * change } else { (1.0 - share) * before + share * after }
     }
 }
 
-/// Checks that a time follows the previous ones; two rows may have the same time, at a jump.
+/// Checks that a time does not precede the previous ones; two rows may have the same time, at a jump.
 fn check_order(times_s: &[f64], next_s: f64) -> Result<(), String> {
     match *times_s {
         [.., last_s] if next_s < last_s => Err(format!(
@@ -272,7 +272,7 @@ fn check_order(times_s: &[f64], next_s: f64) -> Result<(), String> {
     }
 }
 
-/// The columns of a header, without values.
+/// Columns of a header, without values.
 fn columns(header: &StringRecord, file: &str, variables: &[impl Channel]) -> Result<Vec<Column>, InputsError> {
     let bad = |column: usize, cause: String| InputsError::Header { file: file.to_owned(), column: column + 1, cause };
     if header.get(0) != Some("time") {
@@ -293,7 +293,7 @@ fn columns(header: &StringRecord, file: &str, variables: &[impl Channel]) -> Res
     Ok(columns)
 }
 
-/// Position of an input by name, and a value of its type.
+/// Index of the input with a name, and any value of its type.
 fn input<C: Channel>(name: &str, variables: &[C]) -> Result<(usize, Value), String> {
     let found = variables.iter().enumerate().find(|(_, variable)| variable.name() == name);
     match found {
@@ -306,12 +306,12 @@ fn input<C: Channel>(name: &str, variables: &[C]) -> Result<(usize, Value), Stri
     }
 }
 
-/// The message about an unknown name, with the nearest known one if there is one near.
+/// Message about an unknown name, with the most similar known name, if any.
 pub fn unknown_name<'a, C: Channel + 'a>(name: &str, what: &'static str, known: impl Iterator<Item = &'a C>) -> String {
     name_message::<C>(&NameError::unknown(name, what, known.map(C::name)))
 }
 
-/// The message about a name; if no other is near, with the command that lists the names.
+/// Message about a name; if no known name is similar, it states the command that lists the names.
 pub fn name_message<C: Channel>(error: &NameError) -> String {
     match error {
         NameError::Unknown { nearest: None, .. } => format!("{error}; {} lists the names", C::LISTED_BY),
@@ -319,7 +319,7 @@ pub fn name_message<C: Channel>(error: &NameError) -> String {
     }
 }
 
-/// Value of a cell, checked against type and range of its input.
+/// Value of a cell, checked against the type and range of its input.
 fn value(text: &str, kind: Value, range: Option<(f64, f64)>) -> Result<f64, String> {
     let value = match kind {
         Value::Real(_) => real(text)?,

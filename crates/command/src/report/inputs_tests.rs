@@ -36,20 +36,20 @@ fn message(text: &str) -> String {
     read(text).unwrap_err().to_string()
 }
 
-/// Reals are interpolated linearly, Booleans are held, both are constant outside the rows.
+/// Reals are interpolated linearly, Booleans are held, and both are constant outside the rows.
 #[test]
 fn reals_interpolate_and_booleans_hold() {
     let table = read("# a remark\ntime, fold.angle_command, fold.release\n0, 1, false\n2, 3, true\n").unwrap();
     let at = |time: f64| table.at(time).map(|(_, value)| value).collect::<Vec<_>>();
     assert_eq!(at(-1.0), [Value::Real(1.0), Value::Boolean(false)]);
     assert_eq!(at(0.5), [Value::Real(1.5), Value::Boolean(false)]);
-    assert_eq!(at(1.75), [Value::Real(2.75), Value::Boolean(false)]); // near the row that changes it too
+    assert_eq!(at(1.75), [Value::Real(2.75), Value::Boolean(false)]); // close to the row that changes it, too
     assert_eq!(at(2.0), [Value::Real(3.0), Value::Boolean(true)]);
     assert_eq!(at(9.0), [Value::Real(3.0), Value::Boolean(true)]);
 }
 
-/// Two rows at one time are a jump: the interpolation before it ends at the first, the second is valid from there on. Huge values of
-/// opposite signs are interpolated without overflow.
+/// Two rows at the same time are a jump: the interpolation before it ends at the first, and the second is valid from there on. Huge
+/// values of opposite sign are interpolated without overflow.
 #[test]
 fn two_rows_at_one_time_jump() {
     let table = read("time,fold.angle_command,fold.release\n0,1,1\n1,2,1\n1,-5,0\n3,-3,0\n3,4,1\n").unwrap();
@@ -67,7 +67,7 @@ fn two_rows_at_one_time_jump() {
     assert_eq!(table.at(0.5).map(|(_, value)| value).collect::<Vec<_>>(), [Value::Real(0.0)]);
 }
 
-/// Each error has file, line, column, value and the allowed values.
+/// Each error states file, line, column, value and the allowed values.
 #[test]
 fn mistakes_are_named_with_their_place() {
     let head = "time,fold.angle_command,fold.release\n";

@@ -8,12 +8,12 @@ use std::io::{self, Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// A linear model as JSON: `time_s`, `without_air` (aerodynamic loads are held constant), `state` (whether it is an equilibrium, joints,
-/// acting inputs, `growing_1_s`), `states`, `inputs`, `outputs` (name, unit, value about which it is linear) and the matrices `A`, `B`,
-/// `C`, `D` row by row. A reduced model has `reduction` (`method`, `states_before`, `error_bound`; for a frequency band `up_to_Hz`,
-/// `error_in_band`; for all frequencies, except in discrete time, `accuracy`: `measured_to_Hz`, the `error` up to there relative to the
-/// largest gain, a row for each output, its `largest_error` with its frequency `at_Hz`, and `dropped_modes`). A model in discrete time has
-/// its step, `step_s`.
+/// Linear model as JSON: `time_s`, `without_air` (aerodynamic loads are held constant), `state` (whether it is an equilibrium, joints,
+/// acting inputs, `growing_1_s`), `states`, `inputs`, `outputs` (name, unit, value at the operating point) and the matrices `A`, `B`, `C`,
+/// `D` row by row. A reduced model has `reduction` (`method`, `states_before`, `error_bound`; for a frequency band `up_to_Hz`,
+/// `error_in_band`; for all frequencies, except in discrete time, `accuracy`: `measured_to_Hz`, the `error` up to this frequency relative
+/// to the largest gain, with a row for each output, its `largest_error` with its frequency `at_Hz`, and `dropped_modes`). A discrete-time
+/// model has its step, `step_s`.
 pub fn linear_json(model: &LinearModel) -> Value {
     let signals = |list: &[LinearSignal]| -> Vec<Value> {
         let entry = |signal: &LinearSignal| json!({ "name": signal.name, "unit": signal.unit, "value": signal.value });
@@ -68,7 +68,7 @@ pub fn linear_json(model: &LinearModel) -> Value {
     value
 }
 
-/// The operating point as JSON.
+/// Operating point as JSON.
 fn state(point: &OperatingPoint) -> Value {
     let joint = |joint: &JointPoint| {
         let coordinate = joint.travel.words("angle_rad");
@@ -92,10 +92,10 @@ fn state(point: &OperatingPoint) -> Value {
 }
 
 /// Writes a linear model for `numpy.load`: `A`, `B`, `C`, `D`, `x0`, `u0`, `y0`, `time_s`, in discrete time `step_s`, `without_air` (1 or
-/// 0), and the names and units `state_names`, `state_units`, … as arrays of text; of the operating point `equilibrium` (0 or 1),
+/// 0), and the names and units `state_names`, `state_units`, … as text arrays; for the operating point `equilibrium` (0 or 1),
 /// `joint_names`, `joint_angles_rad` (in m for prismatic joints), `joint_motions`, `joint_latches`, `acting_names`, `acting_values`,
-/// `acting_units`, and `growing_1_s`, a row of real and imaginary part for each unstable eigenvalue (NaN if not computed). Equal models
-/// give equal bytes.
+/// `acting_units`, and `growing_1_s`, with a row of real and imaginary part for each unstable eigenvalue (NaN if not computed). Equal
+/// models give equal bytes.
 pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<()> {
     let mut archive = ZipWriter::new(target);
     let mut member = |name: &str, bytes: Vec<u8>| -> io::Result<()> {
@@ -145,7 +145,7 @@ pub fn write_npz<W: Write + Seek>(model: &LinearModel, target: W) -> io::Result<
     Ok(())
 }
 
-/// Real and imaginary parts in 1/s of the unstable eigenvalues; one row of NaN if not computed.
+/// Real and imaginary parts of the unstable eigenvalues in 1/s; a row of NaN if not computed.
 pub(super) fn growing(point: &OperatingPoint) -> Vec<[f64; 2]> {
     match &point.growing_1_s {
         Some(list) => list.iter().map(|lambda| [lambda.re, lambda.im]).collect(),
@@ -153,7 +153,7 @@ pub(super) fn growing(point: &OperatingPoint) -> Vec<[f64; 2]> {
     }
 }
 
-/// Names of the texts of an operating point in files of arrays, and the texts.
+/// Texts of an operating point in array files, with the names of their arrays.
 pub(super) fn point_texts(point: &OperatingPoint) -> [(&'static str, Vec<&str>); 5] {
     let joints = |text: fn(&JointPoint) -> &str| point.joints.iter().map(text).collect();
     let acting = |text: fn(&Acting) -> &str| point.acting.iter().map(text).collect();
@@ -166,7 +166,7 @@ pub(super) fn point_texts(point: &OperatingPoint) -> [(&'static str, Vec<&str>);
     ]
 }
 
-/// A `.npy` file, version 1.0: magic, header padded to 64 bytes, data.
+/// File in the `.npy` format, version 1.0: magic string, header padded to 64 bytes, data.
 fn npy(kind: &str, shape: &str, data: &[u8]) -> Vec<u8> {
     let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
     while (header.len() + 11) % 64 != 0 {
@@ -185,7 +185,7 @@ fn numbers(values: &[f64], shape: &str) -> Vec<u8> {
     npy("<f8", shape, &data)
 }
 
-/// Text in four bytes per character, padded to the longest.
+/// Texts with four bytes per character, padded to the length of the longest.
 fn texts<'a>(values: impl Iterator<Item = &'a str>) -> Vec<u8> {
     let values: Vec<Vec<char>> = values.map(|value| value.chars().collect()).collect();
     let width = values.iter().map(Vec::len).max().unwrap_or(0).max(1);
@@ -202,7 +202,7 @@ fn texts<'a>(values: impl Iterator<Item = &'a str>) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Magic, length and padding of the format: the data start at a multiple of 64.
+    /// The file has the magic string, length and padding of the format: the data start at a multiple of 64 bytes.
     #[test]
     fn arrays_have_the_header_of_the_format() {
         let file = numbers(&[1.0, -2.0], "(2,)");

@@ -1,9 +1,9 @@
-//! Line numbers of records in CSV files. The position of a record in the crate `csv` is before the empty lines, comments and the second
-//! half of a line end that precede the record.
+//! Line numbers of records in CSV files. The position of a record in the crate `csv` precedes any empty lines, comments and the second
+//! half of a line ending before the record.
 
 use std::io::{self, Read};
 
-/// A CSV file as its bytes.
+/// Bytes of a CSV file.
 pub struct Lines {
     bytes: Vec<u8>,
 }
@@ -12,19 +12,19 @@ impl Lines {
     /// Reads a file to its end.
     ///
     /// # Errors
-    /// Those of the source.
+    /// Read errors of the source.
     pub fn of(mut source: impl Read) -> io::Result<Self> {
         let mut bytes = Vec::new();
         source.read_to_end(&mut bytes)?;
         Ok(Self { bytes })
     }
 
-    /// A reader of its records, with a header; lines that start with `#` are comments.
+    /// Returns a reader of the records after a header; lines that start with `#` are comments.
     pub fn reader(&self) -> csv::Reader<&[u8]> {
         csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(&self.bytes)
     }
 
-    /// Line from 1 of the record at a position; 0 without a position.
+    /// Line number, starting at 1, of the record at a position; 0 without a position.
     pub fn number(&self, position: Option<&csv::Position>) -> u64 {
         let Some(mut start) = position.and_then(|position| usize::try_from(position.byte()).ok()) else { return 0 };
         while let Some(line) =
@@ -38,7 +38,7 @@ impl Lines {
         1 + self.bytes.iter().take(start).filter(|byte| **byte == b'\n').count() as u64
     }
 
-    /// Error of the reader with its line in front, without the terms of the crate.
+    /// Error of the reader, preceded by its line and without terms of the crate.
     #[expect(
         clippy::wildcard_enum_match_arm,
         reason = "a foreign enum that may grow: its own words serve for the rest"
@@ -59,8 +59,8 @@ impl Lines {
 mod tests {
     use super::*;
 
-    /// Every record has its line number, after any other lines, with both line ends and without one after the last; so has a record of
-    /// another length.
+    /// Every record has its line number, also after other lines, with either line ending, with or without one at the end of the file,
+    /// and if it has the wrong length.
     #[test]
     fn records_have_the_lines_of_the_file() {
         let lines = ["# a run", "", "time,x", "0,1", "# a comment", "", "# another", "1,2", "2,3", "", "3,4"];

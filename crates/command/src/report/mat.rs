@@ -1,6 +1,7 @@
 //! Linear models as a MAT-file, level 5, uncompressed, for MATLAB, Octave, Julia and SciPy.
 //!
-//! Format: The MathWorks, "MAT-File Format", chapter "Level 5 MAT-files". Written without a crate, which would put the time of day into the
+//! Format: The MathWorks, "MAT-File Format", chapter "Level 5 MAT-files". Written without a crate, which would store the time of day in the
+//! header; here equal models give equal bytes.
 //! header; equal models give equal bytes here.
 
 use crate::report::linear::{growing, point_texts};
@@ -9,7 +10,7 @@ use foldwing_fmi::interface::{LinearModel, LinearSignal, OperatingPoint};
 use nalgebra::DMatrix;
 use std::io::{self, Write};
 
-/// Types of data elements.
+/// Data types of elements.
 const INT8: u32 = 1;
 const UINT16: u32 = 4;
 const INT32: u32 = 5;
@@ -17,17 +18,17 @@ const UINT32: u32 = 6;
 const DOUBLE: u32 = 9;
 const MATRIX: u32 = 14;
 
-/// Classes of arrays.
+/// Array classes.
 const CELL_CLASS: u32 = 1;
 const CHAR_CLASS: u32 = 4;
 const DOUBLE_CLASS: u32 = 6;
 
-/// Writes a linear model for `load`: `A`, `B`, `C`, `D`, the columns `x0`, `u0`, `y0`, the number `time_s`, in discrete time the step
-/// `step_s`, the rest of the operating point as in [`crate::report::write_npz`], the number `without_air` (1 or 0), and the names and units
-/// `state_names`, `state_units`, … as columns of cells, as `ss` takes them.
+/// Writes a linear model for `load`: `A`, `B`, `C`, `D`, the columns `x0`, `u0`, `y0`, the scalar `time_s`, in discrete time the step
+/// `step_s`, the other data of the operating point as in [`crate::report::write_npz`], the scalar `without_air` (1 or 0), and the names and
+/// units `state_names`, `state_units`, … as cell columns, as required by `ss`.
 pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()> {
     let mut header = format!("{:<124}", "MATLAB 5.0 MAT-file, a linear model written by foldwing").into_bytes();
-    header.extend([0x00, 0x01, b'I', b'M']); // version, and the mark of the byte order
+    header.extend([0x00, 0x01, b'I', b'M']); // version, and byte order mark
     target.write_all(&header)?;
     let matrices = &model.matrices;
     for (name, matrix) in [("A", &matrices.a), ("B", &matrices.b), ("C", &matrices.c), ("D", &matrices.d)] {
@@ -50,7 +51,7 @@ pub fn write_mat<W: Write>(model: &LinearModel, mut target: W) -> io::Result<()>
     Ok(())
 }
 
-/// The operating point: `time_s`, `equilibrium`, joints and acting inputs, as columns.
+/// Writes the operating point: `time_s`, `equilibrium`, joints and acting inputs, as columns.
 fn write_point<W: Write>(point: &OperatingPoint, target: &mut W) -> io::Result<()> {
     target.write_all(&numbers("time_s", &DMatrix::from_element(1, 1, point.time_s)))?;
     let equilibrium = f64::from(u8::from(point.equilibrium));
@@ -68,7 +69,7 @@ fn write_point<W: Write>(point: &OperatingPoint, target: &mut W) -> io::Result<(
     Ok(())
 }
 
-/// Tag, data, and zeros up to a multiple of eight.
+/// Data element: tag, data, and zeros up to a multiple of eight bytes.
 fn element(kind: u32, data: &[u8]) -> Vec<u8> {
     let mut bytes = kind.to_le_bytes().to_vec();
     bytes.extend((data.len() as u32).to_le_bytes());
@@ -77,7 +78,7 @@ fn element(kind: u32, data: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// An array of a class: flags, dimensions, name, content.
+/// Array of a class: flags, dimensions, name, content.
 fn array(class: u32, size: [usize; 2], name: &str, content: &[u8]) -> Vec<u8> {
     let flags: Vec<u8> = [class, 0].iter().flat_map(|word| word.to_le_bytes()).collect();
     let size: Vec<u8> = size.iter().flat_map(|length| (*length as i32).to_le_bytes()).collect();
@@ -85,13 +86,13 @@ fn array(class: u32, size: [usize; 2], name: &str, content: &[u8]) -> Vec<u8> {
     element(MATRIX, &parts.concat())
 }
 
-/// A matrix, column by column.
+/// Matrix, stored column by column.
 fn numbers(name: &str, matrix: &DMatrix<f64>) -> Vec<u8> {
     let data: Vec<u8> = matrix.iter().flat_map(|value| value.to_le_bytes()).collect();
     array(DOUBLE_CLASS, [matrix.nrows(), matrix.ncols()], name, &element(DOUBLE, &data))
 }
 
-/// A column of cells with one text each.
+/// Column of cells with one text each.
 fn cells(name: &str, texts: &[&str]) -> Vec<u8> {
     let content: Vec<u8> = texts
         .iter()
@@ -108,12 +109,12 @@ fn cells(name: &str, texts: &[&str]) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Layout of the format, byte by byte, for a 1×2 matrix; SciPy reads whole files in `tests/fmi`.
+    /// An array has the layout of the format, byte by byte, for a 1×2 matrix; `tests/fmi` reads complete files with SciPy.
     #[test]
     fn arrays_have_the_layout_of_the_format() {
         let bytes = numbers("D", &DMatrix::from_row_slice(1, 2, &[1.0, -2.0]));
         let words: Vec<u32> = bytes[..48].chunks(4).map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect();
-        // 72 = flags 16, dimensions 16, name 16, tag 8 and two numbers
+        // 72 = 16 (flags) + 16 (dimensions) + 16 (name) + 8 (tag) + two numbers
         assert_eq!(words, [14, 72, 6, 8, 6, 0, 5, 8, 1, 2, 1, 1]);
         assert_eq!(bytes[48..56], *b"D\0\0\0\0\0\0\0");
         assert_eq!(bytes[56..64], [[9, 0, 0, 0], [16, 0, 0, 0]].concat());

@@ -1,4 +1,4 @@
-//! Results as CSV, inputs over time from CSV, linear models as files; figures of recordings, the page with the animation, VTK
+//! Results as CSV, inputs over time from CSV, linear models as files, figures of recordings, the page with the animation, VTK
 //! files.
 
 pub mod figure;
@@ -24,24 +24,25 @@ pub use recorder::Recorder;
 
 use foldwing_fmi::interface::Value;
 
-/// Bytes of the widest cell, `-2.2250738585072014e-308`.
+/// Length in bytes of the widest cell, `-2.2250738585072014e-308`.
 const CELL_BYTES: usize = 24;
 
-/// A value as a CSV cell: reals with the shortest text that reads back to the same bits, Booleans as 0 and 1.
+/// Value as a CSV cell: reals with the shortest text from which the same bits are read back, Booleans as 0 and 1.
 pub fn cell(value: &Value) -> String {
     let mut text = [0; CELL_BYTES];
     let end = write_cell(value, &mut text);
     String::from_utf8_lossy(&text[..end]).into_owned()
 }
 
-/// Writes a value at the start of a text in the format of [`cell`]; returns its length. The text has room for [`CELL_BYTES`].
+/// Writes a value to the beginning of `text` in the format of [`cell`] and returns its length. The buffer needs
+/// [`CELL_BYTES`] bytes.
 fn write_cell(value: &Value, text: &mut [u8]) -> usize {
     let mut put = |written: &str| {
         text[..written.len()].copy_from_slice(written.as_bytes());
         written.len()
     };
     match value {
-        // 1e-9 and 1e30, not strings of zeros
+        // exponents instead of many zeros, as in 1e-9 and 1e30
         Value::Real(value) => put(zmij::Buffer::new().format(*value)),
         Value::Integer(value) => put(&value.to_string()),
         Value::Boolean(value) => put(if *value { "1" } else { "0" }),

@@ -1,4 +1,4 @@
-//! Figures of a run: fold angles, strains, tip paths, deformed shapes, energies; and of any variables over time.
+//! Figures of a run: fold angles, strains, tip paths, deformed shapes and energies, or any variables over time.
 
 use crate::report::figure::{Curve, Figure, Look, PALETTE};
 use crate::report::recording::{Frame, MAXIMUM_POINTS, Recording, Thinning};
@@ -12,13 +12,13 @@ const SHAPES: usize = 9;
 /// Maximum number of curves in a figure of selected variables: two styles per colour.
 const CURVES: usize = 2 * PALETTE.len();
 
-/// Maximum number of changes of a switch over a run that are marked.
+/// Maximum number of changes of a Boolean variable over a run that are marked.
 const MAXIMUM_CHANGES: usize = 6;
 
 /// Axes of the root frame.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// A figure and the name of its files.
+/// Figure with the base name of its files.
 pub type Named = (&'static str, Figure);
 
 /// Names of the figures of [`figures`].
@@ -36,18 +36,18 @@ pub const NAMES: [&str; 11] = [
     "slide_forces",
 ];
 
-/// Measured values over time, or those of another run, under the names of variables.
+/// Measured values over time, or values of another run, under variable names.
 pub struct Measured {
     /// Label in the figures.
     pub label: String,
     /// Names of the variables.
     pub names: Vec<String>,
-    /// Rows: time in s, then a value for each name; NaN if there is none.
+    /// Rows: time in s, followed by a value for each name; NaN if there is none.
     pub rows: Vec<f32>,
 }
 
 impl Measured {
-    /// A variable's points, its values times a factor.
+    /// Points of a variable, with values multiplied by a factor.
     fn points(&self, name: &str, factor: f64) -> Option<Vec<[f64; 2]>> {
         let column = self.names.iter().position(|own| own == name)? + 1;
         let rows = self.rows.chunks_exact(self.names.len() + 1);
@@ -55,7 +55,7 @@ impl Measured {
     }
 }
 
-/// A curve of a variable, with its measured values as dots in its colour; `n` is its number in the figure.
+/// Curve of a variable, with measured values as dots in the same colour; `n` is its number in the figure.
 fn with_measured(curve: Curve, variable: &str, factor: f64, measured: &[Measured]) -> Vec<Curve> {
     let dots = measured.iter().filter_map(|table| {
         let points = table.points(variable, factor)?;
@@ -185,7 +185,7 @@ const ENERGIES: [(&str, Energy); 7] = [
     ("total", |energy| energy.total),
 ];
 
-/// Events of the run, in order: latches that closed or opened, joints released and locked, gusts; times in s with their labels.
+/// Events of the run in order: latches that closed or opened, joints released or locked, gusts; times in s with labels.
 pub fn marks(recording: &Recording) -> Vec<(f64, String)> {
     let times = &recording.history.time_s;
     let (Some(first_s), Some(last_s)) = (times.first(), times.last()) else { return Vec::new() };
@@ -200,7 +200,7 @@ fn mark(time_s: f64, what: &str) -> (f64, String) {
     (time_s, format!("{what}, {time_s:.4} s"))
 }
 
-/// The two axes along which points spread most, the vertical one second.
+/// The two axes along which the points have the largest spread; the vertical one is second.
 fn plane<'a>(points: impl Iterator<Item = &'a Vector3<f64>>) -> [usize; 2] {
     let (mut least, mut most) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     for point in points {
@@ -228,7 +228,7 @@ fn seen(recording: &Recording, what: &str, [across, up]: [usize; 2], curves: Vec
     }
 }
 
-/// Paths of the free ends in the plane of their largest motion, with their start points.
+/// Figure of the paths of the free ends in the plane of their largest motion, with their start points.
 fn tip_path(recording: &Recording) -> Figure {
     let tips = &recording.history.tips_m;
     let axes = plane(tips.iter().flatten());
@@ -248,8 +248,8 @@ fn moved_m(pair: &[Frame]) -> f64 {
     sections.map(|(old, new)| (new.position_m - old.position_m).norm()).fold(0.0, f64::max)
 }
 
-/// Indices of at most `count` of `moved_m.len() + 1` frames, the first and the last among them, with equal displacements in between;
-/// without motion at equal intervals. `moved_m`: displacements from frame to frame in m.
+/// Indices of at most `count` frames among `moved_m.len() + 1`, including the first and the last, between which the displacements are
+/// equal; without motion, at equal intervals. `moved_m`: displacements from frame to frame in m.
 fn by_motion(moved_m: &[f64], count: usize) -> Vec<usize> {
     let last = moved_m.len();
     let steps = count.min(last + 1).saturating_sub(1).max(1);
@@ -260,7 +260,7 @@ fn by_motion(moved_m: &[f64], count: usize) -> Vec<usize> {
     }));
     let whole_m = travelled_m[last];
     let at = |i: usize| match whole_m > 0.0 {
-        // round-off must not move an instant to the next frame
+        // so that round-off does not select the next frame
         true => travelled_m.partition_point(|m| *m < whole_m * i as f64 / steps as f64 * (1.0 - 1e-12)).min(last),
         false => last * i / steps,
     };
@@ -269,7 +269,7 @@ fn by_motion(moved_m: &[f64], count: usize) -> Vec<usize> {
     chosen
 }
 
-/// Axes of the bodies at instants of equal motion in between, from blue (early) to red (late).
+/// Figure of the body axes at instants between which the displacements are equal, from blue (early) to red (late).
 fn shapes(recording: &Recording) -> Figure {
     let frames = &recording.frames;
     let points = frames.iter().flat_map(|frame| frame.sections.iter().flatten().map(|section| &section.position_m));
@@ -298,7 +298,7 @@ fn axis_lines(frame: &Frame, axes: [usize; 2]) -> Vec<Vec<[f64; 2]>> {
     frame.sections.iter().map(flat).collect()
 }
 
-/// Colour scale from dark blue over violet and orange-red to gold: ordered also for readers with red-green blindness.
+/// Colour scale from dark blue over violet and orange-red to gold, in an order that readers with red-green blindness can distinguish.
 fn hue(fraction: f64) -> [u8; 3] {
     const STOPS: [[f64; 3]; 4] = [[13.0, 8.0, 135.0], [126.0, 3.0, 168.0], [204.0, 71.0, 120.0], [240.0, 150.0, 50.0]];
     let place = fraction.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
@@ -309,16 +309,16 @@ fn hue(fraction: f64) -> [u8; 3] {
     })
 }
 
-/// A variable over time.
+/// Values of a variable over time.
 #[derive(Debug, Clone, PartialEq)]
 struct Column {
     name: String,
-    /// Empty for none.
+    /// Unit; empty for none.
     unit: String,
     values: Vec<f64>,
 }
 
-/// Any variables over time, of a model or of an FMU.
+/// Variables over time, of a model or of an FMU.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     time_s: Vec<f64>,
@@ -327,14 +327,14 @@ pub struct Series {
 }
 
 impl Series {
-    /// No values yet of variables with these names and units, in a run of `steps` steps.
+    /// Creates an empty series of variables with these names and units, for a run of `steps` steps.
     pub fn new<'a>(variables: impl IntoIterator<Item = (&'a str, &'a str)>, steps: u64) -> Self {
         let column = |(name, unit): (&str, &str)| Column { name: name.into(), unit: unit.into(), values: Vec::new() };
         let columns = variables.into_iter().map(column).collect();
         Self { time_s: Vec::new(), columns, thinning: Thinning::new(steps, MAXIMUM_POINTS) }
     }
 
-    /// Adds the values of all variables, in their order; NaN is not drawn.
+    /// Adds the values of all variables, in order; NaN is not drawn.
     pub fn include(&mut self, time_s: f64, values: impl IntoIterator<Item = f64>) {
         if self.thinning.keeps() {
             self.time_s.push(time_s);
@@ -342,8 +342,9 @@ impl Series {
         }
     }
 
-    /// Changes of switches: times in s with their labels. `is_switch` returns whether the variable of an index is Boolean; one that changes
-    /// throughout the run is omitted. A latch whose time is among the variables is marked at that time, others at their row.
+    /// Changes of Boolean variables: times in s with labels. `is_switch` returns whether the variable with an index is Boolean; one that
+    /// changes throughout the run is omitted. A latch is marked at its latch time if this is among the variables, other changes at the time
+    /// of their row.
     pub fn marks(&self, is_switch: impl Fn(usize) -> bool) -> Vec<(f64, String)> {
         let mut marks = Vec::new();
         for (_, column) in self.columns.iter().enumerate().filter(|(number, _)| is_switch(*number)) {
@@ -373,9 +374,9 @@ impl Series {
         marks
     }
 
-    /// Figures, one per unit in order of their first appearance, each with at most the number of distinct curves.
+    /// Figures with one unit each, in the order of first appearance, and no more curves than can be distinguished.
     pub fn figures(&self, title: &str, measured: &[Measured], marks: &[(f64, String)]) -> Vec<Figure> {
-        // an unlimited limit would compress everything else
+        // omit infinite limits, which would compress everything else
         let drawn = self.columns.iter().filter(|column| column.values.iter().any(|value| value.abs() < UNLIMITED));
         let mut groups: Vec<(&str, Vec<&Column>)> = Vec::new();
         for column in drawn {
@@ -400,7 +401,7 @@ impl Series {
         let curves = columns.iter().enumerate().flat_map(|(n, column)| {
             with_measured(Curve::nth(n, &column.name, points(&column.values)), &column.name, 1.0, measured)
         });
-        // the axis label is the common part of the names
+        // the axis label is the last part of the names, if all have it in common
         let last = |name: &str| name.rsplit('.').next().unwrap_or(name).replace('_', " ");
         let common = last(&columns[0].name);
         let quantity = match columns {
@@ -422,7 +423,7 @@ impl Series {
     }
 }
 
-/// Axis label from the unit if the curve names have nothing in common.
+/// Axis label derived from the unit, if the curve names have nothing in common.
 fn quantity_of(unit: &str) -> &'static str {
     match unit {
         "rad" => "angle",
@@ -447,7 +448,7 @@ mod tests {
     use crate::report::figure::Sheet;
     use crate::report::sample_tests::{recorded, shipped};
 
-    /// A wing that unfolds early and then stands: the shapes are those of the motion.
+    /// Of a wing that unfolds early and then no longer moves, the shapes are taken during the motion.
     #[test]
     fn shapes_are_at_instants_of_equal_motion() {
         let early: Vec<f64> = (0..100).map(|i| if i < 8 { 0.25 } else { 0.0 }).collect();

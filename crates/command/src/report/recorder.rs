@@ -7,17 +7,17 @@ use std::io::{self, BufWriter, Write};
 /// Writes a header of variable names, then one row per time.
 pub struct Recorder<W: Write> {
     target: BufWriter<W>,
-    /// Text of one row, with room for the widest cells: a text that grows checks its capacity at each cell.
+    /// Text of one row, with space for the widest cells, since a growing text would check its capacity at each cell.
     row: Vec<u8>,
 }
 
 impl<W: Write> Recorder<W> {
-    /// Writes the header: `time` and the names of the variables, in their order.
+    /// Writes the header: `time` and the names of the variables, in order.
     pub fn new<'a>(target: W, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
         Self::start(target, csv::QuoteStyle::Necessary, names)
     }
 
-    /// The same with names in quotes, as required by the FMI Cross-Check.
+    /// Like [`Recorder::new`], with names in quotes, as required by the FMI Cross-Check.
     pub fn quoted<'a>(target: W, names: impl IntoIterator<Item = &'a str>) -> io::Result<Self> {
         Self::start(target, csv::QuoteStyle::NonNumeric, names)
     }
@@ -32,7 +32,7 @@ impl<W: Write> Recorder<W> {
         Ok(Self { target, row: vec![0; cells * (CELL_BYTES + 1)] })
     }
 
-    /// Writes one row, of as many values as the header has names. Numbers need no quotes: a writer that checks for them took longer than
+    /// Writes one row, with a value for each name of the header. Numbers need no quotes: a writer that checks for them took longer than
     /// the run.
     pub fn record(&mut self, time_s: f64, values: impl IntoIterator<Item = Value>) -> io::Result<()> {
         let mut end = write_cell(&Value::Real(time_s), &mut self.row);
@@ -62,7 +62,7 @@ impl<W: Write> Recorder<W> {
 mod tests {
     use super::*;
 
-    /// Numbers read back to the same bits, Booleans are 0 and 1.
+    /// The same bits are read back from numbers; Booleans are 0 and 1.
     #[test]
     fn rows_read_back_to_the_same_bits() {
         let mut recorder = Recorder::new(Vec::new(), ["a", "b", "c"]).unwrap();

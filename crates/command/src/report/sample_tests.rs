@@ -1,4 +1,4 @@
-//! Recordings of shipped models for unit tests.
+//! Recordings of supplied models for unit tests.
 
 use crate::report::Recording;
 use crate::report::recording::FRAMES;
@@ -7,13 +7,13 @@ use foldwing_engine::plant::Plant;
 use foldwing_file as config;
 use std::sync::Arc;
 
-/// A shipped model.
+/// Reads a supplied model.
 pub fn shipped(name: &str) -> Machine {
     let path = format!("{}/../../examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     config::parse(&std::fs::read_to_string(path).unwrap(), name).unwrap()
 }
 
-/// A recording of `steps` steps of 1 ms.
+/// Records `steps` steps of 1 ms.
 pub fn recorded(machine: Machine, steps: u64) -> Recording {
     let mut plant = Plant::new(Arc::new(machine));
     plant.initialize(0.0).unwrap();

@@ -1,53 +1,53 @@
-//! Modes as motions of the recorded sections, for the page and the VTK files: complex displacements and rotations about a state, and
-//! the machine displaced by them at an amplitude.
+//! Modes as motions of the recorded sections, for the page and the VTK files: complex displacements and rotations about a state, and the
+//! machine displaced by a mode of some amplitude.
 //!
-//! Rotations are finite: a section turns by its rotation vector, and its position follows from the turned axis inward of it. So bodies keep
-//! their lengths at any amplitude, and the motion is that of the linear mode at small ones.
+//! Rotations are finite: a section rotates by its rotation vector, and its position follows by integration along the rotated axis from the
+//! inner end. Bodies therefore keep their lengths at any amplitude, and the motion at small amplitudes is that of the linear mode.
 
 use crate::report::recording::{Frame, Scene};
 use foldwing_engine::math::so3::rotation_about;
 use foldwing_engine::plant::{Plant, SectionChange, SectionState};
 use nalgebra::{Complex, Matrix3, Vector3};
 
-/// Largest displacement of a mode at amplitude 1, over the diagonal of the box around the machine.
+/// Largest displacement of a mode at amplitude 1, relative to the diagonal of the box around the machine.
 pub const LARGEST_SHARE: f64 = 0.1;
-/// Largest rotation at amplitude 1 in rad: reduces the displacement of motions that are mainly rotations.
+/// Largest rotation at amplitude 1 in rad; it limits the displacement of motions that are mainly rotations.
 pub const LARGEST_ROTATION_RAD: f64 = 0.5;
 
-/// Changes of the sections of all bodies at one state: real and imaginary parts.
+/// Changes of the sections of all bodies about one state: real and imaginary parts.
 pub type Changes = Vec<Vec<[SectionChange; 2]>>;
 
-/// A mode that can be drawn. Its motion about the state is `Re(changes · exp(λ t))` with the exponent.
+/// Mode in drawable form. Its motion about the state is `Re(changes · exp(λ t))`, where `λ` is `exponent_1_s`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnMode {
-    /// Number that the tables of the command have of it.
+    /// Number of the mode in the tables of the command.
     pub number: usize,
-    /// Eigenvalue in 1/s, from which frequency and damping follow.
+    /// Eigenvalue in 1/s, which gives frequency and damping.
     pub eigenvalue_1_s: Complex<f64>,
-    /// Exponent of the motion between the states in 1/s: the eigenvalue, or the principal exponent about a periodic motion.
+    /// Exponent of the motion in 1/s: the eigenvalue, or for a periodic motion the principal exponent.
     pub exponent_1_s: Complex<f64>,
-    /// The motion grows.
+    /// Whether the motion grows.
     pub grows: bool,
-    /// Deformation and name in words.
+    /// Description of the deformation, and name of the mode.
     pub words: String,
-    /// Motion at amplitude 1 about each frame of its state.
+    /// Motion at amplitude 1 about each frame of the state.
     pub changes: Vec<Changes>,
-    /// Largest displacement in m at amplitude 1, at the drawn points.
+    /// Largest displacement of the drawn points in m at amplitude 1.
     pub largest_m: f64,
     /// Largest rotation in rad at amplitude 1.
     pub largest_rad: f64,
 }
 
-/// A state with its modes.
+/// State with its modes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnState {
-    /// Value of the quantity over which the states are.
+    /// Value of the quantity that varies over the states.
     pub value: f64,
-    /// Event there; empty for most.
+    /// Event at this state; usually empty.
     pub words: String,
-    /// The state, or the samples of a turn with its end, which has no motion of its own.
+    /// The state; for a periodic motion the samples of a revolution and its end, about which no motion is stored.
     pub frames: Vec<Frame>,
-    /// Period of the turn in s.
+    /// Period of the revolution in s.
     pub period_s: Option<f64>,
     /// Modes; `None` where one was not found.
     pub modes: Vec<Option<DrawnMode>>,
@@ -60,13 +60,13 @@ pub struct Shapes {
     pub scene: Scene,
     /// Title of the page below the name.
     pub title: String,
-    /// Name and unit of the quantity over which the states are; `None` for a single state.
+    /// Name and unit of the quantity that varies over the states; `None` for a single state.
     pub quantity: Option<[&'static str; 2]>,
     /// The states.
     pub states: Vec<DrawnState>,
 }
 
-/// The present state of a plant for modes: without wake and circulation, which they do not have.
+/// Present state of a plant about which modes are drawn, without wake and circulation, which modes do not have.
 pub fn state_of(scene: &Scene, plant: &Plant) -> Frame {
     let mut frame = Frame::of(scene, plant);
     frame.lattice.clear();
@@ -74,7 +74,7 @@ pub fn state_of(scene: &Scene, plant: &Plant) -> Frame {
     frame
 }
 
-/// Motion of the drawn sections about the present state of a plant, of changes of its free coordinates, at any amplitude.
+/// Motion of the drawn sections about the present state of a plant, for changes of its free coordinates of any size.
 pub fn changes_of(scene: &Scene, plant: &Plant, coordinates: &[Complex<f64>]) -> Changes {
     let places_m: Vec<Vec<f64>> = scene.bodies.iter().map(|body| body.places_m.clone()).collect();
     let part = |read: fn(&Complex<f64>) -> f64| {
@@ -85,8 +85,8 @@ pub fn changes_of(scene: &Scene, plant: &Plant, coordinates: &[Complex<f64>]) ->
 }
 
 impl DrawnMode {
-    /// Scales the motion to amplitude 1 about the frames of its state: its largest displacement is [`LARGEST_SHARE`] of the size of the
-    /// machine, unless its largest rotation would be more than [`LARGEST_ROTATION_RAD`].
+    /// Scales the motion to amplitude 1 about the frames of its state: its largest displacement is [`LARGEST_SHARE`] of the machine's size,
+    /// or less if its largest rotation would exceed [`LARGEST_ROTATION_RAD`].
     pub fn scaled(mut self, scene: &Scene, frames: &[Frame]) -> Self {
         let (mut largest_m, mut largest_rad) = (0.0f64, 0.0f64);
         for (frame, changes) in frames.iter().zip(&self.changes) {
@@ -131,7 +131,7 @@ fn largest([re, im]: &[Vector3<f64>; 2]) -> f64 {
     (0.5 * (sum + difference.hypot(2.0 * re.dot(im)))).sqrt()
 }
 
-/// Displacement of a point at an arm from the axis.
+/// Displacement of a point at a distance vector from the axis.
 fn at_arm(change: &[SectionChange; 2], arm_m: &Vector3<f64>) -> [Vector3<f64>; 2] {
     change.map(|part| part.displacement_m + part.rotation_rad.cross(arm_m))
 }
@@ -151,7 +151,7 @@ pub fn size_m(scene: &Scene, frame: &Frame) -> f64 {
     if size_m.is_finite() { size_m } else { 0.0 }
 }
 
-/// Interval of ascending places that contains one, and the share of it before the place.
+/// Interval of ascending positions that contains a position, and the fraction of the interval before it.
 fn interval(places_m: &[f64], place_m: f64) -> (usize, f64) {
     if places_m.len() < 2 {
         return (0, 0.0);
@@ -160,7 +160,7 @@ fn interval(places_m: &[f64], place_m: f64) -> (usize, f64) {
     (i, ((place_m - places_m[i]) / (places_m[i + 1] - places_m[i])).clamp(0.0, 1.0))
 }
 
-/// Change between two sections.
+/// Interpolates the change between two sections.
 fn between(changes: &[[SectionChange; 2]], i: usize, share: f64) -> [SectionChange; 2] {
     let next = (i + 1).min(changes.len() - 1);
     [0, 1].map(|part| {
@@ -173,7 +173,7 @@ fn between(changes: &[[SectionChange; 2]], i: usize, share: f64) -> [SectionChan
     })
 }
 
-/// Position and axes between two sections.
+/// Interpolates position and axes between two sections.
 fn mixed(sections: &[SectionState], i: usize, share: f64) -> (Vector3<f64>, Matrix3<f64>) {
     let (a, b) = (&sections[i], &sections[(i + 1).min(sections.len() - 1)]);
     let axis = |k: usize| a.rotation.column(k).into_owned().lerp(&b.rotation.column(k).into_owned(), share);
@@ -190,8 +190,8 @@ fn turn(vector_rad: &Vector3<f64>) -> Matrix3<f64> {
     }
 }
 
-/// The machine displaced by a mode: `factor` is the complex amplitude, `a e^{iθ}` at amplitude `a` and phase `θ`, and `rate_1_s` its
-/// logarithmic rate, for velocities. Strain measures are those of the mode alone, without those of the state.
+/// The machine displaced by a mode: `factor` is the complex amplitude, `a e^{iθ}` for amplitude `a` and phase `θ`, and `rate_1_s` its
+/// logarithmic time derivative, for velocities. Strain measures are those of the mode alone, without those of the state.
 pub fn displaced(
     scene: &Scene,
     frame: &Frame,

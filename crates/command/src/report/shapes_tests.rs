@@ -1,4 +1,4 @@
-//! Shapes of modes against closed forms, the mass matrix, another recursion and the eigenvector.
+//! Shapes of modes compared with closed-form results, the mass matrix, another recursion and the eigenvector.
 
 use super::*;
 use crate::report::sample_tests::shipped;
@@ -9,7 +9,7 @@ use foldwing_engine::plant::{Holding, ModeShape, Search};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
-/// A beam whose height is a thousandth of its length: rotary inertia lowers the third mode by `3 (βL h/L)²/24`, 8e-6.
+/// Length of a beam with a height of a thousandth of its length: rotary inertia lowers the third mode by `3 (βL h/L)²/24`, 8e-6.
 const LENGTH_M: f64 = 2.0;
 const HEIGHT_M: f64 = 0.002;
 
@@ -24,7 +24,7 @@ fn started(machine: Machine) -> Plant {
     plant
 }
 
-/// Modes about the undeformed state, with the plant in it.
+/// Modes about the undeformed state, and the plant in this state.
 fn bare(machine: Machine, count: usize) -> (Plant, Vec<ModeShape>) {
     let mut plant = started(machine);
     plant.study().undeformed(0.0).unwrap_or_else(|error| panic!("{error}"));
@@ -56,15 +56,16 @@ fn drawn(plant: &Plant, mode: &ModeShape) -> (Scene, Frame, DrawnMode) {
     (scene, frame, mode)
 }
 
-/// Deflection of a clamped-free beam at `x/L`, 1 at the end, Blevins, Formulas for Natural Frequency and Mode Shape (1979), table 8-1.
+/// Deflection of a clamped-free beam at `x/L`, normalised to 1 at the end: Blevins, Formulas for Natural Frequency and Mode Shape (1979),
+/// table 8-1.
 fn deflection(beta: f64, x: f64) -> f64 {
     let sigma = (beta.sinh() - beta.sin()) / (beta.cosh() + beta.cos());
     let shape = |x: f64| (beta * x).cosh() - (beta * x).cos() - sigma * ((beta * x).sinh() - (beta * x).sin());
     shape(x) / shape(1.0)
 }
 
-/// MS-01. The first three bending modes of a cantilever, drawn: deflection at all sections over that of the end to 1e-3 of the closed
-/// form also in the middle of 10 pairs of elements, to 1e-5 at the ends of 20; nodes to 1e-5 and 2e-6 of the length.
+/// MS-01. The first three drawn bending modes of a cantilever agree with their closed form. The deflection at all sections, relative to
+/// the end, is correct to 1e-3 with 10 elements and to 1e-5 with 20, the positions of the nodes to 1e-5 and 2e-6 of the length.
 #[test]
 fn bending_modes_of_a_cantilever_have_their_closed_form() {
     for (elements, bounds) in [(10, [1e-3, 1e-5]), (20, [1e-5, 2e-6])] {
@@ -85,7 +86,7 @@ fn compare_with_closed_form(elements: usize, bounds: [f64; 2]) {
         for (x, z) in places.iter().zip(&raised) {
             worst = worst.max((z / tip - deflection(beta, *x)).abs());
         }
-        // between sections the deflection is the cubic of deflections and rotations
+        // between sections the deflection is the cubic given by the deflections and rotations at both ends
         let step_m = LENGTH_M * (places[1] - places[0]);
         let slopes: Vec<f64> = mode.changes[0][0].iter().map(|[re, _]| -re.rotation_rad.y * step_m).collect();
         let between = |i: usize, t: f64| {
@@ -109,15 +110,15 @@ fn compare_with_closed_form(elements: usize, bounds: [f64; 2]) {
         println!("MS-01 {elements} elements, beta {beta}: deflection off by {worst:.1e}, nodes by {off:.1e}");
         assert!(worst < bounds[0], "beta {beta}: {worst:.1e}");
         assert!(off < bounds[1], "beta {beta}: {found:?}");
-        // at amplitude 1 the end moves by a tenth of the diagonal of the box, or the largest rotation is half a radian
+        // at amplitude 1 the displacement of the end is a tenth of the diagonal of the box, or the largest rotation is half a radian
         let share = tip.abs() / LENGTH_M.hypot(0.04) / LARGEST_SHARE;
         let turn = mode.largest_rad / LARGEST_ROTATION_RAD;
         assert!((share.max(turn) - 1.0).abs() < 1e-4, "{share} {turn}");
     }
 }
 
-/// MS-02. Modes are orthogonal over the mass matrix, which is not their own: `φᵢᵀ M φⱼ` over the geometric mean of the masses, and over
-/// the mass of the beam by integrals of the drawn deflections.
+/// MS-02. Modes are orthogonal with respect to the mass matrix, which is computed independently: `φᵢᵀ M φⱼ` relative to the geometric mean
+/// of the modal masses. They are also orthogonal by integrals of the drawn deflections, relative to the mass of the beam.
 #[test]
 fn modes_are_orthogonal_over_the_mass() {
     let (mut plant, modes) = bare(cantilever(10), 6);
@@ -138,7 +139,7 @@ fn modes_are_orthogonal_over_the_mass() {
         .collect();
     let integral = |i: usize, j: usize| {
         let n = shapes[i].len() - 1;
-        // Simpson's rule over equal intervals
+        // Simpson's rule on equal intervals
         (0..=n)
             .map(|k| {
                 let weight = if k == 0 || k == n {
@@ -159,7 +160,8 @@ fn modes_are_orthogonal_over_the_mass() {
     }
 }
 
-/// MS-03. A rigid arm on a hinge turns as a whole: at amplitude 1 by the largest rotation or less, at any amplitude on a circle.
+/// MS-03. A rigid arm on a hinge rotates as a whole: at amplitude 1 at most by the largest rotation, and at any amplitude its points move
+/// on circles.
 #[test]
 fn a_hinge_is_a_pure_rotation() {
     let spring =
@@ -186,12 +188,12 @@ fn a_hinge_is_a_pure_rotation() {
             assert!((after.position_m - due).norm() < 1e-8, "amplitude {amplitude}: {due} {}", after.position_m);
         }
     }
-    // a tenth of the diagonal of the box is less than half a radian at 1.5 m
+    // with a length of 1.5 m, a tenth of the diagonal of the box corresponds to less than half a radian
     assert!((mode.largest_m / size_m(&scene, &frame) - LARGEST_SHARE).abs() < 1e-12, "{mode:?}");
 }
 
-/// MS-04. At amplitude 1 the largest displacement that the drawn points reach over a cycle is a tenth of the size of the machine, or
-/// the largest rotation is half a radian; also of complex modes with a lifting surface.
+/// MS-04. At amplitude 1 the largest displacement of the drawn points over a cycle is a tenth of the machine's size, or the largest
+/// rotation is half a radian; also for complex modes with a lifting surface.
 #[test]
 fn amplitude_one_has_its_size() {
     let mut plant = started(shipped("goland_wing"));
@@ -209,12 +211,12 @@ fn amplitude_one_has_its_size() {
                 largest_m = largest_m.max((after - before).norm() * 1e6);
             }
         }
-        // half a degree beside the largest, and the second order of the rotation
+        // phases in steps of half a degree, and second-order terms of the rotation
         assert!((largest_m / mode.largest_m - 1.0).abs() < 1e-4, "{largest_m} {}", mode.largest_m);
         let share = largest_m / size_m(&scene, &frame);
         assert!((share / LARGEST_SHARE - 1.0).abs() < 1e-4, "{share}");
     }
-    // the twist of a rod moves no drawn point far: its rotation is limited
+    // a twisting rod moves no drawn point far, so its rotation is the limit
     let rod = Solid::ellipse(0.01, 0.01, Material::isotropic(7e10, 0.3, 2700.0)).with_torsional_rigidity_n_m2(1e-4);
     let machine = Machine::builder("Rod").body(Body::beam("rod", 1.0, rod).elements(4), Joint::clamped("wall"));
     let (plant, modes) = bare(machine.build().unwrap_or_else(|error| panic!("{error}")), 1);
@@ -222,13 +224,13 @@ fn amplitude_one_has_its_size() {
     assert!((mode.largest_rad - LARGEST_ROTATION_RAD).abs() < 1e-12 && mode.largest_m < 0.01, "{mode:?}");
 }
 
-/// MS-05. The drawn sections are those of the modes, which another recursion finds: at the mesh of curved, branched, folding and
-/// flying machines; the drawn motion at a small amplitude is that of the sections.
+/// MS-05. At the mesh, the drawn sections agree with the mode shapes, which are computed by another recursion, for curved, branched,
+/// folding and flying machines; the drawn motion at a small amplitude agrees with the sections.
 #[test]
 fn drawn_motions_are_those_of_the_modes() {
     for name in ["curved_blade", "branched", "folding_wing_constant", "four_bar", "flying_wing", "roll_fold"] {
         let (plant, modes) = match name {
-            // without an equilibrium
+            // machines without a static equilibrium
             "flying_wing" | "four_bar" | "roll_fold" => bare(shipped(name), 8),
             _ => {
                 let mut plant = started(shipped(name));
@@ -262,14 +264,15 @@ fn drawn_motions_are_those_of_the_modes() {
             for ((above, below), [re, im]) in above.iter().flatten().zip(below.iter().flatten()).zip(changes) {
                 let found = (above.position_m - below.position_m) / (2.0 * step);
                 let due = re.displacement_m * 0.7f64.cos() - im.displacement_m * 0.7f64.sin();
-                // round-off of a position over the step
+                // round-off of a position divided by the step
                 assert!((found - due).norm() < 1e-8 * mode.largest_m.max(1.0), "{name}: {found} {due}");
             }
         }
     }
 }
 
-/// MS-06. A beam drawn at a large amplitude has its length, to the strain of its mode, and the sections of its parts stay at right angles.
+/// MS-06. A beam drawn at a large amplitude keeps its length, within the strain of the mode, and its sections remain perpendicular to its
+/// axis.
 #[test]
 fn bodies_keep_their_length_at_any_amplitude() {
     let (plant, modes) = bare(cantilever(10), 2);
@@ -278,15 +281,15 @@ fn bodies_keep_their_length_at_any_amplitude() {
         let moved = displaced(&scene, &frame, &mode.changes[0], Complex::new(3.0, 0.0), Complex::default());
         let length_m: f64 =
             moved.sections[0].windows(2).map(|pair| (pair[1].position_m - pair[0].position_m).norm()).sum();
-        // chords over arcs: a linear drawing of the first mode would be 5 % longer
+        // sum of chords relative to the arc length: a linear drawing of the first mode would be 5 % longer
         assert!((length_m / LENGTH_M - 1.0).abs() < 1e-4, "{length_m}");
         let off = moved.sections[0].iter().map(|s| (s.rotation.transpose() * s.rotation - Matrix3::identity()).norm());
         assert!(off.fold(0.0, f64::max) < 1e-12);
     }
 }
 
-/// MS-07. Of a fluttering wing, bending and twist have the phase of the eigenvector in the drawn cycle: the first harmonic of the drawn
-/// end, at a small amplitude, against the components of the mode at its mesh.
+/// MS-07. In the drawn cycle of a fluttering wing, bending and twist have the phase of the eigenvector: the first harmonic of the drawn
+/// end, at a small amplitude, is compared with the components of the mode at the mesh.
 #[test]
 fn bending_and_twist_have_the_phase_of_the_eigenvector() {
     let mut plant = started(shipped("goland_wing"));
@@ -316,11 +319,11 @@ fn bending_and_twist_have_the_phase_of_the_eigenvector() {
         due.arg().to_degrees()
     );
     assert!((found / due - 1.0).norm() < 1e-6, "{found} {due}");
-    // far from both in and out of phase: what makes the flutter
+    // neither in phase nor in antiphase, which is the cause of flutter
     assert!(due.arg().abs() > 0.2 && due.arg().abs() < FRAC_PI_2 + 1.2, "{due}");
 }
 
-/// Conjugate pairs are drawn once, also of a rotor that turns: every mode of the shipped machines has its own eigenvalue in the upper
+/// A conjugate pair is drawn once, also for a spinning rotor: every mode of the supplied machines has a different eigenvalue in the upper
 /// half plane.
 #[test]
 fn conjugate_pairs_are_drawn_once() {
@@ -336,14 +339,14 @@ fn conjugate_pairs_are_drawn_once() {
     }
 }
 
-/// The largest displacement of a point that circles is its radius; of one on a line the root of the squares of both parts.
+/// The largest displacement of a point on a circle is its radius; on a line it is the root of the sum of squares of both parts.
 #[test]
 fn points_that_circle_reach_their_radius() {
     assert_eq!(largest(&[Vector3::x(), Vector3::y()]), 1.0);
     assert_eq!(largest(&[Vector3::x() * 3.0, Vector3::x() * 4.0]), 5.0);
 }
 
-/// A body at an offset from the end of its carrier moves with it: at a small amplitude by the displacements of the mode.
+/// A body attached with an offset from the end of its parent moves with it: at a small amplitude by the displacements of the mode.
 #[test]
 fn bodies_at_an_offset_go_with_their_carrier() {
     let tip = Body::rigid("tip").inertia(0.05, [0.0; 3], Matrix3::identity() * 1e-4);
@@ -357,7 +360,7 @@ fn bodies_at_an_offset_go_with_their_carrier() {
         let moved = displaced(&scene, &frame, &mode.changes[0], factor, Complex::default());
         let found = (moved.sections[1][0].position_m - frame.sections[1][0].position_m) / step;
         let due = mode.changes[0][1][0][0].displacement_m;
-        // the second order of rotations of 5e-6 rad
+        // second-order terms of rotations of 5e-6 rad
         assert!((found - due).norm() < 1e-5, "{found} {due}");
     }
 }

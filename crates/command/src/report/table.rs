@@ -10,7 +10,7 @@ use std::io::Read;
 pub struct Table {
     /// Times in s, ascending.
     pub times_s: Vec<f64>,
-    /// The other columns, in the order of the file.
+    /// Other columns, in the order of the file.
     pub columns: Vec<Column>,
 }
 
@@ -18,7 +18,7 @@ pub struct Table {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     name: String,
-    /// A value for each time.
+    /// One value for each time.
     pub values: Vec<f64>,
 }
 
@@ -46,7 +46,7 @@ impl Table {
     /// Reads CSV with an ascending column `time` in s; lines that start with `#` are comments; Booleans are 0 and 1.
     ///
     /// # Errors
-    /// Cause with line and column.
+    /// The cause, with line and column.
     pub fn read(source: impl Read) -> Result<Self, String> {
         let lines = Lines::of(source).map_err(|error| error.to_string())?;
         let mut reader = lines.reader();
@@ -102,13 +102,13 @@ impl Table {
         Ok(table)
     }
 
-    /// Returns the column of a name.
+    /// Returns the column with a name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
     }
 
-    /// Value of a column at a time, interpolated linearly between rows; of several rows of the same time the first. `None` outside the
-    /// table and next to empty cells.
+    /// Value of a column at a time, interpolated linearly between rows; of several rows at the same time, the first is used. `None`
+    /// outside the table and next to empty cells.
     pub fn at(&self, column: &Column, time_s: f64) -> Option<f64> {
         let next = self.times_s.partition_point(|row_s| *row_s < time_s);
         let value = |row: usize| column.values.get(row).copied().filter(|value| !value.is_nan());
@@ -126,8 +126,8 @@ impl Table {
 mod tests {
     use super::*;
 
-    /// A cell that is not a number is an error with its line, counting comments and empty lines, and its column; so is a time that
-    /// descends.
+    /// The error for a cell that is not a number, or for a descending time, states its column and line, where comments and empty lines
+    /// are counted.
     #[test]
     fn every_cell_is_refused_at_its_line_and_column() {
         let lines = ["# a run", "time,x,y", "0,1,2", "# a comment", "1,,true", "", "2,5,6", "3,7,8"];

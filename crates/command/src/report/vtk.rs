@@ -1,8 +1,8 @@
-//! Frames as VTK files for ParaView: per body a closed surface with strain, displacement and velocity, the lifting
-//! surfaces, the wake with its circulation, gauges, loads and joints; one `.vtu` file per part and time, a `.pvd` file per part
-//! that lists the times, and one, `run.pvd`, that has all parts as blocks.
+//! Frames as VTK files for ParaView: for each body a closed surface with strain, displacement and velocity; the lifting surfaces; the
+//! wake with its circulation; gauges, loads and joints. There is one `.vtu` file per part and time, a `.pvd` file per part that lists
+//! the times, and `run.pvd` with all parts as blocks.
 //!
-//! The format is VTK's XML, binary in base64: little-endian, each array after its length in bytes (UInt32).
+//! The format is VTK's XML with binary data in base64: little-endian, each array preceded by its length in bytes (UInt32).
 
 use crate::report::recording::{BodyScene, Frame, Recording, Scene};
 use base64::Engine;
@@ -11,11 +11,11 @@ use nalgebra::Vector3;
 
 /// Beginning of every file: declaration and name of the program.
 const BEGIN: &str = "<?xml version=\"1.0\"?>\n<!-- written by foldwing -->\n";
-/// VTK's number of a vertex.
+/// VTK's cell type of a vertex.
 const VERTEX: u8 = 1;
-/// VTK's number of a quadrilateral.
+/// VTK's cell type of a quadrilateral.
 const QUADRILATERAL: u8 = 9;
-/// VTK's number of a polygon.
+/// VTK's cell type of a polygon.
 const POLYGON: u8 = 7;
 
 /// Values of one array: scalars or vectors.
@@ -24,7 +24,7 @@ enum Values {
     Vectors(Vec<Vector3<f64>>),
 }
 
-/// A surface of quadrilaterals and polygons with values at its points and cells.
+/// Surface of quadrilaterals and polygons with values at its points and cells.
 #[derive(Default)]
 struct Mesh {
     points_m: Vec<Vector3<f64>>,
@@ -36,20 +36,21 @@ struct Mesh {
 /// Names of the possible series of a run, in the order of the blocks of `run.pvd`.
 pub const SERIES: [&str; 6] = ["wing", "joints", "gauges", "loads", "surfaces", "wake"];
 
-/// Passes the files of the series `wing`, of the other series for which the machine has data, and of `run.pvd`, to `write` with their
+/// Passes the files of the series `wing` and of the other series for which the machine has data, and `run.pvd`, to `write` with their
+/// names.
 /// names.
 ///
-/// # Errors
+/// Errors of `write`.
 /// Those of `write`.
 pub fn files<E>(recording: &Recording, write: impl FnMut(&str, String) -> Result<(), E>) -> Result<(), E> {
     let Some(first) = recording.frames.first() else { return Ok(()) };
     files_about(&recording.scene, &recording.frames, first, write)
 }
 
-/// The same of frames with displacements from a state of their own.
+/// Like [`files`], for frames whose displacements are measured from a separate state.
 ///
 /// # Errors
-/// Those of `write`.
+/// Errors of `write`.
 pub fn files_about<E>(
     scene: &Scene,
     frames: &[Frame],
@@ -83,7 +84,7 @@ pub fn files_about<E>(
     write("run.pvd", collection(frames, &blocks))
 }
 
-/// A `.pvd` file: for every time the files of the series, as parts.
+/// Text of a `.pvd` file: for every time the files of the series, as parts.
 fn collection(frames: &[Frame], names: &[&str]) -> String {
     let mut list = format!("{BEGIN}<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
     for (i, frame) in frames.iter().enumerate() {
@@ -109,7 +110,7 @@ fn series<E>(
     write(&format!("{stem}.pvd"), collection(frames, &[stem]))
 }
 
-/// A point at every joint that is not clamped: the frame of its body's first section, axis, coordinate, reaction.
+/// A point at every joint that is not clamped, with the frame of its body's first section, axis, coordinate and reaction.
 fn joints(scene: &Scene, frame: &Frame) -> Mesh {
     let mut mesh = Mesh::default();
     let (mut axes, mut frames) = (Vec::new(), [const { Vec::new() }; 3]);
@@ -147,7 +148,7 @@ fn gauges(frame: &Frame) -> Mesh {
     mesh
 }
 
-/// A point at every load station: the loads of the inputs and of the aerodynamics, root frame.
+/// A point at every load station with the loads of the inputs and of the aerodynamics, in the root frame.
 fn loads(frame: &Frame) -> Mesh {
     let mut mesh = Mesh::default();
     let acting = &frame.acting;
@@ -160,7 +161,7 @@ fn loads(frame: &Frame) -> Mesh {
     mesh
 }
 
-/// Closed surfaces of the bodies; displacements from a state.
+/// Closed surfaces of the bodies, with displacements from a state.
 fn wing(scene: &Scene, frame: &Frame, state: &Frame) -> Mesh {
     let mut mesh = Mesh::default();
     let (mut strains, mut displacements, mut velocities, mut bodies) = (vec![], vec![], vec![], vec![]);
@@ -187,7 +188,7 @@ fn wing(scene: &Scene, frame: &Frame, state: &Frame) -> Mesh {
     mesh
 }
 
-/// Cells around a body whose points start at an index: the sides, and both ends.
+/// Cells around a body whose first point has the index `begin`: the sides, and both ends.
 fn skin(body: &BodyScene, begin: usize) -> Vec<Vec<usize>> {
     let around = body.rims_m[0].len();
     let point = |section: usize, i: usize| begin + section * around + i % around;
@@ -213,7 +214,7 @@ fn surfaces(frame: &Frame) -> Mesh {
     mesh
 }
 
-/// Rings of the wake.
+/// Vortex rings of the wake.
 fn wake(frame: &Frame) -> Mesh {
     let mut mesh = Mesh::default();
     let mut circulation = Vec::new();
@@ -226,7 +227,7 @@ fn wake(frame: &Frame) -> Mesh {
 }
 
 impl Mesh {
-    /// Adds a point as a cell.
+    /// Adds a point as a vertex cell.
     fn add_vertex(&mut self, place_m: Vector3<f64>) {
         self.cells.push(vec![self.points_m.len()]);
         self.points_m.push(place_m);
@@ -293,7 +294,7 @@ fn vectors(values: &[Vector3<f64>]) -> Vec<u8> {
 
 fn array(kind: &str, name: &str, components: usize, bytes: &[u8]) -> String {
     let counted = [&(bytes.len() as u32).to_le_bytes(), bytes].concat();
-    // readers interpret an array with a given number of components, even one, as a list of vectors
+    // readers interpret an array with an explicit number of components, even one, as a list of vectors
     let components = if components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
     format!(
         "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"binary\">\n{}\n</DataArray>\n",

@@ -1,4 +1,4 @@
-//! Output of ANBA4 about the origin of its mesh: the JSON of its command line, or the two matrices as its solver prints them, stiffness
+//! Output of ANBA4 about the origin of its mesh: the JSON of its command line, or the two matrices printed by its solver, stiffness
 //! first.
 
 use super::text::Lines;
@@ -7,10 +7,10 @@ use crate::station_file::{StationFault, fault};
 use nalgebra::Matrix6;
 use serde_json::Value;
 
-/// Line in front of a printed matrix.
+/// Line that precedes a printed matrix.
 const PRINTED: &str = "Mat Object";
 
-/// The section.
+/// Reads the section.
 pub(super) fn station(text: &str) -> Result<Station, StationFault> {
     let [(line, stiffness), (inertia_line, inertia)] =
         if text.trim_start().starts_with('{') { of_json(text) } else { printed(text) }?;
@@ -48,7 +48,7 @@ fn printed(text: &str) -> Result<[(usize, Matrix6<f64>); 2], StationFault> {
         loop {
             let (_, line) = lines.next(due)?;
             if line.trim_start().starts_with(PRINTED) {
-                lines.next(due)?; // its type
+                lines.next(due)?; // line with the type of the matrix
                 return lines.matrix::<6>(due);
             }
         }

@@ -1,4 +1,4 @@
-//! Output of BECAS: stiffness and mass matrix about the reference point of the section.
+//! Output of BECAS: stiffness and mass matrices about the reference point of the section.
 
 use super::text::Lines;
 use super::{Station, Stiffness};
@@ -8,7 +8,7 @@ use crate::station_file::StationFault;
 pub(super) const STIFFNESS: &str = "Stiffness matrix w.r.t. to the cross section reference point";
 const MASS: &str = "Mass matrix w.r.t. to the cross section reference point";
 
-/// The section.
+/// Reads the section.
 pub(super) fn station(text: &str) -> Result<Station, StationFault> {
     let (line, stiffness) = Lines::after(text, STIFFNESS)?.matrix::<6>("the stiffness")?;
     let (inertia_line, inertia) = Lines::after(text, MASS)?.matrix::<6>("the mass matrix")?;

@@ -7,17 +7,17 @@ use foldwing_fmi::interface::{Interface, Variable};
 use foldwing_study::names::{self, NameError};
 use std::path::Path;
 
-/// Measured values with their scales.
+/// Measured values with the scales of their residuals.
 pub struct Data {
-    /// Results of a run, as `--of` of `foldwing gradient`.
+    /// Results of a run, in the syntax of `--of` of `foldwing gradient`.
     pub of: Vec<String>,
     /// Measured values.
     pub values: Vec<f64>,
-    /// Standard deviations, or the largest size of the column.
+    /// Standard deviations, or the largest magnitude in the column.
     pub scales: Vec<f64>,
     /// Whether the scales are standard deviations.
     pub has_sigma: bool,
-    /// Columns, with the places of their values; a single result is a column without times.
+    /// Columns, with the indices of their values; a single result is a column without times.
     pub columns: Vec<Column>,
     /// Stop time of the run in s: the last measured one, unless a result over the whole run is measured.
     pub stop_s: Option<f64>,
@@ -27,25 +27,25 @@ pub struct Data {
 pub struct Column {
     /// Name of the output or result.
     pub name: String,
-    /// Times in s; none for a single result.
+    /// Times in s; empty for a single result.
     pub times_s: Vec<f64>,
-    /// Place of the first value in [`Data::values`].
+    /// Index of the first value in [`Data::values`].
     pub first: usize,
 }
 
-/// What the command line gives beside the table.
+/// Options of the command line other than the table.
 pub struct Given<'a> {
-    /// Columns to use; all for none.
+    /// Columns to use; all if empty.
     pub columns: &'a [String],
-    /// `RESULT=VALUE` of single results.
+    /// Single results, `RESULT=VALUE`.
     pub results: &'a [String],
-    /// `VALUE` or `NAME=VALUE` of standard deviations.
+    /// Standard deviations, `VALUE` or `NAME=VALUE`.
     pub sigma: &'a [String],
     /// Start of the run in s.
     pub start_s: f64,
     /// Requested stop in s.
     pub stop_s: Option<f64>,
-    /// Stop of the model in s.
+    /// Stop time of the model file in s.
     pub experiment_stop_s: f64,
 }
 
@@ -117,13 +117,14 @@ impl Data {
         Ok(())
     }
 
-    /// Places of a column's values.
+    /// Indices of a column's values.
     pub fn places(&self, column: &Column) -> std::ops::Range<usize> {
         let later = self.columns.iter().map(|other| other.first).filter(|first| *first > column.first);
         column.first..later.min().unwrap_or(self.values.len())
     }
 
-    /// Standard deviations for all names or for each; a name without measurements, and measurements without one, are errors.
+    /// Sets standard deviations, given for all names or for each; an error if a name has no measurements, or measurements
+    /// have none.
     fn set_sigma(&mut self, given: &[String]) -> Result<(), Failure> {
         let places: Vec<_> = self.columns.iter().map(|column| (column.name.clone(), self.places(column))).collect();
         let mut missing = vec![self.has_sigma; places.len()];
@@ -155,7 +156,7 @@ impl Data {
         }
     }
 
-    /// The stop time; measured times outside the run are errors.
+    /// Sets the stop time; an error if measured times are outside the run.
     fn set_stop(&mut self, given: &Given, file: &str) -> Result<(), Failure> {
         let times =
             || self.columns.iter().flat_map(|column| column.times_s.iter().map(move |time_s| (*time_s, column)));
@@ -174,7 +175,7 @@ impl Data {
     }
 }
 
-/// Parses `NAME=NUMBER` of an option.
+/// Parses `NAME=NUMBER` as the value of an option.
 pub fn number<'a>((option, text): (&str, &'a str), form: &str) -> Result<(&'a str, f64), Failure> {
     let refused = |cause: &str| Failure::Usage(format!("{option} {text}: {cause}"));
     let (name, value) = text.rsplit_once('=').ok_or_else(|| refused(&format!("must be {form}")))?;

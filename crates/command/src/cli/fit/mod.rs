@@ -1,4 +1,4 @@
-//! `foldwing fit`: identifies numbers of a model from measurements.
+//! `foldwing fit`: identifies parameters of a model from measurements.
 
 mod data;
 mod output;
@@ -79,7 +79,7 @@ pub struct Arguments {
     quiet: Quiet,
 }
 
-/// Identifies the numbers, prints them and writes what was requested.
+/// Identifies the parameters, prints them and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let read = [Some(&arguments.model), Some(&arguments.data), arguments.inputs.as_ref()];
     let mut outlets = Outlets::new(arguments.force.force, read.into_iter().flatten().map(PathBuf::as_path));
@@ -156,7 +156,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.quiet.print(&text, &outlets)
 }
 
-/// Start of the search.
+/// Start values of the search.
 fn starts(arguments: &Arguments, trials: &Trials) -> Result<DVector<f64>, Failure> {
     let mut first = trials.own();
     for text in &arguments.start {
@@ -166,7 +166,7 @@ fn starts(arguments: &Arguments, trials: &Trials) -> Result<DVector<f64>, Failur
     Ok(first)
 }
 
-/// Bounds of the numbers: those of the options within those of the variables.
+/// Bounds of the parameters: those of the options, limited by those of the variables.
 fn bounds(arguments: &Arguments, trials: &Trials, first: &DVector<f64>) -> Result<Vec<[f64; 2]>, Failure> {
     let mut bounds = trials.allowed();
     for text in &arguments.bounds {
@@ -188,6 +188,6 @@ fn bounds(arguments: &Arguments, trials: &Trials, first: &DVector<f64>) -> Resul
         }
         bounds[place] = [bounds[place][0].max(low), bounds[place][1].min(high)];
     }
-    // a start that the model does not allow is an error of its run
+    // a start value that the model does not allow is reported as an error of its run
     Ok(bounds.into_iter().zip(first.iter()).map(|([low, high], x)| [low.min(*x), high.max(*x)]).collect())
 }

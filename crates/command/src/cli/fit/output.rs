@@ -9,25 +9,26 @@ use nalgebra::DVector;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Share of a direction below which a number is left out of the text.
+/// Component of a unit direction below which a parameter is omitted from the text.
 const SMALL: f64 = 0.05;
 const BEFORE: [u8; 3] = [150, 160, 170];
 
-/// The result as JSON; numbers that are not finite are `null`.
+/// Result as JSON; numbers that are not finite are `null`.
 #[derive(Serialize)]
 pub struct Identified {
     name: String,
     /// Whether the search ended by one of its tolerances.
     pub converged: bool,
-    /// Reason for its end.
+    /// Reason why the search ended.
     pub ended: String,
     runs: usize,
-    /// Standard deviation of the residuals, in units of `--sigma` or of each column's largest value.
+    /// Standard deviation of the residuals, in units of `--sigma` or of the largest magnitude in each column.
     noise: f64,
     degrees_of_freedom: i64,
     numbers: Vec<Number>,
     covariance: Vec<Vec<f64>>,
-    /// Directions that the measurements do not determine: parts of the numbers relative to their sizes.
+    /// Directions that the measurements do not determine, with a component for each parameter relative to its
+    /// magnitude.
     unidentified: Vec<Vec<f64>>,
     measurements: Vec<Measurements>,
 }
@@ -49,7 +50,7 @@ struct Measurements {
     measured: Vec<f64>,
     before: Vec<f64>,
     after: Vec<f64>,
-    /// Root of the mean square difference.
+    /// Root mean square difference.
     rms_before: f64,
     rms_after: f64,
 }
@@ -101,7 +102,7 @@ impl Identified {
     }
 }
 
-/// The table for people; `settings` are `NAME=VALUE` of inputs and parameters.
+/// Returns the result as a text table; `settings` are `NAME=VALUE` of inputs and parameters.
 pub fn text_of(found: &Identified, settings: &[String]) -> String {
     let count: usize = found.measurements.iter().map(|own| own.measured.len()).sum();
     let mut text = format!(
@@ -142,7 +143,7 @@ pub fn text_of(found: &Identified, settings: &[String]) -> String {
     text
 }
 
-/// Each column over time: measured dots, computed before and after.
+/// Figures of each column over time: measured values as dots, and values computed before and after the fit.
 pub fn figures(found: &Identified) -> Vec<Figure> {
     let columns = found.measurements.iter().filter(|own| !own.times_s.is_empty());
     let figure = |own: &Measurements| {
@@ -168,7 +169,7 @@ pub fn figures(found: &Identified) -> Vec<Figure> {
     columns.map(figure).collect()
 }
 
-/// Measured against computed values, each over the largest measured size of its name.
+/// Figure of measured against computed values, each divided by the largest measured magnitude of its name.
 pub fn scatter(found: &Identified) -> Figure {
     let points = |computed: fn(&Measurements) -> &[f64]| -> Vec<[f64; 2]> {
         let each = |own: &Measurements| {

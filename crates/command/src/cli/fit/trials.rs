@@ -1,4 +1,4 @@
-//! Runs of a model at other values of some of its numbers.
+//! Runs of a model with other values of some of its parameters.
 
 use crate::cli::fit::data::Data;
 use crate::cli::gradient::Variants;
@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A model with the numbers to identify and the measurements.
+/// Model with the parameters to identify and the measurements.
 pub struct Trials<'a> {
     file: String,
     text: &'a str,
@@ -24,7 +24,7 @@ pub struct Trials<'a> {
     table: Option<&'a InputTable>,
     options: Options,
     data: &'a Data,
-    /// Names, values in the model and units of the numbers.
+    /// Names, values in the model and units of the parameters.
     pub numbers: Vec<(String, f64, &'static str)>,
     /// Units of the measurements.
     pub units: Vec<&'static str>,
@@ -34,7 +34,7 @@ pub struct Trials<'a> {
 }
 
 impl<'a> Trials<'a> {
-    /// Finds the numbers.
+    /// Looks up the parameters to identify.
     pub fn new(
         (path, text): (&Path, &'a str),
         (machine, interface): (Machine, &'a Interface),
@@ -70,7 +70,7 @@ impl<'a> Trials<'a> {
         Ok(trials)
     }
 
-    /// Values in the model.
+    /// Parameter values in the model.
     pub fn own(&self) -> DVector<f64> {
         DVector::from_iterator(self.numbers.len(), self.numbers.iter().map(|(_, value, _)| *value))
     }
@@ -82,7 +82,7 @@ impl<'a> Trials<'a> {
         self.numbers.iter().map(|(name, ..)| range(name)).map(|(low, high)| [low, high]).collect()
     }
 
-    /// Place of a number in the name of an option.
+    /// Index of the parameter that is named in an option.
     pub fn place(&self, option: &str, name: &str) -> Result<usize, Failure> {
         self.numbers.iter().position(|(own, ..)| own == name).ok_or_else(|| {
             let known: Vec<&str> = self.numbers.iter().map(|(own, ..)| own.as_str()).collect();
@@ -90,7 +90,7 @@ impl<'a> Trials<'a> {
         })
     }
 
-    /// Text of the model file with the values of keys.
+    /// Text of the model file with the values of the identified file keys.
     pub fn text_at(&self, x: &DVector<f64>) -> Result<String, Failure> {
         let values: Vec<(Vec<&str>, String)> = self
             .numbers
@@ -109,7 +109,7 @@ impl<'a> Trials<'a> {
         own.map(|((name, ..), value)| format!("{name}={value:?}")).collect()
     }
 
-    /// Results at values of the numbers, without derivatives.
+    /// Results at parameter values, without derivatives.
     pub fn results(&self, x: &DVector<f64>) -> Result<Vec<f64>, Failure> {
         Ok(self.gradients(x, &[])?.of.iter().map(|row| row.value).collect())
     }
@@ -133,7 +133,7 @@ impl<'a> Trials<'a> {
             table: self.table,
         };
         let found = model.gradients(by, &self.options).map_err(|failure| match failure {
-            // results are columns and --value here
+            // errors name `--of`, where the options of this command are columns and --value
             Failure::Usage(text) => match text.strip_prefix("--of ") {
                 Some(rest) => Failure::Usage(format!("measurement {rest}")),
                 None => Failure::Usage(text),
@@ -164,7 +164,7 @@ impl Problem for Trials<'_> {
             Ok(found) => {
                 Ok(Some(DVector::from_fn(found.len(), |i, _| (found[i] - self.data.values[i]) / self.data.scales[i])))
             }
-            // values that the model refuses, or a run without the results: a trial too far
+            // values that the model rejects, or a run without the results: the trial step is too long
             Err(
                 Failure::Refused(_)
                 | Failure::Model { .. }

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
-/// Paths that a signal handler removes. Signals belong to the whole process, and so does this list.
+/// Paths that a signal handler removes. The list is global because signals concern the whole process.
 static LEFTOVERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// The process is the command, which may handle its signals. In a calling program they belong to that program.
+/// Whether the process is the command, which may handle its signals; in a library they are handled by the calling program.
 static OWNS_SIGNALS: AtomicBool = AtomicBool::new(false);
 
 /// Declares that the process is the command.
@@ -17,7 +17,7 @@ pub fn own_signals() {
     OWNS_SIGNALS.store(true, Ordering::Relaxed);
 }
 
-/// Path that is removed if the process is interrupted during the lifetime of this value.
+/// Path that is removed if the process is interrupted while this value exists.
 pub struct Leftover(PathBuf);
 
 impl Leftover {
@@ -37,8 +37,8 @@ impl Drop for Leftover {
     }
 }
 
-/// Installs handlers: SIGINT, SIGTERM and SIGHUP remove unfinished files before they end the process, and a file size limit is an error
-/// instead of an end. Signals ignored by the caller stay ignored.
+/// Installs handlers: SIGINT, SIGTERM and SIGHUP remove unfinished files before they end the process, and exceeding a file size limit
+/// is an error instead of ending the process. Signals ignored by the caller stay ignored.
 fn watch_signals() {
     static ONCE: Once = Once::new();
     ONCE.call_once(start);
@@ -63,14 +63,14 @@ fn start() {
             for path in list.iter() {
                 let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
             }
-            // still locked: no new file can be registered
+            // the list stays locked, so that no new file can be registered
             let _ = emulate_default_handler(signal);
         }
     };
     let _ = std::thread::Builder::new().name("signals".to_owned()).spawn(end);
 }
 
-/// Signals ignored by the caller of this process, as with `nohup`, one bit each; none if the system does not provide them.
+/// Signals that the caller of this process ignores, as with `nohup`, one bit each; 0 if the system does not provide them.
 #[cfg(unix)]
 fn ignored() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();

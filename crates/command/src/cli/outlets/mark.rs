@@ -1,4 +1,4 @@
-//! Marks by which results of Foldwing are recognised before they are replaced.
+//! Marks by which results of Foldwing are recognised before they are overwritten.
 
 use crate::report::film::{Gif, Mp4};
 use std::fs::File;
@@ -9,32 +9,32 @@ use zip::ZipArchive;
 /// Number of bytes at the beginning of a file that contain its mark.
 const HEAD: u64 = 4096;
 
-/// The same inside an archive: the description of a model precedes the mark.
+/// As [`HEAD`], for a member of an archive: the model description precedes the mark.
 const MEMBER_HEAD: u64 = 1 << 16;
 
-/// Mark of a kind of result: by content, never by name.
+/// Mark of a type of result, found in its content, not its name.
 #[derive(Clone)]
 pub enum Mark {
-    /// Never recognised: users edit such files.
+    /// Never recognised, because users edit such files.
     Never,
-    /// A table, by its first line, which equals the one to be written.
+    /// A table, recognised by its first line, which equals the one to be written.
     Table(Vec<u8>),
-    /// By the first bytes, and by a text near the beginning.
+    /// Recognised by its first bytes and a text near the beginning.
     Head {
-        /// Name of the kind, for messages.
+        /// Name of the type, for messages.
         name: &'static str,
         /// The first bytes.
         begins: &'static [u8],
-        /// The text.
+        /// Text near the beginning.
         has: &'static [u8],
     },
-    /// A zip archive, by the names of its members and a text in the first of them.
+    /// A zip archive, recognised by the names of its members and a text in the first of them.
     Archive {
-        /// Name of the kind, for messages.
+        /// Name of the type, for messages.
         name: &'static str,
         /// Required members.
         members: &'static [&'static str],
-        /// The text.
+        /// Text in the first member.
         has: &'static [u8],
     },
 }
@@ -44,7 +44,7 @@ const fn head(name: &'static str, begins: &'static [u8], has: &'static [u8]) -> 
 }
 
 impl Mark {
-    /// An FMU that this program made.
+    /// An FMU written by Foldwing.
     pub const FMU: Self = Self::Archive {
         name: "an FMU of foldwing",
         members: &["modelDescription.xml", "resources/model.toml"],
@@ -62,7 +62,7 @@ impl Mark {
     /// A linear model as JSON.
     pub const LINEAR_JSON: Self =
         head("a linear model of foldwing", b"{\n  \"written_by\": \"foldwing linearize\"", b"");
-    /// Cost of a run.
+    /// Computing costs of a run.
     pub const TIMING: Self = head("costs of a run", b"{\n  \"simulated_s\": ", b"\"factorizations\": ");
     /// Vortex lattices.
     pub const LATTICE: Self = head("lattices of a run", b"[{\"time_s\":", b",\"surfaces\":[");
@@ -96,7 +96,7 @@ impl Mark {
         Self::Table(text.split_inclusive(|byte| *byte == b'\n').next().unwrap_or_default().to_vec())
     }
 
-    /// Name of the kind, for messages.
+    /// Name of the type, for messages.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Never => "a result",

@@ -1,5 +1,5 @@
-//! Output files: inputs of the command are never overwritten, files of other origin only with `--force`, and each file is written
-//! completely or not at all.
+//! Output files. Input files of the command are never overwritten, files that Foldwing did not write only with `--force`, and
+//! each file is written completely or not at all.
 //!
 //! The rule and its reasons: `docs/decisions/0006-files-of-the-user.md`.
 
@@ -22,7 +22,7 @@ use tempfile::NamedTempFile;
 /// Prefix of the names of unfinished files.
 const UNFINISHED: &str = ".foldwing-";
 
-/// Maximum number of files of one folder that are reported by name.
+/// Maximum number of files of one folder that are reported individually.
 const MAXIMUM_NAMED: usize = 4;
 
 /// `--force`, the same for every command that writes.
@@ -42,14 +42,14 @@ pub struct Quiet {
 }
 
 impl Quiet {
-    /// Prints a note, unless it is left out.
+    /// Prints a note, unless `--quiet` suppresses it.
     pub(super) fn note(self, message: &str) {
         if !self.quiet {
             tell::note(message);
         }
     }
 
-    /// Prints a warning, unless it is left out.
+    /// Prints a warning, unless `--quiet` suppresses it.
     pub(super) fn warning(self, message: &str) {
         if !self.quiet {
             tell::warning(message);
@@ -74,7 +74,7 @@ pub(super) struct Outlets {
     finished: Rc<RefCell<Vec<PathBuf>>>,
 }
 
-/// Output file that may be written, not opened yet.
+/// Path of an output that may be written, not opened yet.
 pub(super) struct Place {
     /// Path given by the user.
     shown: String,
@@ -92,11 +92,11 @@ enum Target {
     Standard,
     /// A device or a pipe, which cannot be replaced.
     Stream(PathBuf),
-    /// A regular file, links resolved; permissions of an existing one.
+    /// A regular file with links resolved, and the permissions of an existing one.
     File(PathBuf, Option<fs::Permissions>),
 }
 
-/// Open output. It replaces an existing file when it is finished; an unfinished one is discarded.
+/// Open output. An existing file is replaced on completion; an unfinished output is discarded.
 pub(super) struct Outlet {
     place: Place,
     sink: BufWriter<Sink>,
@@ -110,16 +110,17 @@ enum Sink {
 }
 
 impl Outlets {
-    /// Outputs of a command that reads `read`; inputs that are not regular files cannot be overwritten.
+    /// Outputs of a command whose input files are `read`; only regular files among them are protected.
     pub fn new<'a>(force: bool, read: impl IntoIterator<Item = &'a Path>) -> Self {
         let known = |path: &Path| Some((path.to_owned(), Identity::of(path)?));
         Self { force, read: read.into_iter().filter_map(known).collect(), written: Vec::new(), finished: Rc::default() }
     }
 
-    /// Returns the output at a path, recognised by `mark`; `-` is standard output. Creates missing folders.
+    /// Returns the output at a path, with the mark by which an existing file is recognised; `-` is standard output. Creates
+    /// missing folders.
     ///
     /// # Errors
-    /// The file is an input of this command or already one of its outputs, or a file of other origin exists.
+    /// The file is an input of this command or already one of its outputs, or a file exists that Foldwing did not write.
     pub fn place(&mut self, path: &Path, mark: Mark) -> Result<Place, Failure> {
         let shown = path.display().to_string();
         let target = self.target(path, &shown, &mark)?;
@@ -134,7 +135,7 @@ impl Outlets {
         self.finished.borrow().iter().map(|file| file.display().to_string()).collect()
     }
 
-    /// Prints the written files on standard error, those of a folder with many in one line.
+    /// Prints the written files on standard error; many files of one folder share a line.
     pub fn report(&self) {
         let finished = self.finished.borrow();
         let mut told: Vec<&Path> = Vec::new();
@@ -151,7 +152,7 @@ impl Outlets {
         }
     }
 
-    /// The same for an option that may be missing; without it, nothing is written.
+    /// Like [`Outlets::place`], for an option that may be missing; without it, nothing is written.
     pub fn place_if(&mut self, path: Option<&Path>, mark: Mark) -> Result<Place, Failure> {
         let finished = Rc::default();
         let nowhere =
@@ -203,7 +204,7 @@ impl Outlets {
     }
 }
 
-/// Error for an existing file that is not recognised as a result of this kind.
+/// Error for an existing file that is not recognised as a result of this type.
 fn stranger(shown: &str, mark: &Mark) -> Failure {
     let why = match mark {
         Mark::Never => "exists already".to_owned(),
@@ -252,7 +253,7 @@ impl Place {
         outlet.finish()
     }
 
-    /// The same, flushed to the disk before it replaces the old file: for results that took long.
+    /// Like [`Place::fill`], but flushed to disk before the old file is replaced: for results of long computations.
     pub fn fill_durably(self, bytes: &[u8]) -> Result<(), Failure> {
         let mut outlet = self.open()?;
         outlet.write_all(bytes).and_then(|()| outlet.sync()).map_err(|error| outlet.failure(&error))?;
@@ -260,7 +261,7 @@ impl Place {
     }
 }
 
-/// Temporary files with the permissions of ordinary ones.
+/// Temporary files with the permissions of ordinary files.
 #[cfg(unix)]
 fn unfinished() -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
@@ -304,7 +305,7 @@ impl Outlet {
             return Ok(());
         };
         if permissions.is_none() && path.exists() && !place.force && !place.mark.is_on(path) {
-            return Err(stranger(&place.shown, &place.mark)); // it has appeared since
+            return Err(stranger(&place.shown, &place.mark)); // it was created in the meantime
         }
         if let Some(permissions) = permissions {
             file.as_file().set_permissions(permissions.clone()).map_err(|error| failed(&error))?;

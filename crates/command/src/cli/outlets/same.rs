@@ -1,4 +1,4 @@
-//! Whether two paths lead to the same file, through links, different case and detours.
+//! Comparison of paths: whether two lead to the same file, also through links, different case or `..`.
 
 use std::path::Path;
 

@@ -1,7 +1,8 @@
-//! Progress record of a sweep, in a file that survives the process: `OUT.csv.sweep` beside `OUT.csv`.
+//! Progress record of a sweep, in a file that remains after the process ends: `OUT.csv.sweep` next to `OUT.csv`.
 //!
 //! The first line identifies the sweep, as JSON; each further line is a row of results after its checksum, appended when a variant is
-//! finished. A line left incomplete by a killed process or machine is cut off, with all lines after it; those variants run again.
+//! finished. If a killed process or a power failure leaves an incomplete line, it is removed with all lines after it, and those
+//! variants run again.
 
 use crate::cli::Failure;
 use serde_json::Value;
@@ -12,24 +13,24 @@ use std::time::{Duration, Instant};
 
 /// First word of the first line, with the version of the format.
 const FORMAT: &str = "foldwing-sweep-1 ";
-/// Interval at which rows are flushed to the disk: a killed process loses none, a killed machine at most this much.
+/// Interval at which rows are flushed to disk: a killed process loses no rows, a power failure at most those of this interval.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
 
-/// The record, locked against other processes while it is open.
+/// The record; the file is locked against other processes while it is open.
 pub(super) struct Journal {
     path: PathBuf,
     file: File,
-    /// Checksum of the first line, from which those of the rows start.
+    /// Checksum of the first line, with which the checksums of the rows are seeded.
     seed: u32,
     done: Vec<bool>,
     synced: Instant,
 }
 
 impl Journal {
-    /// Opens the record beside `out` and reads its rows; creates it if it is missing.
+    /// Opens the record next to `out` and reads its rows; creates it if it is missing.
     ///
     /// # Errors
-    /// It belongs to another sweep or is in use, or `out` exists without it.
+    /// The record belongs to another sweep or is in use, or `out` exists without a record.
     pub fn open(out: &Path, identity: &Value, variants: usize) -> Result<Self, Failure> {
         let mut name = out.file_name().unwrap_or_default().to_owned();
         name.push(".sweep");
@@ -64,7 +65,7 @@ impl Journal {
                 }
                 end + 1 + length
             }
-            None if header.as_bytes().starts_with(&bytes) => 0, // killed while it wrote the first line
+            None if header.as_bytes().starts_with(&bytes) => 0, // the process was killed while it wrote the first line
             None => return Err(no_record(&journal.path)),
         };
         journal.file.set_len(kept as u64).map_err(failed)?;
@@ -75,7 +76,7 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Returns an error with the differences if the record belongs to another sweep.
+    /// Returns an error that lists the differences if the record belongs to another sweep.
     fn check_header(&self, found: &[u8], header: &str, identity: &Value, out: &Path) -> Result<(), Failure> {
         if found == header.as_bytes() {
             return Ok(());
@@ -122,7 +123,7 @@ impl Journal {
         Ok(())
     }
 
-    /// The results: header and rows in the order of the variants, and the number of failed variants.
+    /// Results: header and rows in the order of the variants, and the number of failed variants.
     pub fn results(&mut self, columns: &[String]) -> Result<(Vec<u8>, usize), Failure> {
         let failed = |error: io::Error| Failure::Files(format!("{}: cannot be read: {error}", self.path.display()));
         self.file.sync_data().map_err(failed)?;
@@ -154,21 +155,21 @@ impl Journal {
     }
 }
 
-/// Error for a file that is not a record.
+/// Error for a file that is not a progress record.
 fn no_record(path: &Path) -> Failure {
     Failure::Usage(format!("{}: is not a record of a sweep; remove it or name another --output", path.display()))
 }
 
-/// A row in the file.
+/// Row in the file.
 struct Row<'a> {
     index: usize,
-    /// The row of the results, with its line feed.
+    /// Row of the results, with its line feed.
     text: &'a [u8],
-    /// Bytes in the file, with checksum and line feed.
+    /// Length in bytes in the file, with checksum and line feed.
     length: usize,
 }
 
-/// Complete rows from the beginning.
+/// Complete rows from the beginning of the file up to the first damaged one.
 fn rows(bytes: &[u8], seed: u32) -> Vec<Row<'_>> {
     bytes.split_inclusive(|byte| *byte == b'\n').map_while(|line| row(line, seed)).collect()
 }
@@ -188,7 +189,7 @@ fn checksum(seed: u32, row: &[u8]) -> u32 {
     hasher.finalize()
 }
 
-/// Cells as a line of CSV.
+/// Joins cells to a line of CSV.
 fn csv_line<'a>(cells: impl Iterator<Item = &'a str>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(cells).expect("writing to memory does not fail");

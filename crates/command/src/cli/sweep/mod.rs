@@ -1,4 +1,4 @@
-//! `foldwing sweep`: many variants of one model on several threads, a row for each; an interrupted sweep can be resumed.
+//! `foldwing sweep`: runs many variants of a model on several threads and writes a row for each; an interrupted sweep can be resumed.
 
 mod fan;
 mod journal;
@@ -67,7 +67,7 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// Runs the variants without a row, then writes all rows in the order of the variants.
+/// Runs the variants that have no row yet, then writes all rows in the order of the variants.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let clock = Instant::now();
     for (option, path) in [("--samples", &arguments.samples), ("--inputs", &arguments.inputs)] {
@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             .map(|variable| variable.name.clone())
             .collect();
     let columns = columns(&plan, &outputs, &machine)?;
-    // an invalid grid on the command line is an error before the first run
+    // report an invalid grid on the command line before the first run
     let (start_s, stop_s) = (machine.experiment.start_time_s, machine.experiment.stop_time_s);
     grid_of(&arguments.grid, start_s, stop_s, machine.experiment.step_s)?;
     let inputs = arguments.inputs.as_ref().map(|path| read_inputs(path, interface.variables())).transpose()?;
@@ -158,7 +158,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Runs the variants without a row. Each free thread runs the next one; rows are recorded as they are finished.
+/// Runs the variants that have no row yet. Each free thread takes the next one; rows are recorded as variants finish.
 fn march(
     experiment: &Experiment,
     journal: &mut Journal,
@@ -176,8 +176,8 @@ fn march(
     let progress = Progress::of("variants that are left", left.len() as u64);
     let shared = Mutex::new((journal, progress, None, page, 0));
     let next = AtomicUsize::new(0);
-    // not a parallel iterator: a thread that waits for the threads of a vortex lattice would start another variant on top of its stack, and
-    // so on
+    // not a parallel iterator: a thread that waits for the threads of a vortex lattice would start another variant on top of its stack,
+    // recursively
     pool.broadcast(|_| {
         while let Some(&index) = left.get(next.fetch_add(1, Ordering::Relaxed)) {
             let mut pictures = drawing.as_ref().map(|(names, shown)| Pictures::new(names, index == *shown));
@@ -202,12 +202,12 @@ fn march(
     failure.map_or(Ok(()), Err)
 }
 
-/// SHA-256 of bytes as text.
+/// SHA-256 of bytes as hexadecimal text.
 fn digest(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// SHA-256 of a file as text.
+/// SHA-256 of a file as hexadecimal text.
 fn file_digest(path: &Path) -> Result<String, Failure> {
     let bytes =
         fs::read(path).map_err(|error| Failure::Files(format!("{}: cannot be read: {error}", path.display())))?;

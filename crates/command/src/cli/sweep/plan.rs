@@ -8,28 +8,28 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::path::Path;
 
-/// Maximum number of variants of a sweep: a larger grid is probably unintended.
+/// Maximum number of variants of a sweep; a larger grid is probably a mistake.
 const MAXIMUM_VARIANTS: usize = 1_000_000;
-/// Prefix of keys of the model file; names of variables have no colon.
+/// Prefix of keys of the model file; variable names contain no colon.
 const FILE_PREFIX: &str = "file:";
 
-/// Keys, and their values as texts for every variant.
+/// Keys, and their values as text for every variant.
 pub(in crate::cli) struct Plan {
-    /// File of the samples, or the option of a grid.
+    /// File of the samples, or for a grid the option that defines it.
     file: Result<String, &'static str>,
     keys: Vec<String>,
     values: Values,
 }
 
 enum Values {
-    /// Values of each key; all combinations.
+    /// Values of each key; the variants are all combinations.
     Grid(Vec<Vec<String>>),
     /// Values of all keys for each variant.
     Rows(Vec<Vec<String>>),
 }
 
 impl Plan {
-    /// All combinations of `KEY=FROM:TO:COUNT` and `KEY=A,B,…`, given by an option.
+    /// Grid of all combinations of `KEY=FROM:TO:COUNT` and `KEY=A,B,…`, given by an option.
     pub fn grid(option: &'static str, varied: &[String], interface: &Interface) -> Result<Self, Failure> {
         let (mut keys, mut axes, mut count) = (Vec::new(), Vec::new(), 1usize);
         for text in varied {
@@ -86,7 +86,7 @@ impl Plan {
         Ok(Self { file: Ok(name), keys, values: Values::Rows(rows) })
     }
 
-    /// Rows of values from a program, one per variant; messages start with `place`.
+    /// Rows of values given by a program, one per variant; messages begin with `place`.
     pub fn rows(
         place: &str,
         keys: Vec<String>,
@@ -144,7 +144,7 @@ impl Plan {
         }
     }
 
-    /// All values in one text, to distinguish sweeps.
+    /// All values in one text, by which sweeps are distinguished.
     pub fn values_text(&self) -> String {
         let (kind, lists) = match &self.values {
             Values::Grid(axes) => ("grid", axes),
@@ -159,7 +159,7 @@ pub(in crate::cli) fn file_path(key: &str) -> Option<Vec<&str>> {
     key.strip_prefix(FILE_PREFIX).map(|path| path.split('.').collect())
 }
 
-/// Checks that every key is unique, and is a variable or has the prefix of keys of the model file.
+/// Checks that every key is unique, and is the name of a variable or begins with [`FILE_PREFIX`].
 fn check_keys(keys: &[String], place: &str, interface: &Interface) -> Result<(), Failure> {
     let mut seen = HashSet::new();
     for key in keys {
@@ -195,7 +195,7 @@ pub(in crate::cli) fn axis(text: &str) -> Result<Vec<String>, String> {
     Ok(values)
 }
 
-/// `count` equal steps from `from` to `to`, both included; whole numbers stay whole.
+/// `count` equally spaced values from `from` to `to`, both included; whole numbers stay whole.
 fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     let number = |text: &str| match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -209,7 +209,7 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     let whole = [from, to].iter().all(|text| text.trim().parse::<i32>().is_ok());
     let value = |i: usize| {
         let share = i as f64 / (count - 1) as f64;
-        // the exact ends, for any rounding
+        // the ends are exact, without rounding
         if i == 0 {
             first
         } else if i + 1 == count {
@@ -227,7 +227,7 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
 mod tests {
     use super::*;
 
-    /// Ranges include both ends to the bit, and whole numbers stay whole, as keys with integers need.
+    /// Ranges include both ends exactly, and whole numbers stay whole, as required by integer keys.
     #[test]
     fn ranges_include_their_ends() {
         assert_eq!(axis("0.1:0.7:4").unwrap().first().unwrap(), "0.1");

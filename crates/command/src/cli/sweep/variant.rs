@@ -1,4 +1,4 @@
-//! One variant of a sweep: model, run and row.
+//! One variant of a sweep: its model, run and row of results.
 
 use crate::cli::Failure;
 use crate::cli::grid::{Grid, GridArguments, grid_of};
@@ -19,28 +19,28 @@ use std::sync::Arc;
 pub(in crate::cli) struct Experiment<'a> {
     /// Name of the model file, for messages.
     pub file: String,
-    /// The model without variation.
+    /// Machine of the unchanged model file.
     pub machine: Arc<Machine>,
-    /// Its variables.
+    /// Variables of this machine.
     pub interface: Arc<Interface>,
     /// Text of the model file.
     pub text: &'a str,
     /// The variants.
     pub plan: &'a Plan,
-    /// `--set`, for all variants.
+    /// Values of `--set`, for all variants.
     pub settings: &'a [String],
     /// Inputs over time, for all variants.
     pub inputs: Option<&'a InputTable>,
     /// Communication points, if given on the command line.
     pub grid: &'a GridArguments,
-    /// Variables of which the final value is recorded.
+    /// Variables whose final values are recorded.
     pub outputs: &'a [String],
 }
 
-/// Names of the columns: number and values of the variant, status, final values, measures, message.
+/// Names of the columns: number and values of the variant, status, final values, measurements, message.
 ///
 /// # Errors
-/// Two columns with one name.
+/// Two columns with the same name.
 pub(in crate::cli) fn columns(plan: &Plan, outputs: &[String], machine: &Machine) -> Result<Vec<String>, Failure> {
     let mut columns = vec!["variant".to_owned()];
     columns.extend(plan.keys().iter().cloned());
@@ -56,7 +56,7 @@ pub(in crate::cli) fn columns(plan: &Plan, outputs: &[String], machine: &Machine
     }
 }
 
-/// Joints that have a latch: index among the revolute and prismatic joints, and name.
+/// Joints with a latch: index among the revolute and prismatic joints, and name.
 fn latches(machine: &Machine) -> impl Iterator<Item = (usize, &str)> {
     let revolutes = machine.bodies.iter().filter_map(|body| {
         let (_, own) = body.joint.kind.one_freedom()?;
@@ -84,13 +84,13 @@ impl Measures {
     }
 }
 
-/// Returns the text of a model file with other values of some keys; messages start with `place`. The last parts of paths may be numbers of
-/// entries of arrays, from 0.
+/// Returns the text of a model file with other values of some keys; messages begin with `place`. Parts of a path may be array indices,
+/// which start at 0.
 pub(in crate::cli) fn changed_text(text: &str, place: &str, changes: &[(Vec<&str>, &str)]) -> Result<String, Failure> {
     let mut tree: toml::Table = toml::from_str(text).map_err(|error| Failure::Refused(error.to_string()))?;
     for (path, value) in changes {
         let refused = |cause: &str| Failure::Usage(format!("{place} file:{}={value}: {cause}", path.join(".")));
-        // a value that is not TOML by itself is a text: file:solver.method=esdirk3
+        // a value that is not valid TOML is taken as a string: file:solver.method=esdirk3
         let parsed = toml::from_str::<toml::Table>(&format!("value = {value}")).ok();
         let parsed = parsed.filter(|table| table.len() == 1).and_then(|mut table| table.remove("value"));
         let parsed = parsed.unwrap_or_else(|| toml::Value::String((*value).to_owned()));
@@ -124,7 +124,7 @@ pub(in crate::cli) fn changed_text(text: &str, place: &str, changes: &[(Vec<&str
     toml::to_string(&tree).map_err(|error| Failure::Refused(error.to_string()))
 }
 
-/// The number at a key of a model file, or the reason why there is none.
+/// Returns the number at a key of a model file, or the reason why there is none.
 pub(in crate::cli) fn number_in_file(text: &str, path: &[&str]) -> Result<f64, String> {
     let tree: toml::Value = toml::from_str(text).map_err(|error| error.to_string())?;
     let mut entry = &tree;
@@ -154,7 +154,7 @@ pub(in crate::cli) fn number_in_file(text: &str, path: &[&str]) -> Result<f64, S
     }
 }
 
-/// Returns the machine of a model file, its name and text, with other values of some keys; messages start with `place`.
+/// Returns the machine of a model file, given by its name and text, with other values of some keys; messages begin with `place`.
 pub(in crate::cli) fn changed_machine(
     (file, text): (&str, &str),
     place: &str,
@@ -164,7 +164,7 @@ pub(in crate::cli) fn changed_machine(
     config::parse(&text, file).map_err(|error| {
         let what: Vec<String> =
             changes.iter().map(|(path, value)| format!("file:{}={value}", path.join("."))).collect();
-        // without line numbers: they belong to the changed text, which the user does not have
+        // omit line numbers: they refer to the changed text, which the user does not have
         let cause = |problem: &config::Problem| {
             let text = problem.to_string();
             text.split_once(": ").map_or(text.clone(), |(_line, rest)| rest.to_owned())
@@ -175,10 +175,10 @@ pub(in crate::cli) fn changed_machine(
 }
 
 impl Experiment<'_> {
-    /// Sets every value of every key once, so that invalid values are errors before the first run.
+    /// Sets every value of every key once, so that invalid values are reported before the first run.
     ///
-    /// Keys of the model file are checked in the first variant with the value: an invalid combination with other values is a failure of
-    /// those variants.
+    /// A value of a key of the model file is checked in the first variant that has it; if it is invalid only in combination with other
+    /// values, those variants fail.
     pub fn check_values(&self) -> Result<(), Failure> {
         let mut plant = plant_with(Arc::clone(&self.machine), &self.interface, self.settings)?;
         let mut seen = vec![HashSet::new(); self.plan.keys().len()];
@@ -203,7 +203,7 @@ impl Experiment<'_> {
         Ok(())
     }
 
-    /// Returns plant and variables of a variant.
+    /// Returns the plant of a variant and its variables.
     pub fn prepare(&self, index: usize, values: &[&str]) -> Result<(Plant, Arc<Interface>), Failure> {
         let place = self.plan.place(index);
         let keyed = || self.plan.keys().iter().zip(values);
@@ -222,12 +222,12 @@ impl Experiment<'_> {
         Ok((plant, interface))
     }
 
-    /// Returns the model with other values of some keys of its file.
+    /// Returns the machine with other values of some keys of the model file.
     fn changed(&self, place: &str, changes: &[(Vec<&str>, &str)]) -> Result<Machine, Failure> {
         changed_machine((&self.file, self.text), place, changes)
     }
 
-    /// Runs a variant; returns its cells without the number. Errors are in the message column of the row. `pictures` records the run.
+    /// Runs a variant and returns its cells without the variant number. Errors are in the message column of the row.
     pub fn run(&self, index: usize, pictures: Option<&mut Pictures>) -> Vec<String> {
         let values = self.plan.variant(index);
         let cells = catch_unwind(AssertUnwindSafe(|| match self.prepare(index, &values) {
@@ -271,7 +271,7 @@ impl Experiment<'_> {
                 interface.find(name).and_then(|row| interface.get(&plant, plant.outputs(), row.value_reference));
             value.as_ref().map(cell).unwrap_or_default()
         }));
-        // a changed model file may have other joints and gauges: columns are matched by name
+        // a changed model file may have different joints and gauges: columns are matched by name
         let machine = plant.machine();
         cells.extend(latches(&self.machine).map(|(_, name)| {
             let place = latches(machine).find(|(_, other)| *other == name).map(|(place, _)| place);
@@ -317,7 +317,7 @@ impl Experiment<'_> {
     }
 }
 
-/// Replaces line breaks: a message is one line of a row.
+/// Replaces line breaks, because a message occupies a single line of the table.
 fn one_line(message: &str) -> String {
     message
         .split(|c: char| c.is_control())

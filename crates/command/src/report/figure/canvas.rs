@@ -1,4 +1,5 @@
-//! Backend of `plotters` that converts all elements, including letters, to smooth paths for a canvas: pixels or a page.
+//! Backend of `plotters` that converts all elements, including text, to smooth paths on a canvas of pixels or of a PDF
+//! page.
 
 use ab_glyph::{Font, FontRef, OutlineCurve, Point};
 use plotters_backend::text_anchor::{HPos, VPos};
@@ -8,7 +9,7 @@ use plotters_backend::{
 use std::convert::Infallible;
 use tiny_skia::{Path, PathBuilder, Rect, Transform};
 
-/// Height of small letters of the font, in em.
+/// Height of lower-case letters of the font, in em.
 const X_HEIGHT: f32 = 0.547;
 
 /// Target of paths.
@@ -26,7 +27,7 @@ pub trait Canvas {
     fn stroke(&mut self, path: &Path, colour: BackendColor, width: f32);
 }
 
-/// Outlines of a line of text in em, from the left end of its base line, upward; and its width.
+/// Outlines of a line of text in em, from the left end of its baseline, with y upwards; and its width.
 pub(in crate::report) fn outline(font: &FontRef<'_>, text: &str) -> (Option<Path>, f32) {
     let em = 1.0 / font.units_per_em().unwrap_or(1.0);
     let mut path = PathBuilder::new();
@@ -42,7 +43,7 @@ pub(in crate::report) fn outline(font: &FontRef<'_>, text: &str) -> (Option<Path
     (path.finish(), em * along)
 }
 
-/// Appends the curves of a glyph; a contour starts at a curve that does not continue the previous one.
+/// Appends the curves of a glyph; a new contour starts at a curve that does not continue the previous one.
 fn append(path: &mut PathBuilder, curves: &[OutlineCurve], place: impl Fn(Point) -> (f32, f32)) {
     let mut pen: Option<Point> = None;
     for curve in curves {
@@ -68,20 +69,20 @@ fn append(path: &mut PathBuilder, curves: &[OutlineCurve], place: impl Fn(Point)
     }
 }
 
-/// Backend for `plotters`: draws everything as paths.
+/// Backend of `plotters` that draws everything as paths.
 pub struct Backend<'a, C> {
     canvas: &'a mut C,
     font: FontRef<'static>,
 }
 
 impl<'a, C: Canvas> Backend<'a, C> {
-    /// Backend on a canvas, with the font of its letters.
+    /// Creates a backend on a canvas, with the font of its text.
     pub fn new(canvas: &'a mut C, font: &'static [u8]) -> Self {
         Self { canvas, font: FontRef::try_from_slice(font).expect("the font beside this file is valid") }
     }
 
     fn fill(&mut self, path: Option<Path>, colour: BackendColor, within: Transform) {
-        // a path without extent draws nothing
+        // a path of zero size draws nothing
         if let Some(path) = path {
             self.canvas.fill(&path, colour, self.canvas.place().pre_concat(within));
         }
@@ -146,7 +147,8 @@ impl<C: Canvas> DrawingBackend for Backend<'_, C> {
         Ok(())
     }
 
-    /// Draws text at the position used by the SVG: the anchor is on the base line shifted by a fraction of the size.
+    /// Draws text at the position that the SVG uses: the anchor is on the baseline, shifted by a fraction of the font
+    /// size.
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, (x, y): BackendCoord) -> Drawn {
         let size = style.size() as f32 / 1.24;
         let (path, width) = outline(&self.font, text);

@@ -1,11 +1,11 @@
-//! Comparison of the paths of pixels and pages with the elements of the SVG, which `plotters` writes itself.
+//! Comparison of the paths drawn as pixels and on PDF pages with the elements of the SVG that `plotters` writes.
 
 use super::*;
 use crate::report::figure::{Curve, FONT_FILE, Figure, Look, Sheet, UNIT};
 use plotters::prelude::IntoDrawingArea;
 use tiny_skia::{PathSegment, Pixmap};
 
-/// A path passed to a canvas: filled or not, colour, line width if not filled, in tenths of a user unit.
+/// Path passed to a canvas: filled or not, colour, line width if not filled, in tenths of a user unit.
 struct Traced {
     filled: bool,
     colour: [u8; 3],
@@ -38,7 +38,7 @@ impl Canvas for Tracing {
     }
 }
 
-/// Lines, dashes and dots, whose first and last points differ, with marks and names.
+/// Figure with lines, dashes and dots, whose first and last points differ, with marks and names.
 fn figure(equal: bool) -> Figure {
     let wave = |n: usize| (0..12).map(f64::from).map(|x| [x, (0.7 * x + n as f64).sin() + x]).collect();
     let mut curves: Vec<Curve> = (0..9).map(|n| Curve::nth(n, format!("wing{n}"), wave(n))).collect();
@@ -71,7 +71,7 @@ fn rgb(text: &str) -> [u8; 3] {
     [1, 3, 5].map(|at| u8::from_str_radix(&text[at..at + 2], 16).unwrap_or_else(|_| panic!("{text}")))
 }
 
-/// Corners of a path, and whether it is closed.
+/// Vertices of a path, and whether it is closed.
 fn corners(path: &Path) -> (Vec<[f32; 2]>, bool) {
     let (mut list, mut closed) = (Vec::new(), false);
     for segment in path.segments() {
@@ -96,15 +96,15 @@ fn points(tag: &str) -> Vec<[f32; 2]> {
     attribute(tag, "points").split_whitespace().map(point).collect()
 }
 
-/// Tracing of a figure.
+/// Records the paths of a figure.
 fn traced(figure: &Figure, sheet: Sheet) -> Vec<Traced> {
     let mut canvas = Tracing { size: sheet.size.map(|length| length * UNIT), paths: Vec::new() };
     figure.draw(sheet, &Backend::new(&mut canvas, FONT_FILE).into_drawing_area()).expect("a figure");
     canvas.paths
 }
 
-/// Every element of the SVG has its path, in the same order: the corners, open for a line and closed for a filled shape, colour and width;
-/// texts at their anchors, within a third of their height, as the two fonts may differ in their letters.
+/// Every element of the SVG has a path, in the same order, with the same vertices, colour and width, open for a line and closed for a
+/// filled shape. Texts are at their anchors, within a third of their height, since the glyphs of the two fonts may differ.
 #[test]
 fn paths_are_the_elements_of_the_svg() {
     for equal in [false, true] {
@@ -166,7 +166,7 @@ fn paths_are_the_elements_of_the_svg() {
     }
 }
 
-/// The page has the same paths, in points, turned upward: corners and curves, closing, colour, width, drawing style.
+/// The PDF page has the same paths, in points and with y upwards: vertices and curves, closing, colour, width, drawing style.
 #[test]
 fn a_page_has_every_path() {
     let (figure, sheet) = (figure(false), Sheet { size: [800, 500], scale: 1.0 });
@@ -203,7 +203,7 @@ fn a_page_has_every_path() {
         assert_eq!((*filled, *closed, found.len()), (path.filled, due_closed, corners.len()), "{:?}", path.path);
         assert!((width - path.width * tenth).abs() < 1e-4, "{width} {}", path.width);
         assert!(ink.iter().zip(path.colour).all(|(ink, due)| (255.0 * ink - f32::from(due)).abs() < 0.1), "{ink:?}");
-        // coordinates of a page of 600 points are in single precision
+        // coordinates of a page of 600 points are stored in single precision
         let near = |[x, y]: [f32; 2], [due_x, due_y]: [f32; 2]| {
             (x - due_x * tenth).abs() < 1e-3 && (375.0 - y - due_y * tenth).abs() < 1e-3
         };
@@ -211,7 +211,7 @@ fn a_page_has_every_path() {
     }
 }
 
-/// The picture has the colour of a curve in the middle of each of its lines, and nowhere else.
+/// The picture has the colour of a curve at the middle of each of its lines, and nowhere else.
 #[test]
 fn a_picture_has_a_curve_where_its_points_are() {
     let points: Vec<[f64; 2]> = vec![[0.0, 0.0], [1.0, 3.0], [2.0, 3.0], [3.0, 0.5], [4.0, 2.0]];
@@ -241,7 +241,7 @@ fn a_picture_has_a_curve_where_its_points_are() {
         line.windows(2).map(from).fold(f32::INFINITY, f32::min)
     };
     for (x, y) in (0..400).flat_map(|x| (0..300).map(move |y| (x, y))).filter(|(x, y)| has(*x, *y)) {
-        // half the width and the diagonal of a pixel
+        // half the line width plus the diagonal of a pixel
         assert!(apart(x as f32 + 0.5, y as f32 + 0.5) < 0.9 + 1.5, "the curve's colour at {x}, {y}");
     }
 }

@@ -1,6 +1,6 @@
-//! Positions of the names of curves: at the ends of the curves, without overlap.
+//! Positions of the curve names, placed at the ends of the curves without overlap.
 
-/// Moves ascending positions apart and into a range, each as little as its neighbours allow.
+/// Moves ascending positions apart and into a range, each by as little as its neighbours allow.
 pub(super) fn spread<T>(ends: &mut [(f64, i32, T)], apart: f64, [top, bottom]: [f64; 2]) {
     let count = ends.len();
     for _ in 0..100 {
@@ -12,7 +12,7 @@ pub(super) fn spread<T>(ends: &mut [(f64, i32, T)], apart: f64, [top, bottom]: [
             }
         }
     }
-    // positions outside the range return into it, and move their neighbours
+    // positions outside the range are moved into it, and push their neighbours
     let mut least = top;
     for (i, end) in ends.iter_mut().enumerate() {
         end.0 = end.0.max(least).min(bottom - apart * (count - 1 - i) as f64);
@@ -24,7 +24,7 @@ pub(super) fn spread<T>(ends: &mut [(f64, i32, T)], apart: f64, [top, bottom]: [
 mod tests {
     use super::*;
 
-    /// Names at coinciding ends are separate, in order, and within the picture.
+    /// Names at coinciding curve ends are separated, in order, and within the picture.
     #[test]
     fn names_at_the_ends_stand_apart() {
         for places in [vec![5.0, 5.0, 5.0], vec![0.0, 1.0, 99.0, 100.0], vec![98.0, 99.0, 100.0, 100.0], vec![50.0]] {

@@ -1,45 +1,45 @@
-//! Cells of numbers with their size as a colour: which number moves which result.
+//! Table of cells coloured by their values, which shows the sensitivity of each result to each quantity.
 
 use super::{BORDER, Drawn, FAINT, GRID, INK, TITLE, UNIT, at, line, shortened, style};
 use plotters::coord::Shift;
 use plotters::prelude::{Color, DrawingArea, DrawingBackend, RGBColor, Rectangle};
 use plotters::style::text_anchor::{HPos, VPos};
 
-/// Width of a letter of a label, in user units.
+/// Width of a character of a label, in user units.
 const LETTER: u32 = 7;
-/// Width of the scale of colours with its labels, in user units.
+/// Width of the colour scale with its labels, in user units.
 const SCALE: u32 = 96;
 /// Height of the labels above the cells, in user units.
 const HEAD: u32 = 26;
-/// Largest height of a row, in user units.
+/// Maximum height of a row, in user units.
 const TALLEST: u32 = 96;
-/// Smallest height of a row whose cells have numbers, in user units.
+/// Minimum height of a row whose cells show numbers, in user units.
 const READABLE: u32 = 14;
-/// Colours of the smallest, zero and the largest value: distinct for people with colour blindness.
+/// Colours of the smallest value, zero and the largest value, distinguishable by people with colour blindness.
 const ENDS: [[u8; 3]; 3] = [[0, 114, 178], [255, 255, 255], [213, 94, 0]];
 
 /// A table of numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Heat {
-    /// Names of the rows, at the left.
+    /// Names of the rows, shown on the left.
     pub rows: Vec<String>,
-    /// Names of the columns, above.
+    /// Names of the columns, shown at the top.
     pub columns: Vec<String>,
-    /// Values, row by row; those that are not finite have no colour.
+    /// Values, row by row; cells with values that are not finite are not coloured.
     pub values: Vec<Vec<f64>>,
-    /// Quantity and unit of the values, above the scale.
+    /// Quantity and unit of the values, shown above the colour scale.
     pub unit: String,
 }
 
 impl Heat {
-    /// Largest size of a value; 1 if there is none.
+    /// Largest magnitude of the values; 1 if there are none.
     pub(super) fn largest(&self) -> f64 {
         let sizes = self.values.iter().flatten().filter(|value| value.is_finite()).map(|value| value.abs());
         let largest = sizes.fold(0.0, f64::max);
         if largest > 0.0 { largest } else { 1.0 }
     }
 
-    /// Draws names, cells and the scale of colours below the title.
+    /// Draws names, cells and the colour scale below the title.
     pub(super) fn cells<B: DrawingBackend>(&self, size: [u32; 2], area: &DrawingArea<B, Shift>) -> Drawn<B> {
         let longest = self.rows.iter().map(|name| name.chars().count() as u32).max().unwrap_or(0);
         let left = BORDER + (LETTER * longest + 16).min(size[0] * 2 / 5);
@@ -76,13 +76,13 @@ impl Heat {
         self.scale(largest, [size[0] - BORDER - SCALE + 16, top, (rows * height / UNIT).max(120).min(tall)], area)
     }
 
-    /// The scale of colours at a place with a height.
+    /// Draws the colour scale at a position, with a given height.
     fn scale<B: DrawingBackend>(&self, largest: f64, [x, y, tall]: [u32; 3], area: &DrawingArea<B, Shift>) -> Drawn<B> {
         let bands = 64;
         let level = |band: u32| ((y * UNIT) + tall * UNIT * band / bands) as i32;
         for band in 0..bands {
             let share = 1.0 - 2.0 * (f64::from(band) + 0.5) / f64::from(bands);
-            // to the end: without seams between bands
+            // each band extends to the end of the scale, so that there are no gaps between bands
             let ends = [(at(x, 0).0, level(band)), (at(x + 14, 0).0, level(bands))];
             area.draw(&Rectangle::new(ends, colours(share).0.filled()))?;
         }
@@ -95,7 +95,8 @@ impl Heat {
     }
 }
 
-/// Colour of a cell and of its number, for a value from -1 to 1. The root of its size shows small values beside large ones.
+/// Colours of a cell and of its number, for a value from -1 to 1. The square root of the magnitude makes small values visible next to large
+/// ones.
 fn colours(share: f64) -> (RGBColor, &'static RGBColor) {
     if !share.is_finite() {
         return (GRID, &FAINT);
@@ -106,7 +107,7 @@ fn colours(share: f64) -> (RGBColor, &'static RGBColor) {
     (RGBColor(mix(0), mix(1), mix(2)), if size > 0.75 { &plotters::prelude::WHITE } else { &INK })
 }
 
-/// Two digits; a dash for no value.
+/// Formats two digits; a dash if the value is not finite.
 fn number(value: f64) -> String {
     let text = match value.abs() {
         _ if !value.is_finite() => return "–".to_owned(),
@@ -135,7 +136,8 @@ mod tests {
         }
     }
 
-    /// Tables of any size are drawn, names escaped; the value of largest size has the end of the scale, and one that is not finite no colour.
+    /// Tables of any size are drawn, and names are escaped. The value of largest magnitude has the colour at the end of the scale, and one
+    /// that is not finite has none.
     #[test]
     fn tables_of_any_size_are_drawn() {
         for (rows, columns) in [(0, 0), (1, 1), (4, 3), (2, 30), (200, 2)] {
@@ -153,7 +155,7 @@ mod tests {
         assert_eq!(heat(1, 1).largest(), 1.0);
     }
 
-    /// Colours of equal sizes and other signs are equally far from white; zero is white.
+    /// Colours of values with equal magnitude and opposite sign are equally far from white; zero is white.
     #[test]
     fn colours_have_the_sign_and_the_size() {
         assert_eq!(colours(0.0).0, RGBColor(255, 255, 255));

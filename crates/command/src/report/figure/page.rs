@@ -1,4 +1,4 @@
-//! Figures as PDF: a canvas that writes paths for `pdf-writer`, including letters, so that no reader needs the font.
+//! Figures as PDF: a canvas that writes paths with `pdf-writer`, including text, so that no viewer needs the font.
 
 use crate::report::figure::canvas::{Backend, Canvas};
 use crate::report::figure::{FONT_FILE, Figure, FigureError, Sheet, UNIT};
@@ -8,11 +8,11 @@ use plotters::prelude::IntoDrawingArea;
 use plotters_backend::BackendColor;
 use tiny_skia::{Path, PathSegment, Point, Transform};
 
-/// Points of a page per user unit, of which an inch has 96.
+/// PDF points per user unit of 1/96 inch.
 const POINTS: f32 = 72.0 / 96.0;
 
 impl Figure {
-    /// The figure as a PDF file of one page.
+    /// Returns the figure as a PDF file with one page.
     ///
     /// # Errors
     /// `plotters` cannot draw it.
@@ -32,17 +32,17 @@ struct Page {
 }
 
 impl Page {
-    /// A page with a size in user units.
+    /// Creates a page with a size in user units.
     fn new(size: [u32; 2]) -> Self {
         let scale = POINTS / UNIT as f32;
         let mut content = Content::new();
         content.set_line_join(LineJoinStyle::RoundJoin);
-        // y of a page is upward
+        // y is upwards on a PDF page
         let place = Transform::from_row(scale, 0.0, 0.0, -scale, 0.0, POINTS * size[1] as f32);
         Self { content, size: size.map(|length| length * UNIT), place }
     }
 
-    /// Returns the file; its first object has the producer.
+    /// Returns the file; its first object names the producer.
     fn pdf(self, title: &str) -> Vec<u8> {
         let [information, catalog, pages, page, content] = [1, 2, 3, 4, 5].map(Ref::new);
         let mut pdf = Pdf::new();
@@ -58,7 +58,7 @@ impl Page {
         pdf.finish()
     }
 
-    /// Starts a path on the page.
+    /// Writes the segments of a path to the page.
     fn path(&mut self, path: &Path, place: Transform) {
         let at = |point: Point| {
             let mut points = [point];
@@ -78,7 +78,7 @@ impl Page {
                 }
                 PathSegment::QuadTo(control, to) => {
                     let (control, to) = (at(control), at(to));
-                    // the same parabola with two control points
+                    // the same parabola as a cubic curve with two control points
                     let towards = |end: f32, control: f32| end + (control - end) * 2.0 / 3.0;
                     let [first, second] =
                         [last, to].map(|end| Point::from_xy(towards(end.x, control.x), towards(end.y, control.y)));
@@ -122,7 +122,7 @@ impl Canvas for Page {
     }
 }
 
-/// A transparent colour on white paper, from 0 to 1.
+/// Colour that results from a transparent colour on white, with components from 0 to 1.
 fn on_white(BackendColor { alpha, rgb: (red, green, blue) }: BackendColor) -> [f32; 3] {
     [red, green, blue].map(|part| (alpha * f64::from(part) / 255.0 + 1.0 - alpha) as f32)
 }
@@ -132,8 +132,8 @@ mod tests {
     use super::*;
     use crate::report::figure::Curve;
 
-    /// A page with the sheet's size in points and the producer by which it is recognised; equal figures have equal bytes; a title with any
-    /// letters is kept; the curve's corners are at the positions of the SVG, turned upward.
+    /// A page has the sheet's size in points and the producer by which it is recognised; equal figures give equal bytes; a title with any
+    /// characters is preserved; the vertices of the curve are at the positions of the SVG, with y upwards.
     #[test]
     fn a_page_has_the_figure() {
         let points = vec![[0.0, 1.0], [1.0, 2.0], [2.0, 1.5]];

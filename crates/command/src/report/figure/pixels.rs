@@ -1,4 +1,4 @@
-//! Figures as pixels: a canvas on a `tiny-skia` pixmap.
+//! Figures as pixels: a canvas that draws on a `tiny-skia` pixmap.
 
 use crate::report::figure::canvas::Canvas;
 use plotters_backend::BackendColor;
@@ -6,12 +6,12 @@ use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, Path, Pixmap, Stroke,
 
 /// Bytes of a PNG file before its second chunk: signature and header.
 const PNG_HEADER: usize = 8 + 25;
-/// Text chunk with the name of the program.
+/// Text chunk that names the program.
 const SIGNATURE: &[u8] = b"tEXtSoftware\0foldwing";
 
-/// A PNG file with [`SIGNATURE`] after its header.
+/// Inserts [`SIGNATURE`] after the header of a PNG file.
 pub(in crate::report) fn signed(mut png: Vec<u8>) -> Vec<u8> {
-    let mut chunk = (SIGNATURE.len() as u32 - 4).to_be_bytes().to_vec(); // without the four letters of the kind
+    let mut chunk = (SIGNATURE.len() as u32 - 4).to_be_bytes().to_vec(); // without the four letters of the chunk type
     chunk.extend(SIGNATURE);
     chunk.extend(crc32fast::hash(SIGNATURE).to_be_bytes());
     png.splice(PNG_HEADER..PNG_HEADER, chunk);
@@ -26,7 +26,8 @@ pub struct Pixels {
 }
 
 impl Pixels {
-    /// A white picture with a size in user units, each divided into `unit` coordinates of `plotters`, with `scale` pixels per user unit.
+    /// Creates a white picture with a size in user units, each divided into `unit` coordinates of `plotters`, with `scale` pixels per
+    /// user unit.
     pub fn new(size: [u32; 2], unit: u32, scale: f32) -> Self {
         let [width, height] = size.map(|length| ((length as f32 * scale).round() as u32).max(1));
         let mut map = Pixmap::new(width, height).expect("the size is not zero");
@@ -38,7 +39,7 @@ impl Pixels {
         }
     }
 
-    /// The picture as a PNG file with the name of the program.
+    /// Returns the picture as a PNG file that names the program.
     pub fn png(&self) -> Vec<u8> {
         signed(self.map.encode_png().expect("writing to memory does not fail"))
     }

@@ -1,10 +1,10 @@
-//! Curves of many points with as many as a figure shows.
+//! Reduction of curves with many points to the number that a figure can show.
 
 use super::SIZE;
 use std::ops::Range;
 
-/// The finite points; if `x` ascends and there are many, the first, minimum, maximum and last of every column of a pixel's width: the curve
-/// looks the same.
+/// Finite points of a curve. If `x` ascends and there are many points, only the first, minimum, maximum and last one in every column of a
+/// pixel's width are kept, which looks the same.
 pub(super) fn thinned(points: &[[f64; 2]], x: &Range<f64>) -> Vec<[f64; 2]> {
     let finite: Vec<[f64; 2]> = points.iter().filter(|point| point.iter().all(|c| c.is_finite())).copied().collect();
     let columns = 2 * SIZE[0] as usize;
@@ -28,7 +28,7 @@ pub(super) fn thinned(points: &[[f64; 2]], x: &Range<f64>) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
-    /// Thinning keeps the peaks, to the bit.
+    /// Thinning preserves the peaks exactly.
     #[test]
     fn thinned_curves_keep_their_peaks() {
         let mut points: Vec<[f64; 2]> = (0..100_000).map(|i| [f64::from(i), (0.01 * f64::from(i)).sin()]).collect();

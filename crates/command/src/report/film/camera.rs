@@ -1,22 +1,23 @@
-//! Cameras: place of the eye, and places of points of the machine in the picture. The root frame's z points up.
+//! Cameras: position of the eye, and projection of points of the machine to the picture. The z axis of the root frame
+//! points up.
 
 use crate::report::film::run::{Run, State, Vector};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Margins around the framed points, as parts of half the width and half the height.
+/// Extent of the framed points, as fractions of half the width and half the height of the picture.
 const FILLED: [f64; 2] = [0.86, 0.8];
-/// States by which a motion is framed.
+/// Number of states sampled to frame a motion.
 const SAMPLED: usize = 61;
 
-/// Tangent of half the angle of view over the shorter side of the picture.
+/// Tangent of half the angle of view along the shorter side of the picture.
 fn half_view() -> f64 {
     (15.0 * PI / 180.0).tan()
 }
 
-/// Direction from which a film is seen, as in the page.
+/// Viewing direction of a film, as on the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum View {
-    /// Oblique.
+    /// Isometric.
     Iso,
     /// Along y: x to the right, z up.
     Front,
@@ -27,7 +28,7 @@ pub enum View {
 }
 
 impl View {
-    /// Azimuth of the eye from x towards y and its elevation, in rad.
+    /// Azimuth of the eye, measured from x towards y, and its elevation, in rad.
     fn angles_rad(self) -> [f64; 2] {
         match self {
             Self::Iso => [-1.05, 0.42],
@@ -38,7 +39,7 @@ impl View {
     }
 }
 
-/// An eye directed at a target.
+/// Camera directed at a target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Camera {
     target: Vector,
@@ -46,13 +47,13 @@ pub(super) struct Camera {
     pub distance_m: f64,
     right: Vector,
     up: Vector,
-    /// From the target to the eye.
+    /// Unit vector from the target to the eye.
     pub outward: Vector,
     /// Width and height of the picture in pixels.
     size: [f64; 2],
 }
 
-/// A point in the picture: pixels from the upper left corner, and the inverse of its distance from the eye's plane in 1/m.
+/// Projected point: pixels from the upper left corner, and the inverse of its distance from the plane of the eye in 1/m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Seen {
     pub x: f64,
@@ -61,7 +62,7 @@ pub(super) struct Seen {
 }
 
 impl Camera {
-    /// A camera that frames points: they just fit, seen from `view`.
+    /// Creates a camera at the smallest distance at which the points are in the frame, seen from `view`.
     fn framing(points: &[Vector], view: View, size: [u32; 2]) -> Self {
         let [azimuth, elevation] = view.angles_rad();
         let ((sa, ca), (se, ce)) = (azimuth.sin_cos(), elevation.sin_cos());
@@ -92,17 +93,17 @@ impl Camera {
         self.target + self.distance_m * self.outward
     }
 
-    /// Distance of a point from the eye's plane in m, positive in front of it.
+    /// Distance of a point from the plane of the eye in m, positive in front of it.
     pub fn depth_m(&self, point: &Vector) -> f64 {
         self.distance_m - (point - self.target).dot(&self.outward)
     }
 
-    /// Nearest distance that is drawn, in m.
+    /// Smallest distance that is drawn, in m.
     pub fn nearest_m(&self) -> f64 {
         1e-3 * self.distance_m
     }
 
-    /// A point in front of the eye in the picture.
+    /// Projects a point in front of the eye to the picture.
     pub fn seen(&self, point: &Vector) -> Seen {
         let (off, near) = (point - self.target, 1.0 / self.depth_m(point));
         let scale = self.size[0].min(self.size[1]) / (2.0 * half_view()) * near;
@@ -118,12 +119,12 @@ impl Camera {
 #[derive(Debug)]
 pub(super) struct Motion {
     at_start: Camera,
-    /// The target moves with the machine: its mean place at the start.
+    /// Mean position of the machine at the start, if the target moves with the machine.
     start: Option<Vector>,
 }
 
 impl Motion {
-    /// A camera for the states of a run: fixed, with the whole motion in the frame, or moving with the machine.
+    /// Creates a camera for the states of a run: fixed, with the whole motion in the frame, or moving with the machine.
     pub fn new<'r>(
         run: &'r Run,
         (view, follows): (View, bool),
@@ -139,10 +140,10 @@ impl Motion {
         Self { at_start: Camera::framing(&points, view, size), start }
     }
 
-    /// Number of states by which a motion is framed.
+    /// Number of states sampled to frame a motion.
     pub const STATES: usize = SAMPLED;
 
-    /// The camera at a state.
+    /// Returns the camera for a state.
     pub fn at(&self, state: &State<'_>) -> Camera {
         let shift = self.start.map_or_else(Vector::zeros, |start| state.middle() - start);
         Camera { target: self.at_start.target + shift, ..self.at_start }

@@ -1,6 +1,6 @@
-//! Colours of a film: those of the page's light theme, and its scales.
+//! Colours of a film: those of the page's light theme and of its colour scales.
 
-/// A colour from 0 to 1.
+/// Colour with red, green and blue components from 0 to 1.
 pub(super) type Rgb = [f32; 3];
 
 const fn hex(colour: u32) -> Rgb {
@@ -20,19 +20,19 @@ pub(super) const LATCH_OPEN: Rgb = hex(0x8b98a5);
 pub(super) const MASS: Rgb = hex(0x9a7b4f);
 pub(super) const GRAVITY: Rgb = hex(0x2fae62);
 pub(super) const WIND: Rgb = hex(0x19a3e6);
-/// Axes x, y and z of the root frame.
+/// Colours of the axes x, y and z of the root frame.
 pub(super) const AXES: [Rgb; 3] = [[0.84, 0.24, 0.18], [0.16, 0.6, 0.24], [0.16, 0.4, 0.85]];
 
-/// A scale of colours at five equal distances.
+/// Colour scale given at five equidistant values.
 pub(super) type Scale = [[u8; 3]; 5];
 
-/// Strain: negative blue, positive red.
+/// Colour scale of strain: negative blue, positive red.
 pub(super) const STRAIN: Scale = [[5, 48, 97], [67, 147, 195], [240, 240, 240], [244, 135, 75], [127, 30, 8]];
-/// Circulation: negative violet, positive orange.
+/// Colour scale of circulation: negative violet, positive orange.
 pub(super) const CIRCULATION: Scale =
     [[94, 60, 153], [178, 171, 210], [236, 236, 240], [253, 190, 110], [222, 104, 20]];
 
-/// Colour of a scale at a share from 0 to 1.
+/// Colour at the relative position `share`, from 0 to 1, on a scale.
 pub(super) fn tint(scale: &Scale, share: f64) -> Rgb {
     let along = if share.is_finite() { 4.0 * share.clamp(0.0, 1.0) } else { 2.0 };
     let before = (along.floor() as usize).min(3);
@@ -43,7 +43,7 @@ pub(super) fn tint(scale: &Scale, share: f64) -> Rgb {
     })
 }
 
-/// Share of a value on a scale from `-most` to `most`.
+/// Relative position of a value on a scale from `-most` to `most`.
 pub(super) fn share(value: f64, most: f64) -> f64 {
     0.5 + 0.5 * value / most
 }

@@ -1,20 +1,20 @@
-//! A picture as triangles, lines and labels in space, with light, and its transfer to the raster.
+//! A picture as triangles, lines and labels in space with lighting, and its rendering by the rasteriser.
 
 use super::camera::{Camera, Seen};
 use super::colours::Rgb;
 use super::raster::{Corner, Ink, Raster};
 use crate::report::film::run::Vector;
 
-/// From the ground to the sun.
+/// Direction from the ground to the sun.
 const SUN: [f64; 3] = [0.5, -0.9, 2.2];
-/// Light of the sun and of the sky, and the part of the latter that comes from below, as in the page.
+/// Intensity of the sun and of the sky, and the fraction of sky light that comes from below, as on the page.
 const SUNLIGHT: f64 = 1.5;
 const SKYLIGHT: f64 = 1.75;
 const FROM_BELOW: f64 = 0.75;
-/// Darkness of the shadow on the ground.
+/// Opacity of the shadow on the ground.
 const SHADOW: f32 = 0.22;
 
-/// A corner of a face: place, normal to the surface, colour.
+/// Vertex of a face: position, surface normal, colour.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vertex {
     pub at: Vector,
@@ -22,14 +22,14 @@ pub(super) struct Vertex {
     pub rgb: Rgb,
 }
 
-/// A face that is lit: closed surfaces have normals outward, sheets have two sides.
+/// Lit face: the normals of closed surfaces point outwards, sheets have two sides.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Face {
     pub corners: [Vertex; 3],
     pub sheet: bool,
 }
 
-/// A line; its width is in units of the page, which the picture scales.
+/// Line with a width in units of the page, which are scaled to the picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line {
     pub ends: [Vector; 2],
@@ -38,40 +38,40 @@ pub(super) struct Line {
     pub width: f64,
 }
 
-/// A text at a place; its middle is there.
+/// Text that is centred at a position.
 #[derive(Debug, Clone)]
 pub(super) struct Label {
     pub at: Vector,
     pub text: String,
     pub height: f32,
     pub rgb: Rgb,
-    /// Faces in front of it do not cover it.
+    /// Whether it is drawn on top of faces in front of it.
     pub on_top: bool,
 }
 
-/// Everything in a picture.
+/// All contents of a picture.
 #[derive(Debug, Default)]
 pub(super) struct Drawing {
-    /// Faces with shadows.
+    /// Faces that cast shadows.
     pub faces: Vec<Face>,
-    /// Faces without.
+    /// Faces that do not.
     pub arrows: Vec<Face>,
-    /// Lines that lie on faces are drawn in front of them by this distance in m.
+    /// Distance in m towards the eye by which lines on faces are moved, so that they are visible.
     pub lifted_m: f64,
     pub lines: Vec<Line>,
     /// Lines on the ground.
     pub grid: Vec<Line>,
-    /// Sheets of the wake: corners in order around each, and colour.
+    /// Panels of the wake: corners in order around each, and colour.
     pub wake: Vec<([Vector; 4], Rgb)>,
     /// Opacity of the wake.
     pub wake_opacity: f32,
-    /// Height of the ground in m; `None` without ground.
+    /// Height of the ground in m; `None` if there is no ground.
     pub floor_m: Option<f64>,
     pub labels: Vec<Label>,
 }
 
 impl Drawing {
-    /// Adds a flat face with four corners in order around it.
+    /// Adds a flat face with four corners given in order around it.
     pub fn sheet(&mut self, corners: [Vector; 4], rgb: Rgb) {
         let normal = (corners[2] - corners[0]).cross(&(corners[3] - corners[1]));
         let normal = normal.try_normalize(0.0).unwrap_or_else(Vector::z);
@@ -110,7 +110,7 @@ impl Drawing {
     }
 }
 
-/// Colour of a lit vertex.
+/// Colour of a vertex with lighting.
 fn lit(vertex: &Vertex, sheet: bool, camera: &Camera, sun: &Vector) -> Rgb {
     let away = (camera.eye() - vertex.at).dot(&vertex.normal) < 0.0;
     let normal = if sheet && away { -vertex.normal } else { vertex.normal };
@@ -124,7 +124,7 @@ fn corner(seen: Seen, rgb: Rgb) -> Corner {
     Corner { x: seen.x, y: seen.y, near: seen.near, rgb }
 }
 
-/// Draws a face, or the part of it in front of the eye.
+/// Draws the part of a face that is in front of the eye.
 fn draw_face(corners: &[(Vector, Rgb); 3], camera: &Camera, ink: Ink, raster: &mut Raster) {
     let nearest_m = camera.nearest_m();
     let depths = corners.map(|(at, _)| camera.depth_m(&at));
@@ -150,7 +150,7 @@ fn draw_face(corners: &[(Vector, Rgb); 3], camera: &Camera, ink: Ink, raster: &m
     }
 }
 
-/// Draws a line, or the part of it in front of the eye.
+/// Draws the part of a line that is in front of the eye.
 fn draw_line(line: &Line, camera: &Camera, (lifted_m, unit): (f64, f64), raster: &mut Raster) {
     let [a, b] = line.ends;
     let (from, to) = (camera.depth_m(&a), camera.depth_m(&b));

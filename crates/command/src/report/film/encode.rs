@@ -1,4 +1,4 @@
-//! Films as files: pictures are drawn on all processors, and encoded in their order.
+//! Films as files: pictures are drawn on all processors, and encoded in order.
 
 use super::{Film, Gif, Mp4};
 use crate::report::figure::signed;
@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::path::Path;
 use tiny_skia::{IntSize, Pixmap};
 
-/// Frames from which the colours of a GIF are found.
+/// Number of frames from which the colours of a GIF are selected.
 const SAMPLED: usize = 7;
 
 /// Format of a film.
@@ -14,17 +14,17 @@ const SAMPLED: usize = 7;
 pub enum Format {
     /// H.264 in MP4.
     Mp4,
-    /// A GIF that repeats for ever.
+    /// GIF in an endless loop.
     Gif,
-    /// A PNG per picture.
+    /// One PNG file per picture.
     Png,
 }
 
 impl Format {
-    /// Format of a file by the end of its name.
+    /// Returns the format given by a file extension.
     ///
     /// # Errors
-    /// The cause, with the formats that there are.
+    /// The extension is not supported; the message lists the formats.
     pub fn of(path: &Path) -> Result<Self, String> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let formats = "films are .mp4 (H.264), .gif, or .png (one numbered file per picture)";
@@ -42,7 +42,7 @@ impl Format {
         }
     }
 
-    /// Checks size and pictures per second.
+    /// Checks the size and the frame rate.
     ///
     /// # Errors
     /// Values that the format does not allow.
@@ -63,7 +63,7 @@ impl Format {
 /// Draws a film and passes its file, or its numbered files, to `file`; `drawn` is called with the number of finished pictures.
 ///
 /// # Errors
-/// Those of `file` and `drawn`, which end the work.
+/// Errors of `file` and `drawn`, which end the work.
 pub fn encode<E: Send>(
     film: &Film,
     (format, pictures_per_s): (Format, f64),
@@ -103,7 +103,7 @@ pub fn encode<E: Send>(
     }
 }
 
-/// Draws some pictures while those before are used.
+/// Draws pictures in parallel while the preceding ones are used in order.
 fn in_order<E: Send>(
     film: &Film,
     mut each: impl FnMut(usize, Vec<u8>) -> Result<(), E> + Send,
@@ -128,7 +128,7 @@ fn in_order<E: Send>(
     Ok(())
 }
 
-/// A picture as PNG with the name of the program.
+/// Returns a picture as a PNG file that names the program.
 fn png([width, height]: [u32; 2], pixels: &[u8]) -> Vec<u8> {
     let opaque = pixels.chunks_exact(3).flat_map(|rgb| [rgb[0], rgb[1], rgb[2], 255]).collect();
     let size = IntSize::from_wh(width, height).expect("the size is not zero");

@@ -1,20 +1,20 @@
-//! GIF files: one palette for the whole film, and in every picture only the changed pixels.
+//! GIF files: one palette for the whole film, and in every picture only the pixels that changed.
 
 use gif::{AnyExtension, DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 
-/// Colours of the palette; the last index is transparent.
+/// Number of colours of the palette; the last index is transparent.
 const COLOURS: usize = 255;
-/// Bits per channel with which colours are counted.
+/// Bits per channel of the colour histogram.
 const BITS: u32 = 6;
 
-/// A film as GIF, which repeats for ever.
+/// Film as GIF in an endless loop.
 pub struct Gif {
     encoder: Encoder<Vec<u8>>,
     size: [u32; 2],
     palette: Vec<[u8; 3]>,
-    /// Index of the palette per counted colour; greater numbers where it is not yet known.
+    /// Palette index for each colour of the histogram; larger numbers where it is not yet known.
     nearest: Vec<u16>,
-    /// Indices of the picture before.
+    /// Indices of the previous picture.
     before: Option<Vec<u8>>,
     pictures_per_s: f64,
     pictures: u32,
@@ -25,12 +25,12 @@ impl Gif {
     pub const BEGINS: &[u8] = b"GIF89a";
     /// Text near the beginning of a file.
     pub const MARK: &[u8] = b"made by foldwing";
-    /// Maximum number of pictures per second: players show shorter ones slower.
+    /// Maximum frame rate in 1/s: players slow down shorter frames.
     pub const MAXIMUM_PER_S: f64 = 50.0;
     /// Maximum width and height in pixels.
     pub const MAXIMUM_SIZE: u32 = 65_535;
 
-    /// A film with the colours of some of its pictures.
+    /// Creates a film whose palette is selected from some of its pictures.
     ///
     /// # Errors
     /// The size is too large for the format.
@@ -49,7 +49,7 @@ impl Gif {
     /// Appends a picture: red, green and blue per pixel, row by row.
     ///
     /// # Errors
-    /// None in memory.
+    /// None, since it writes to memory.
     pub fn add(&mut self, pixels: &[u8]) -> Result<(), EncodingError> {
         let indices: Vec<u8> = pixels.chunks_exact(3).map(|rgb| self.index([rgb[0], rgb[1], rgb[2]])).collect();
         let width = self.size[0] as usize;
@@ -64,7 +64,7 @@ impl Gif {
                 buffer.push(if same { COLOURS as u8 } else { indices[pixel] });
             }
         }
-        // hundredths of a second whose sum stays right
+        // durations in hundredths of a second, rounded so that their sum is correct
         let end = |pictures: u32| (f64::from(pictures) * 100.0 / self.pictures_per_s).round();
         let frame = Frame {
             delay: (end(self.pictures + 1) - end(self.pictures)) as u16,
@@ -83,10 +83,10 @@ impl Gif {
         Ok(())
     }
 
-    /// The file.
+    /// Returns the finished file.
     ///
     /// # Errors
-    /// None in memory.
+    /// None, since it writes to memory.
     pub fn finish(self) -> Result<Vec<u8>, EncodingError> {
         self.encoder.into_inner()
     }
@@ -96,7 +96,7 @@ impl Gif {
         if self.nearest[cell] == u16::MAX {
             let middle = colour_of(cell);
             let far = |colour: &[u8; 3]| -> i32 {
-                // the eye's weights of the channels
+                // weights of the channels in human vision
                 (0..3).map(|i| [2, 4, 1][i] * (i32::from(colour[i]) - i32::from(middle[i])).pow(2)).sum()
             };
             let found = self.palette[..COLOURS].iter().enumerate().min_by_key(|(_, colour)| far(colour));
@@ -110,7 +110,7 @@ fn cell(rgb: [u8; 3]) -> usize {
     rgb.iter().fold(0, |cell, part| cell << BITS | usize::from(part >> (8 - BITS)))
 }
 
-/// The colour in the middle of a cell, with black and white at the ends.
+/// Colour at the middle of a histogram cell; the outermost cells are black and white.
 fn colour_of(cell: usize) -> [u8; 3] {
     let most = (1 << BITS) - 1;
     std::array::from_fn(|i| {
@@ -119,7 +119,7 @@ fn colour_of(cell: usize) -> [u8; 3] {
     })
 }
 
-/// Rows and columns in which two pictures differ; one pixel if they are the same.
+/// Rows and columns in which two pictures differ; one pixel if they are equal.
 fn changed(before: &[u8], after: &[u8], width: usize) -> [std::ops::Range<usize>; 2] {
     let mut found: Option<[std::ops::Range<usize>; 2]> = None;
     for (row, (a, b)) in before.chunks(width).zip(after.chunks(width)).enumerate() {
@@ -134,13 +134,13 @@ fn changed(before: &[u8], after: &[u8], width: usize) -> [std::ops::Range<usize>
     found.unwrap_or([0..1, 0..1])
 }
 
-/// A palette for pictures: their colours divided at medians until there are enough (Heckbert 1982).
+/// Selects a palette by dividing the colours of pictures at medians until there are enough (Heckbert 1982).
 fn palette(pictures: &[Vec<u8>]) -> Vec<[u8; 3]> {
     let mut counts = vec![0_u32; 1 << (3 * BITS)];
     for rgb in pictures.iter().flat_map(|picture| picture.chunks_exact(3)) {
         counts[cell([rgb[0], rgb[1], rgb[2]])] += 1;
     }
-    // the background does not outweigh what is drawn on it
+    // so that the background does not outweigh what is drawn on it
     let weight = |count: u32| f64::from(count).sqrt();
     let present = counts.iter().enumerate().filter(|(_, count)| **count > 0);
     let all: Vec<([u8; 3], f64)> = present.map(|(cell, count)| (colour_of(cell), weight(*count))).collect();
@@ -160,7 +160,7 @@ fn palette(pictures: &[Vec<u8>]) -> Vec<[u8; 3]> {
     }
     let mut palette: Vec<[u8; 3]> =
         boxes.iter().filter(|colours| !colours.is_empty()).map(|colours| mean(colours)).collect();
-    // the background exactly
+    // represent the background exactly
     if let Some(brightest) =
         palette.iter_mut().max_by_key(|colour| colour.iter().map(|part| u32::from(*part)).sum::<u32>())
         && brightest.iter().all(|part| *part > 247)
@@ -171,7 +171,7 @@ fn palette(pictures: &[Vec<u8>]) -> Vec<[u8; 3]> {
     palette
 }
 
-/// The set of colours with the largest spread, weighted by its size, and the channel of that spread; none if all are single.
+/// Set of colours with the largest spread, weighted by its size, and the channel of that spread; `None` if all sets are single colours.
 fn widest(boxes: &[Vec<([u8; 3], f64)>]) -> Option<(usize, usize)> {
     let spread = |colours: &[([u8; 3], f64)]| {
         let along = |i: usize| {
@@ -202,7 +202,7 @@ mod tests {
 
     const SIZE: [u32; 2] = [40, 30];
 
-    /// A square that moves over a plain background.
+    /// Picture of a square that moves over a plain background.
     fn scene(picture: usize) -> Vec<u8> {
         let pixel = |i: usize| {
             let (x, y) = (i % 40, i / 40);
@@ -211,8 +211,8 @@ mod tests {
         (0..1200).flat_map(pixel).collect()
     }
 
-    /// A GIF of 30 pictures per second lasts as long as its film, within half a hundredth of a second, and has the colours of few exactly; where
-    /// nothing changes, a picture has one pixel.
+    /// A GIF with 30 pictures per second has the duration of its film within half a hundredth of a second, and represents a few colours
+    /// exactly; a picture without changes has one pixel.
     #[test]
     fn gifs_last_as_long_as_their_film() {
         let pictures: Vec<Vec<u8>> = [0, 1, 2, 2, 2, 7, 11].into_iter().cycle().take(31).map(scene).collect();
@@ -231,7 +231,7 @@ mod tests {
                 let first = 3 * ((usize::from(frame.top) + down) * 40 + usize::from(frame.left) + right);
                 shown[first..first + 3].copy_from_slice(&rgba[..3]);
             }
-            // six bits per channel: up to 2 of 255
+            // six bits per channel: errors up to 2 of 255
             let off = shown.iter().zip(&pictures[count]).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
             assert!(off <= 2, "picture {count}: {off}");
             if count % 7 == 3 || count % 7 == 4 {

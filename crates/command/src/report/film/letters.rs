@@ -1,4 +1,4 @@
-//! Letters in pictures: outlines of the font of the figures, filled with smooth edges.
+//! Text in pictures: outlines of the font of the figures, filled with anti-aliased edges.
 
 use super::colours::Rgb;
 use super::raster::Raster;
@@ -11,29 +11,29 @@ pub(super) struct Letters {
     font: FontRef<'static>,
 }
 
-/// Part of a text that is at its place.
+/// Part of a text that is placed at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Anchor {
-    /// Left end of the base line.
+    /// Left end of the baseline.
     Left,
-    /// Middle of the base line.
+    /// Middle of the baseline.
     Middle,
-    /// Right end of the base line.
+    /// Right end of the baseline.
     Right,
     /// Middle of the letters.
     Centre,
 }
 
-/// Height of small letters of the font over its size.
+/// Ratio of the height of lower-case letters to the font size.
 const X_HEIGHT: f64 = 0.547;
 
 impl Letters {
-    /// The font of the figures.
+    /// Loads the font of the figures.
     pub fn new() -> Self {
         Self { font: FontRef::try_from_slice(FONT_FILE).expect("the font of the figures is valid") }
     }
 
-    /// Draws a text of a size at a place in pixels; `near` is its inverse distance from the eye.
+    /// Draws a text of a size at a position in pixels; `near` is its inverse distance from the eye.
     pub fn draw(
         &self,
         text: &str,

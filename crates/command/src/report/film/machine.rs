@@ -1,31 +1,32 @@
-//! The machine in a picture: bodies, lifting surfaces, wake, joints, gauges, masses, paths, arrows, as the page shows them by default.
+//! The machine in a picture: bodies, lifting surfaces, wake, joints, gauges, masses, paths and arrows, as the page shows them by
+//! default.
 
 use super::colours::{self, Rgb, share, tint};
 use super::drawing::{Drawing, Face, Line, Vertex};
 use super::solids;
 use crate::report::film::run::{Body, Extents, Hinge, Run, Section, State, Vector};
 
-/// Opacities of the lattice's lines and the wake.
+/// Opacities of the lattice lines and of the wake.
 const LATTICE: f32 = 0.55;
 const WAKE: f32 = 0.62;
-/// Maximum number of pieces of a path.
+/// Maximum number of segments of a path.
 const PATH: usize = 400;
-/// Strains up to which there is none to paint: round-off.
+/// Magnitude up to which strains are round-off and are not coloured.
 const NO_STRAIN: f64 = 1e-7;
 
-/// Ends of the scales over the run, and the sizes of marks.
+/// Limits of the colour scales over the run, and reference sizes of symbols.
 #[derive(Debug)]
 pub(super) struct Measures {
     /// Size of the machine at the start in m.
     pub width_m: f64,
     /// Largest magnitude of the longitudinal strain.
     pub strain: f64,
-    /// Largest magnitude of circulation in m²/s; 0 without.
+    /// Largest magnitude of circulation in m²/s; 0 without a lattice.
     pub circulation_m2_s: f64,
     /// Largest magnitude of gravity in m/s² and of the wind in m/s.
     gravity_m_s2: f64,
     wind_m_s: f64,
-    /// Places of the outer ends of the bodies in every frame.
+    /// Positions of the outer ends of the bodies in every frame.
     paths: Vec<Vec<Vector>>,
 }
 
@@ -63,7 +64,7 @@ impl Measures {
         }
     }
 
-    /// There are strains to paint.
+    /// Returns whether there are strains to colour.
     pub fn has_strain(&self, run: &Run) -> bool {
         self.strain > NO_STRAIN && run.about.bodies.iter().any(|body| !body.rigid)
     }
@@ -73,7 +74,7 @@ impl Measures {
     }
 }
 
-/// Draws the machine at a state.
+/// Draws the machine in a state.
 pub(super) fn draw(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     for (b, body) in run.about.bodies.iter().enumerate() {
         if !body.rigid {
@@ -94,7 +95,7 @@ pub(super) fn draw(run: &Run, measures: &Measures, state: &State<'_>, into: &mut
     draw_arrows(run, measures, state, into);
 }
 
-/// Points around a section with their outward directions: corners of a rectangle stand twice, an ellipse is round.
+/// Points around a section with their outward normals: corners of a rectangle appear twice, an ellipse is smooth.
 fn ring(rim: &[[f64; 2]]) -> Vec<([f64; 2], [f64; 2])> {
     let unit = |[y, z]: [f64; 2]| {
         let length = y.hypot(z);
@@ -116,7 +117,7 @@ fn ring(rim: &[[f64; 2]]) -> Vec<([f64; 2], [f64; 2])> {
     (0..24).map(around).collect()
 }
 
-/// A closed surface around the sections, coloured by the strain.
+/// Draws a closed surface around the sections, coloured by the strain.
 fn draw_body(body: &Body, index: usize, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     let sections: Vec<Section> = (0..body.rims.len()).map(|i| state.section(index, i)).collect();
     let vertex = |section: &Section, point: [f64; 2], normal: Vector| {
@@ -198,7 +199,7 @@ fn draw_wake(measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     }
 }
 
-/// Half length and radius of the symbol at the inner end of a body: from its section, within what the eye finds.
+/// Half length and radius of the symbol at the inner end of a body, derived from its section within limits of visibility.
 fn mark_size(run: &Run, body: usize, width_m: f64) -> [f64; 2] {
     let rim = &run.about.bodies[body].rims[0];
     let [wide, high] = [0, 1].map(|i| rim.iter().map(|point| point[i].abs()).fold(0.0, f64::max));
@@ -223,12 +224,12 @@ fn draw_hinge(run: &Run, hinge: &Hinge, width_m: f64, state: &State<'_>, into: &
     }
 }
 
-/// Masses, and lines from axes to parts with an offset.
+/// Draws masses, and lines from the axes to parts with an offset.
 fn draw_links(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     let mut links = Vec::new();
     for mass in &run.about.masses {
         let ends = state.mass(mass);
-        // as a ball of steel, within what the eye finds
+        // as a steel ball, within limits of visibility
         let ball_m = (mass.kg / (7800.0 * 4.19)).cbrt();
         let radius = ball_m.min(0.03 * measures.width_m).max(0.006 * measures.width_m);
         solids::sphere(&mut into.faces, ends[1], radius, colours::MASS);
@@ -245,7 +246,7 @@ fn draw_links(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Draw
     into.lines.extend(links.into_iter().map(line));
 }
 
-/// Dashed paths of the outer ends up to now.
+/// Draws dashed paths of the outer ends up to the present time.
 fn draw_paths(measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     let (dash, gap) = (0.012 * measures.width_m, 0.009 * measures.width_m);
     let until = state.frame();
@@ -277,7 +278,8 @@ fn draw_paths(measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     }
 }
 
-/// Gravity at the machine's middle, wind at the middle of every body; the longest is a fifth of the machine.
+/// Draws arrows of gravity at the middle of the machine and of the wind at the middle of every body; the longest is a fifth of the
+/// machine's size.
 fn draw_arrows(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     let width_m = measures.width_m;
     let mut arrow = |at: Vector, value: Vector, most: f64, upstream: bool, rgb: Rgb| {

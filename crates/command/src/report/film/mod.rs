@@ -31,13 +31,14 @@ use run::{Extents, Run, State};
 use stage::Stage;
 use std::sync::{Mutex, PoisonError};
 
-/// Playback speeds from which the default is chosen, as in the page.
+/// Playback speeds among which the default is chosen, as on the page.
 const SPEEDS: [f64; 14] = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
-/// Length of a film in s near which the default speed keeps it.
+/// Approximate length of a film in s at the default speed.
 const LENGTH_S: f64 = 8.0;
 /// Maximum number of pictures of a film.
 pub const MAXIMUM_PICTURES: usize = 36_000;
-/// Shorter side of a picture in units of width, in which letters and lines have the sizes of the page.
+/// Length of the shorter side of a picture in the units of widths, with which text and lines have the sizes of the
+/// page.
 const UNITS: f64 = 640.0;
 
 /// Settings of a film.
@@ -49,15 +50,15 @@ pub struct Options {
     pub pictures_per_s: f64,
     /// Seconds of the run per second of the film; `None` for the default.
     pub speed: Option<f64>,
-    /// Direction from which the machine is seen.
+    /// Viewing direction.
     pub view: View,
-    /// The camera goes along with the machine; `None` if the machine flies.
+    /// Whether the camera moves with the machine; `None` follows a flying machine only.
     pub follows: Option<bool>,
-    /// First and last time in s; `None` for those of the run.
+    /// First and last time in s; `None` takes the limits of the run.
     pub span_s: [Option<f64>; 2],
 }
 
-/// A film of a run: pictures at equal intervals.
+/// Film of a run, with pictures at equal time intervals.
 pub struct Film {
     run: Run,
     measures: Measures,
@@ -65,36 +66,36 @@ pub struct Film {
     motion: Motion,
     letters: Letters,
     size: [u32; 2],
-    /// Memory of pictures that are finished, for the next ones.
+    /// Buffers of finished pictures, reused for the next ones.
     rasters: Mutex<Vec<Raster>>,
     /// Times of the pictures in s.
     pub times_s: Vec<f64>,
     /// Seconds of the run per second of the film.
     pub speed: f64,
-    /// The camera goes along with the machine.
+    /// Whether the camera moves with the machine.
     pub follows: bool,
 }
 
-/// The default playback speed: the run takes about eight seconds.
+/// Returns the default playback speed, at which the film takes about eight seconds.
 pub fn default_speed(duration_s: f64) -> f64 {
     let off = |speed: &f64| (speed / (duration_s / LENGTH_S)).ln().abs();
     SPEEDS.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0)
 }
 
-/// Number of pictures of a span of a run.
+/// Number of pictures for a time span of a run.
 pub fn picture_count(duration_s: f64, pictures_per_s: f64, speed: f64) -> f64 {
     (duration_s / speed * pictures_per_s - 1e-6).ceil().max(0.0) + 1.0
 }
 
 impl Film {
-    /// A film of a run.
+    /// Creates a film of a run.
     ///
     /// # Errors
-    /// Data that are damaged, a span outside the run, too many pictures: with the cure.
+    /// Damaged data, a time span outside the run, or too many pictures; the message states the remedy.
     pub fn new(packed: &PackedRun, options: &Options) -> Result<Self, String> {
         let run = Run::read(packed)?;
         let [first_s, last_s] = run.span_s();
-        // single precision of the recorded times
+        // the recorded times are in single precision
         let slack_s = 1e-6 * (first_s.abs().max(last_s.abs()));
         let [from_s, to_s] = [options.span_s[0].unwrap_or(first_s), options.span_s[1].unwrap_or(last_s)];
         for (option, time_s) in [("--from", from_s), ("--to", to_s)] {
@@ -124,7 +125,7 @@ impl Film {
         Ok(Self { run, measures, stage, motion, letters, size, rasters, times_s, speed, follows })
     }
 
-    /// Draws a picture: red, green and blue per pixel, row by row.
+    /// Draws a picture, returned as red, green and blue per pixel, row by row.
     pub fn picture(&self, index: usize) -> Vec<u8> {
         let time_s = self.times_s[index];
         self.drawn(&self.run.at(time_s), time_s)

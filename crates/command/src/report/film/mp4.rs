@@ -1,21 +1,21 @@
-//! MP4 files (ISO/IEC 14496-12 and 14496-15) with one track of H.264, its index before the pictures.
+//! MP4 files (ISO/IEC 14496-12 and 14496-15) with one H.264 track and the index before the pictures.
 
 use super::h264::Encoder;
 
-/// Seconds after which a picture stands alone, so that players can jump there.
+/// Interval in s of key frames, to which players can seek.
 const INTERVAL_S: f64 = 4.0;
-/// Units of time per picture.
+/// Time units per picture.
 const TICKS: u32 = 1000;
 
-/// A film as MP4.
+/// Film as MP4.
 pub struct Mp4 {
     encoder: Encoder,
     size: [u32; 2],
-    /// Units of time per second.
+    /// Time units per second.
     timescale: u32,
     /// Sizes of the pictures in bytes.
     sizes: Vec<u32>,
-    /// Numbers of pictures that stand alone, from 1.
+    /// Numbers of the key frames, starting at 1.
     alone: Vec<u32>,
     data: Vec<u8>,
 }
@@ -26,14 +26,14 @@ impl Mp4 {
     /// Text near the beginning of a file.
     pub const MARK: &[u8] = b"made by foldwing";
 
-    /// A film of pictures of an even width and height.
+    /// Creates a film with pictures of even width and height.
     pub fn new(size: [u32; 2], pictures_per_s: f64) -> Self {
         let encoder = Encoder::new(size, (INTERVAL_S * pictures_per_s).ceil() as u32);
         let timescale = (pictures_per_s * f64::from(TICKS)).round() as u32;
         Self { encoder, size, timescale, sizes: Vec::new(), alone: Vec::new(), data: Vec::new() }
     }
 
-    /// Appends a picture: red, green and blue per pixel, row by row.
+    /// Appends a picture, given as red, green and blue per pixel, row by row.
     pub fn add(&mut self, pixels: &[u8]) {
         let encoded = self.encoder.encode(pixels);
         self.sizes.push(encoded.bytes.len() as u32);
@@ -43,7 +43,7 @@ impl Mp4 {
         self.data.extend(encoded.bytes);
     }
 
-    /// The file.
+    /// Returns the finished file.
     pub fn finish(self) -> Vec<u8> {
         let mut file = boxed(b"ftyp", &[b"isom", &0x200_u32.to_be_bytes(), b"isom", b"avc1", b"mp41"]);
         file.extend(boxed(b"free", &[Self::MARK]));
@@ -54,7 +54,7 @@ impl Mp4 {
         file
     }
 
-    /// The index of a file whose pictures start at a byte.
+    /// Index of a file whose picture data start at the byte `data_at`.
     fn index(&self, data_at: u32) -> Vec<u8> {
         let count = self.sizes.len() as u32;
         let duration = count * TICKS;
@@ -63,7 +63,7 @@ impl Mp4 {
         let movie = [movie, words(&[0, 0, 0, 0, 0, 0, 2])].concat();
         let sides = self.size.map(|length| length << 16);
         let track = [words(&[3, 0, 0, 1, 0, duration, 0, 0, 0, 0]), matrix, words(&sides)].concat();
-        let media = words(&[0, 0, 0, self.timescale, duration, 0x55c4_0000]); // language: none
+        let media = words(&[0, 0, 0, self.timescale, duration, 0x55c4_0000]); // undefined language
         let handler = [words(&[0, 0]), b"vide".to_vec(), words(&[0, 0, 0]), b"film\0".to_vec()].concat();
         let reference = boxed(b"dref", &[&words(&[0, 1]), &boxed(b"url ", &[&words(&[1])])]);
         let samples = self.samples(data_at);
@@ -76,7 +76,7 @@ impl Mp4 {
         boxed(b"moov", &[&boxed(b"mvhd", &[&movie]), &track])
     }
 
-    /// Tables of the pictures: format, times, sizes, places.
+    /// Tables of the pictures: format, times, sizes, file offsets.
     fn samples(&self, data_at: u32) -> Vec<u8> {
         let count = self.sizes.len() as u32;
         let (sequence, parameters) = (self.encoder.sequence(), self.encoder.parameters());
@@ -128,7 +128,7 @@ fn words(values: &[u32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_be_bytes()).collect()
 }
 
-/// A box: its length, its kind, its parts.
+/// A box of the format: its length, type and parts.
 fn boxed(kind: &[u8; 4], parts: &[&[u8]]) -> Vec<u8> {
     let length = 8 + parts.iter().map(|part| part.len()).sum::<usize>();
     let mut whole = (length as u32).to_be_bytes().to_vec();

@@ -1,14 +1,14 @@
-//! Triangles, lines and letters to pixels: four samples per pixel, each with its own depth.
+//! Rasteriser of triangles, lines and text: four samples per pixel, each with a separate depth.
 //!
-//! Depth is the inverse of the distance from the eye's plane, which is linear over the picture. A face covers another only if it is nearer
-//! by more than round-off, so that of two faces in one plane the first drawn stays: nothing flickers.
+//! Depth is the inverse of the distance from the plane of the eye, which is linear over the picture. A face covers another one only if it
+//! is nearer by more than round-off, so that of two coplanar faces the one drawn first remains visible, without flicker.
 
-/// Positions of the samples in a pixel: each in a row and a column of its own.
+/// Positions of the samples in a pixel, each in a different row and column.
 const SAMPLES: [[f64; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
-/// Relative difference of inverse distances up to which two faces are in one plane.
+/// Relative difference of inverse distances up to which two faces count as coplanar.
 const SAME_PLANE: f32 = 2e-6;
 
-/// A corner of a triangle: pixels, inverse distance in 1/m, colour from 0 to 1.
+/// Vertex of a triangle: position in pixels, inverse distance in 1/m, colour from 0 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Corner {
     pub x: f64,
@@ -17,14 +17,14 @@ pub(super) struct Corner {
     pub rgb: [f32; 3],
 }
 
-/// Combination of a triangle with the pixels behind it.
+/// How a triangle is combined with the pixels behind it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Ink {
-    /// Covers it.
+    /// Covers them.
     Solid,
-    /// Lies over it with this opacity, from 0 to 1; does not cover what is drawn later.
+    /// Is blended with this opacity, from 0 to 1; does not cover what is drawn later.
     Glass(f32),
-    /// The same with this opacity, at most once per picture.
+    /// Is blended with this opacity, at most once per picture.
     Shadow(f32),
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Raster {
     in_shadow: Vec<u8>,
 }
 
-/// A plane over the picture.
+/// Linear function of the position in the picture.
 #[derive(Clone, Copy)]
 struct Plane {
     at_origin: f64,
@@ -59,7 +59,7 @@ impl Plane {
     }
 }
 
-/// Edge function of a triangle: not negative inside; exactly opposite for the triangle on the other side.
+/// Edge function of a triangle: not negative inside; exactly opposite for the triangle on the other side of the edge.
 #[derive(Clone, Copy)]
 struct Edge(Plane);
 
@@ -68,7 +68,7 @@ impl Edge {
         Self(Plane { at_origin: a.x * b.y - b.x * a.y, by_x: a.y - b.y, by_y: b.x - a.x })
     }
 
-    /// Narrows a span of x at a row of pixels to where a sample may be inside.
+    /// Narrows an interval of x in a row of pixels to where a sample may be inside.
     fn narrow(&self, row: f64, [from, to]: [f64; 2]) -> [f64; 2] {
         let Plane { at_origin, by_x, by_y } = self.0;
         // the largest value in the row
@@ -100,21 +100,21 @@ fn over(below: u32, rgb: [f32; 3], opacity: f32) -> u32 {
 }
 
 impl Raster {
-    /// Memory for a picture.
+    /// Allocates a picture.
     pub fn new([width, height]: [u32; 2]) -> Self {
         let (width, height) = (width as usize, height as usize);
         let count = width * height;
         Self { width, height, depth: vec![[0.0; 4]; count], colour: vec![[0; 4]; count], in_shadow: vec![0; count] }
     }
 
-    /// Empties the picture.
+    /// Fills the picture with the background colour.
     pub fn clear(&mut self, background: [f32; 3]) {
         self.depth.fill([0.0; 4]);
         self.colour.fill([packed(background); 4]);
         self.in_shadow.fill(0);
     }
 
-    /// Draws a triangle; corners that are not finite draw nothing.
+    /// Draws a triangle; one with vertices that are not finite is omitted.
     pub fn triangle(&mut self, corners: [Corner; 3], ink: Ink) {
         let [a, b, c] = corners;
         let twice_area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
@@ -167,7 +167,7 @@ impl Raster {
             && seen == [true; 4]
             && colour.iter().all(|other| *other == colour[0])
         {
-            *colour = [over(colour[0], rgb, opacity); 4]; // the same four times
+            *colour = [over(colour[0], rgb, opacity); 4]; // all four samples have the same colour
             return;
         }
         for sample in (0..4).filter(|sample| seen[*sample]) {
@@ -188,7 +188,7 @@ impl Raster {
         }
     }
 
-    /// Draws a line of a width in pixels.
+    /// Draws a line with a width in pixels.
     pub fn line(&mut self, [a, b]: [Corner; 2], width: f64, ink: Ink) {
         let (dx, dy) = (b.x - a.x, b.y - a.y);
         let length = dx.hypot(dy);
@@ -202,7 +202,7 @@ impl Raster {
         self.triangle([off(a, -1.0), off(b, 1.0), off(a, 1.0)], ink);
     }
 
-    /// Mixes a colour into a pixel; `near` is the inverse distance of what is drawn, infinite in front of everything.
+    /// Blends a colour into a pixel; `near` is the inverse distance of what is drawn, infinite if it is in front of everything.
     pub fn dot(&mut self, [x, y]: [i64; 2], near: f64, rgb: [f32; 3], opacity: f32) {
         let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return };
         if x < self.width && y < self.height {
@@ -210,7 +210,7 @@ impl Raster {
         }
     }
 
-    /// The picture: red, green and blue per pixel, row by row.
+    /// Returns the picture as red, green and blue per pixel, row by row.
     pub fn pixels(&self) -> Vec<u8> {
         let mut pixels = Vec::with_capacity(3 * self.colour.len());
         for samples in &self.colour {

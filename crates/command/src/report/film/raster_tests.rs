@@ -17,12 +17,12 @@ fn pixel(raster: &Raster, x: usize, y: usize) -> [u8; 3] {
     raster.pixels()[first..first + 3].try_into().unwrap()
 }
 
-/// The nearer face covers, in any order of drawing; the inverse distance is interpolated over a sloping face.
+/// The nearer face covers the other, in any drawing order; the inverse distance is interpolated over a sloping face.
 #[test]
 fn nearer_faces_cover() {
     let (red, blue) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
     let flat = [corner(0.0, 0.0, 0.5, red), corner(64.0, 0.0, 0.5, red), corner(32.0, 48.0, 0.5, red)];
-    // from far at the left to near at the right: 0.5 at x = 32
+    // from far on the left to near on the right: 0.5 at x = 32
     let sloping = [corner(0.0, 0.0, 0.25, blue), corner(64.0, 0.0, 0.75, blue), corner(32.0, 48.0, 0.5, blue)];
     for order in [[flat, sloping], [sloping, flat]] {
         let mut raster = empty();
@@ -34,7 +34,7 @@ fn nearer_faces_cover() {
     }
 }
 
-/// Of two faces in one plane, also with round-off and turned the other way round, the first drawn stays everywhere.
+/// Of two coplanar faces, also with round-off and with opposite orientation, the one drawn first is visible everywhere.
 #[test]
 fn faces_in_one_plane_do_not_mix() {
     let near = |x: f64, y: f64| 0.3 + 0.001 * x + 0.002 * y;
@@ -48,7 +48,8 @@ fn faces_in_one_plane_do_not_mix() {
     assert_eq!(pixel(&raster, 30, 20), [255, 0, 0]);
 }
 
-/// Two triangles of a square cover each sample once; partly covered pixels have the area that is covered, within a quarter for each.
+/// Two triangles that form a square cover each sample once; the covered area of pixels at the edges is correct within a quarter
+/// each.
 #[test]
 fn coverage_is_the_area() {
     let white = [1.0; 3];
@@ -61,12 +62,12 @@ fn coverage_is_the_area() {
     assert!(red.iter().all(|share| *share <= 1.0), "a sample is covered twice");
     let twice = |a: Corner, b: Corner| a.x * b.y - b.x * a.y;
     let area = 0.5 * (twice(a, b) + twice(b, c) + twice(c, d) + twice(d, a));
-    // 150 pixels on the edges, each off by less than a quarter, in both directions
+    // 150 pixels on the edges, each with an error below a quarter, of either sign
     let off = red.iter().sum::<f64>() - area;
     assert!(off.abs() < 150.0_f64.sqrt(), "{off} of {area}");
 }
 
-/// A shadow darkens once, and only what is behind it in depth; corners that are not numbers draw nothing.
+/// A shadow darkens a pixel once, and only if its surface is behind the shadow in depth; triangles with NaN vertices are omitted.
 #[test]
 fn shadows_darken_once() {
     let mut raster = Raster::new(SIZE);

@@ -1,4 +1,5 @@
-//! A run as the page has it, read for pictures: the numbers of `packed.rs` with names, states between frames, extents.
+//! Run read from the data of the page (`packed.rs`) for pictures: named quantities, interpolated states between frames,
+//! extents.
 
 use crate::report::viewer::PackedRun;
 use base64::Engine;
@@ -7,12 +8,12 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-/// A point or vector in m, root frame.
+/// Point or vector in m in the root frame.
 pub(super) type Vector = Vector3<f64>;
 
-/// Numbers of a section: position, axes y and z, velocity, four strain measures.
+/// Number of values of a section: position, axes y and z, velocity, four strain measures.
 const PER_SECTION: usize = 16;
-/// Numbers of a load station.
+/// Number of values of a load station.
 const PER_STATION: usize = 12;
 
 /// Parts of the machine that are constant during the run.
@@ -77,7 +78,7 @@ pub(super) struct Surface {
     pub panels: usize,
 }
 
-/// Places of the parts of a frame in its numbers.
+/// Offsets of the parts of a frame in its array of numbers.
 #[derive(Debug)]
 struct Layout {
     latched: usize,
@@ -91,7 +92,7 @@ struct Layout {
     length: usize,
 }
 
-/// A run.
+/// Run with its frames.
 #[derive(Debug)]
 pub(super) struct Run {
     pub about: About,
@@ -99,14 +100,14 @@ pub(super) struct Run {
     layout: Layout,
 }
 
-/// State of the machine at one time: between two frames all numbers are interpolated, except latches and the wake.
+/// State of the machine at one time. Between two frames all quantities are interpolated, except latches and the wake.
 pub(super) struct State<'r> {
     run: &'r Run,
     present: Vec<f64>,
     frame: usize,
 }
 
-/// A section of a body: its point on the axis, its axes y and z, the strain measures `(γ, κx, κy, κz)`.
+/// Section of a body: its point on the body axis, its axes y and z, and the strain measures `(γ, κx, κy, κz)`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Section {
     pub at: Vector,
@@ -115,7 +116,7 @@ pub(super) struct Section {
     pub measures: [f64; 4],
 }
 
-/// Wake of a surface: nodes in rows, and the circulation of the rings between them.
+/// Wake of a surface: nodes in rows, and the circulation of the vortex rings between them.
 pub(super) struct Wake<'r> {
     numbers: &'r [f32],
     pub rows: usize,
@@ -123,7 +124,7 @@ pub(super) struct Wake<'r> {
 }
 
 impl Section {
-    /// A point of the section.
+    /// Position of a point of the section.
     pub fn point(&self, [y, z]: [f64; 2]) -> Vector {
         self.at + y * self.y + z * self.z
     }
@@ -133,20 +134,20 @@ impl Section {
         self.measures[0] + z * self.measures[2] - y * self.measures[3]
     }
 
-    /// The axis x.
+    /// Axis x of the section.
     pub fn x(&self) -> Vector {
         self.y.cross(&self.z)
     }
 }
 
 impl Wake<'_> {
-    /// A node of the wake.
+    /// Position of a node of the wake.
     pub fn node(&self, row: usize, column: usize) -> Vector {
         let first = 3 * (row * self.columns + column);
         Vector::new(self.numbers[first].into(), self.numbers[first + 1].into(), self.numbers[first + 2].into())
     }
 
-    /// Circulation of a ring in m²/s.
+    /// Circulation of a vortex ring in m²/s.
     pub fn circulation(&self, row: usize, column: usize) -> f64 {
         let rings = 3 * (self.rows + 1) * self.columns;
         self.numbers[rings + row * (self.columns - 1) + column].into()
@@ -185,10 +186,10 @@ impl Layout {
 }
 
 impl Run {
-    /// Reads a run.
+    /// Reads a run from the data of a page.
     ///
     /// # Errors
-    /// Description and numbers do not fit each other.
+    /// The description and the numbers are inconsistent.
     pub fn read(packed: &PackedRun) -> Result<Self, String> {
         let torn = |what: &str| format!("the data of the page are damaged ({what}); write the page again");
         let about: About = serde_json::from_str(&packed.description).map_err(|error| torn(&error.to_string()))?;
@@ -201,7 +202,7 @@ impl Run {
         Ok(run)
     }
 
-    /// Everything that is read later exists.
+    /// Checks that all data that are read later exist.
     fn check(&self) -> Result<(), &'static str> {
         let about = &self.about;
         let even = |body: &Body| {
@@ -248,7 +249,7 @@ impl Run {
         self.about.begins.len()
     }
 
-    /// Time of a frame in s: the shortest decimal number that single precision represents, such as 0.4.
+    /// Time of a frame in s: the shortest decimal number with the same single-precision value, such as 0.4.
     fn time_of(&self, frame: usize) -> f64 {
         let recorded = self.numbers[self.about.begins[frame]];
         recorded.to_string().parse().unwrap_or_else(|_| recorded.into())
@@ -264,7 +265,7 @@ impl Run {
         self.between(frame, 0.0)
     }
 
-    /// State at a time; before the first and after the last frame, those.
+    /// State at a time; before the first and after the last frame, the state of that frame.
     pub fn at(&self, time_s: f64) -> State<'_> {
         let (mut low, mut high) = (0, self.count() - 1);
         if time_s <= self.time_of(low) || low == high {
@@ -295,13 +296,13 @@ impl Run {
         State { run: self, present, frame }
     }
 
-    /// Frames at equal intervals, the first and the last among them, at most `most`.
+    /// Frames at equal intervals, at most `most`, including the first and the last.
     pub fn sampled(&self, most: usize) -> impl Iterator<Item = State<'_>> {
         let (last, count) = (self.count() - 1, self.count().min(most.max(2)));
         (0..count).map(move |i| self.at_frame(last * i / (count - 1).max(1)))
     }
 
-    /// A body that is not carried by another leaves its place by half the machine's size.
+    /// Returns whether a body that is attached to no other moves by more than half the machine's size.
     pub fn flies_away(&self) -> bool {
         let (first, last) = (self.at_frame(0), self.at_frame(self.count() - 1));
         let extent = Extents::of(first.points().into_iter()).size();
@@ -310,7 +311,7 @@ impl Run {
     }
 }
 
-/// Numbers of a wake.
+/// Number of values of a wake.
 fn wake_size(rows: usize, columns: usize) -> usize {
     (3 * (rows + 1)).saturating_mul(columns).saturating_add(rows.saturating_mul(columns.saturating_sub(1)))
 }
@@ -320,7 +321,7 @@ impl State<'_> {
         Vector::new(self.present[place], self.present[place + 1], self.present[place + 2])
     }
 
-    /// A section of a body; axes have length 1 again.
+    /// Section of a body, with axes normalised again.
     pub fn section(&self, body: usize, index: usize) -> Section {
         let place = self.run.layout.bodies[body] + PER_SECTION * index;
         let unit = |axis: Vector| axis.try_normalize(0.0).unwrap_or(axis);
@@ -342,7 +343,7 @@ impl State<'_> {
         self.section(body, self.run.about.bodies[body].rims.len() - 1).at
     }
 
-    /// A point mass: the point on the body's axis, and the mass.
+    /// Point mass: its point on the body axis, and the position of the mass.
     pub fn mass(&self, mass: &Mass) -> [Vector; 2] {
         let places = &self.run.about.bodies[mass.body].places;
         let after = places.iter().position(|place| *place >= mass.place).unwrap_or(places.len() - 1).max(1);
@@ -360,23 +361,23 @@ impl State<'_> {
         [section.at, section.at + x * section.x() + y * section.y + z * section.z]
     }
 
-    /// Axis of a joint with one freedom, root frame.
+    /// Axis of a joint with one degree of freedom, in the root frame.
     pub fn axis(&self, hinge: &Hinge) -> Option<Vector> {
         let (section, [x, y, z]) = (self.section(hinge.body, 0), hinge.axis);
         (x * section.x() + y * section.y + z * section.z).try_normalize(1e-12)
     }
 
-    /// The latch of a joint with one freedom is closed.
+    /// Returns whether the latch of a joint with one degree of freedom is closed.
     pub fn latched(&self, freedom: usize) -> bool {
         self.present[self.run.layout.latched + freedom] > 0.5
     }
 
-    /// Corner of a strip: edge 0 leads, 1 trails.
+    /// Corner of a strip: edge 0 is the leading edge, 1 the trailing edge.
     pub fn corner(&self, surface: usize, column: usize, edge: usize) -> Vector {
         self.vector(self.run.layout.surfaces[surface] + 6 * column + 3 * edge)
     }
 
-    /// Circulation of a strip in m²/s, counted over all surfaces.
+    /// Circulation of a strip in m²/s; strips are numbered over all surfaces.
     pub fn circulation(&self, strip: usize) -> f64 {
         self.present[self.run.layout.strips + strip]
     }
@@ -386,12 +387,12 @@ impl State<'_> {
         self.vector(self.run.layout.gauges + 3 * gauge)
     }
 
-    /// Strain of a gauge.
+    /// Strain at a gauge.
     pub fn strain(&self, gauge: usize) -> f64 {
         self.present[self.run.layout.strains + gauge]
     }
 
-    /// Gravity minus the root's acceleration in m/s².
+    /// Gravity minus the acceleration of the root, in m/s².
     pub fn gravity_m_s2(&self) -> Vector {
         self.vector(self.run.layout.gravity)
     }
@@ -401,7 +402,7 @@ impl State<'_> {
         self.vector(self.run.layout.winds + 3 * body)
     }
 
-    /// Wakes of the frame at or before this time.
+    /// Wakes of the last frame at or before this time.
     pub fn wakes(&self) -> Vec<Wake<'_>> {
         let (about, numbers) = (&self.run.about, &self.run.numbers);
         let mut place = about.begins[self.frame] + self.run.layout.length;
@@ -413,12 +414,12 @@ impl State<'_> {
         about.wakes.iter().zip(&about.rows[self.frame]).map(|(columns, rows)| next(*columns, *rows)).collect()
     }
 
-    /// Number of the frame at or before this time.
+    /// Number of the last frame at or before this time.
     pub fn frame(&self) -> usize {
         self.frame
     }
 
-    /// Points of the machine: its rims, the corners of its surfaces, its masses.
+    /// Points of the machine: outlines of its sections, corners of its surfaces, masses.
     pub fn points(&self) -> Vec<Vector> {
         let about = &self.run.about;
         let mut points = Vec::new();
@@ -435,7 +436,7 @@ impl State<'_> {
         points
     }
 
-    /// Mean place of all sections.
+    /// Mean position of all sections.
     pub fn middle(&self) -> Vector {
         let sections = self.run.about.bodies.iter().enumerate();
         let places: Vec<Vector> =
@@ -444,7 +445,7 @@ impl State<'_> {
     }
 }
 
-/// A box around points.
+/// Box around points.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extents {
     pub least: Vector,
@@ -452,13 +453,13 @@ pub(super) struct Extents {
 }
 
 impl Extents {
-    /// The box around points.
+    /// Creates the box around points.
     pub fn of(points: impl Iterator<Item = Vector>) -> Self {
         let none = Self { least: Vector::repeat(f64::INFINITY), most: Vector::repeat(f64::NEG_INFINITY) };
         points.fold(none, |Self { least, most }, point| Self { least: least.inf(&point), most: most.sup(&point) })
     }
 
-    /// Diagonal in m.
+    /// Diagonal of the box in m.
     pub fn size(&self) -> f64 {
         let size = (self.most - self.least).norm();
         if size.is_finite() { size.max(1e-6) } else { 1.0 }

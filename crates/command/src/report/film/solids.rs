@@ -1,4 +1,4 @@
-//! Solids of marks: tubes and cones, spheres, rings.
+//! Solid symbols: tubes and cones, spheres, rings.
 
 use super::colours::Rgb;
 use super::drawing::{Face, Vertex};
@@ -12,7 +12,8 @@ fn across(axis: &Vector) -> [Vector; 2] {
     [first, axis.cross(&first)]
 }
 
-/// Adds the faces between neighbouring points of a net of `rows` by `columns`, closed around the columns.
+/// Adds the faces between neighbouring points of a grid of `rows` by `columns`, which is closed in the direction of the
+/// columns.
 fn net(into: &mut Vec<Face>, points: &[Vertex], rows: usize, columns: usize) {
     for row in 1..rows {
         for column in 0..columns {
@@ -25,7 +26,7 @@ fn net(into: &mut Vec<Face>, points: &[Vertex], rows: usize, columns: usize) {
     }
 }
 
-/// A tube with closed ends; with a second radius of zero, a cone.
+/// Adds a tube with closed ends; a cone if the second radius is zero.
 pub(super) fn tube(into: &mut Vec<Face>, ends: [Vector; 2], radii: [f64; 2], sides: usize, rgb: Rgb) {
     let Some(axis) = (ends[1] - ends[0]).try_normalize(0.0) else { return };
     let [u, v] = across(&axis);
@@ -49,7 +50,7 @@ pub(super) fn tube(into: &mut Vec<Face>, ends: [Vector; 2], radii: [f64; 2], sid
     }
 }
 
-/// A sphere.
+/// Adds a sphere.
 pub(super) fn sphere(into: &mut Vec<Face>, at: Vector, radius: f64, rgb: Rgb) {
     let (rows, columns) = (13, 20);
     let point = |row: usize, column: usize| {
@@ -62,7 +63,7 @@ pub(super) fn sphere(into: &mut Vec<Face>, at: Vector, radius: f64, rgb: Rgb) {
     net(into, &points, rows, columns);
 }
 
-/// A ring around an axis: radius of its middle line, and of its wire.
+/// Adds a ring around an axis; the radii are those of its centre line and of its cross section.
 pub(super) fn torus(into: &mut Vec<Face>, at: Vector, axis: Vector, radii: [f64; 2], rgb: Rgb) {
     let (rows, columns) = (25, 10);
     let [u, v] = across(&axis);

@@ -1,4 +1,4 @@
-//! Surroundings of the machine: a grid on the ground with its numbers, the axes of the root frame, title, clock, scales.
+//! Surroundings of the machine: a numbered grid on the ground, the axes of the root frame, title, clock, colour scales.
 
 use super::colours::{self, Rgb, Scale, tint};
 use super::drawing::{Drawing, Label, Line};
@@ -7,10 +7,10 @@ use super::raster::Raster;
 use crate::report::film::machine::Measures;
 use crate::report::film::run::{Extents, Run, Vector};
 
-/// Opacity of the field behind a scale.
+/// Opacity of the background of a colour scale.
 const FAINT_BEHIND: f32 = 0.82;
 
-/// Ground and axes, the same in all pictures of a film.
+/// Ground and axes, identical in all pictures of a film.
 #[derive(Debug)]
 pub(super) struct Stage {
     floor_m: f64,
@@ -20,7 +20,7 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    /// A grid below the machine with a round spacing, numbered in metres, and the axes of the root frame.
+    /// Creates a grid below the machine with a round spacing, numbered in metres, and the axes of the root frame.
     pub fn new(extents: Extents, width_m: f64) -> Self {
         let size = extents.size();
         let floor_m = extents.least.z - 0.06 * size;
@@ -57,7 +57,7 @@ impl Stage {
         stage
     }
 
-    /// Adds the stage to a picture.
+    /// Adds grid and axes to a picture.
     pub fn add(&self, into: &mut Drawing) {
         into.floor_m = Some(self.floor_m);
         into.grid.extend(&self.grid);
@@ -66,27 +66,28 @@ impl Stage {
     }
 }
 
-/// The least of 1, 2 and 5 times a power of ten that is not below a length.
+/// Rounds a length up to 1, 2 or 5 times a power of ten.
 fn rounded_up(length: f64) -> f64 {
     let power = 10.0_f64.powf(length.log10().floor());
     let steps = [1.0, 2.0, 5.0, 10.0];
     power * steps.into_iter().find(|step| step * power >= 0.999 * length).unwrap_or(10.0)
 }
 
-/// A number with a true minus sign, and none before a zero.
+/// Formats a number with a typographic minus sign, which is omitted for zero.
 pub(super) fn number(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     let is_zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
     if is_zero { text.replace('-', "") } else { text.replace('-', "\u{2212}") }
 }
 
-/// So many digits that the largest value has as many as asked for.
+/// Number of decimals with which the largest value has the wanted number of digits.
 fn digits_for(largest: f64, wanted: i32) -> usize {
     let largest = if largest > 0.0 { largest } else { 1.0 };
     usize::try_from((wanted - 1 - largest.log10().floor() as i32).clamp(0, 9)).unwrap_or(0)
 }
 
-/// Title with the clock at the top, scales of the painted fields at the bottom; `unit` is the number of pixels per unit.
+/// Creates the title with the clock at the top, and the colour scales at the bottom; `unit` is the number of pixels per
+/// unit.
 pub(super) fn lettering(run: &Run, measures: &Measures, time_s: f64, (size, unit): ([u32; 2], f64)) -> Overlay {
     let mut overlay = Overlay { texts: Vec::new(), bars: Vec::new(), unit };
     let title = format!("{}   t = {} s", run.about.name, number(time_s, 4));
@@ -113,14 +114,14 @@ pub(super) fn lettering(run: &Run, measures: &Measures, time_s: f64, (size, unit
     overlay
 }
 
-/// Texts and scales over the picture.
+/// Texts and colour scales drawn over the picture.
 pub(super) struct Overlay {
     texts: Vec<(String, [f64; 2], f64, Anchor)>,
     bars: Vec<Bar>,
     unit: f64,
 }
 
-/// The bar of a scale: upper left corner and size in units.
+/// Bar of a colour scale: upper left corner and size in units.
 struct Bar {
     at: [f64; 2],
     size: [f64; 2],
@@ -135,7 +136,7 @@ impl Overlay {
     /// Draws the overlay in front of everything.
     pub fn draw(&self, letters: &Letters, raster: &mut Raster) {
         for Bar { at: [left, top], size: [wide, _], .. } in &self.bars {
-            // as on the page, what is behind a scale is faint
+            // as on the page, the background of a scale is faint
             let [from, to] = [[left - 6.0, top - 24.0], [left + wide + 6.0, top + 31.0]]
                 .map(|corner| corner.map(|place| (place * self.unit).round() as i64));
             for y in from[1]..to[1] {

@@ -15,7 +15,7 @@ fn film(recording: &Recording, options: &Options) -> Film {
     Film::new(&PackedRun::for_film(recording), options).unwrap()
 }
 
-/// A picture without ground, paths and letters.
+/// Returns a picture without ground, paths and text.
 fn bare(film: &Film, index: usize) -> (Vec<u8>, Camera) {
     let state = film.run.at(film.times_s[index]);
     let mut drawing = Drawing::default();
@@ -28,7 +28,7 @@ fn bare(film: &Film, index: usize) -> (Vec<u8>, Camera) {
     (raster.pixels(), camera)
 }
 
-/// Leftmost, rightmost, uppermost, lowest pixel that is not background.
+/// Leftmost, rightmost, uppermost and lowest pixel that is not background.
 fn drawn_box(pixels: &[u8], [width, _]: [u32; 2]) -> [f64; 4] {
     let drawn = pixels.chunks(3).enumerate().filter(|(_, rgb)| **rgb != [255; 3]);
     let places = drawn.map(|(i, _)| (i % width as usize, i / width as usize));
@@ -39,8 +39,8 @@ fn drawn_box(pixels: &[u8], [width, _]: [u32; 2]) -> [f64; 4] {
     })
 }
 
-/// The ends of a wing are in the picture where the matrices of computer graphics project them, in each view and while it unfolds: within a
-/// pixel, which is partly covered.
+/// The ends of a wing are drawn where projection matrices of computer graphics place them, in each view and while it unfolds: within one
+/// pixel, since pixels at the edge are partly covered.
 #[test]
 fn ends_are_where_the_projection_puts_them() {
     let mut machine = shipped("folding_wing");
@@ -51,7 +51,7 @@ fn ends_are_where_the_projection_puts_them() {
     for view in [View::Iso, View::Front, View::Side, View::Top] {
         for size in [SIZE, [300, 420]] {
             let mut film = film(&recording, &Options { view, size, ..options() });
-            film.run.about.hinges.clear(); // their marks stand out of the thin wing
+            film.run.about.hinges.clear(); // the symbols of the hinges extend beyond the thin wing
             for index in [0, film.times_s.len() / 3, film.times_s.len() - 1] {
                 let (pixels, camera) = bare(&film, index);
                 let up = if view == View::Top { Vector::y() } else { Vector::z() };
@@ -81,7 +81,7 @@ fn ends_are_where_the_projection_puts_them() {
     }
 }
 
-/// A recording whose frames are the first one, moved by `change` with the number of the frame.
+/// Recording whose frames are copies of the first one, changed by `change` with the number of the frame.
 fn moved(mut recording: Recording, count: usize, change: impl Fn(&mut Frame, usize)) -> Recording {
     let first = recording.frames[0].clone();
     recording.frames = (0..count)
@@ -100,7 +100,7 @@ fn below_the_clock(pixels: &[u8]) -> &[u8] {
     &pixels[3 * SIZE[0] as usize * 30..]
 }
 
-/// Pictures of a machine at rest are the same bits, with the camera fixed or moving along, for any earlier content of the memory.
+/// Pictures of a machine that does not move are bit-identical, with a fixed or moving camera, whatever the buffer contained before.
 #[test]
 fn a_machine_at_rest_does_not_flicker() {
     for name in ["folding_wing", "folding_wing_in_tunnel", "flying_wing"] {
@@ -125,9 +125,10 @@ fn turned(frame: &mut Frame, angle_rad: f64) {
     frame.lattice.clear();
 }
 
-/// A machine that turns slowly changes at its edges only, by a part that goes with the angle from picture to picture. Faces that lie in or
-/// through each other, as lattice, body and latch do, would flicker over their area whatever the angle. At a 25th of the angle less than a
-/// tenth of the pixels changes by more than an eighth of the range, and at most 2 % of the machine's.
+/// The pictures of a slowly rotating machine change only at its edges, by an amount proportional to the rotation from picture to picture.
+/// Coplanar or intersecting faces, such as those of lattice, body and latch, might flicker over their area whatever the angle. At a 25th
+/// of the angle, the number of pixels that change by more than an eighth of the range is less than a tenth, and at most 2 % of those of
+/// the machine.
 #[test]
 fn slow_turns_change_pictures_smoothly() {
     for name in ["folding_wing_constant", "flared_wing_tip"] {
@@ -151,7 +152,7 @@ fn slow_turns_change_pictures_smoothly() {
     }
 }
 
-/// A film has the pictures of its length at its speed; the default speed makes it last about eight seconds.
+/// A film has the number of pictures for its duration at its speed; at the default speed it lasts about eight seconds.
 #[test]
 fn films_have_the_length_of_their_run() {
     let recording = recorded(shipped("folding_wing"), 400);
@@ -175,7 +176,7 @@ fn films_have_the_length_of_their_run() {
     }
 }
 
-/// A machine that flies is followed by default and stays in the picture; one that stands is framed with its whole motion.
+/// A flying machine is followed by default and stays in the picture; a fixed one is framed with its whole motion.
 #[test]
 fn flying_machines_are_followed() {
     let away = moved(recorded(shipped("flying_wing"), 1), 5, |frame, i| {
@@ -197,7 +198,7 @@ fn flying_machines_are_followed() {
     assert!(!film(&recorded(shipped("folding_wing"), 3), &options()).follows);
 }
 
-/// Damaged data are errors, never a panic: numbers that are missing, bodies that do not exist, times that go back.
+/// Damaged data are errors, never a panic: missing numbers, references to missing bodies, descending times.
 #[test]
 fn damaged_pages_are_refused() {
     let packed = PackedRun::for_film(&recorded(shipped("folding_wing_in_tunnel"), 3));

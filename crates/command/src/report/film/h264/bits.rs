@@ -1,4 +1,5 @@
-//! Bits of an H.264 stream: fixed lengths, Exp-Golomb codes (clause 9.1), units with emulation prevention (clause 7.4.1).
+//! Bits of an H.264 stream: fixed lengths, Exp-Golomb codes (clause 9.1), NAL units with emulation prevention (clause
+//! 7.4.1).
 
 /// A sequence of bits.
 #[derive(Debug, Default)]
@@ -9,7 +10,7 @@ pub(super) struct Bits {
 }
 
 impl Bits {
-    /// Appends the lowest `count` bits of a value, at most 32.
+    /// Appends the lowest `count` bits of a value; `count` is at most 32.
     pub fn put(&mut self, value: u32, count: u32) {
         debug_assert!(count <= 32 && (count == 32 || value >> count == 0));
         self.held = self.held << count | u64::from(value);
@@ -33,7 +34,8 @@ impl Bits {
         self.ue(code.unsigned_abs());
     }
 
-    /// The bits as a unit of a type: header, stop bit, no byte sequence that looks like the beginning of a unit.
+    /// Returns the bits as a NAL unit with a header and a stop bit; emulation prevention avoids byte sequences like the
+    /// start code of a unit.
     pub fn unit(mut self, header: u8) -> Vec<u8> {
         self.put(1, 1);
         let fill = (8 - self.count) % 8;

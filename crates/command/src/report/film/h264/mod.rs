@@ -1,7 +1,8 @@
-//! An encoder for the constrained baseline profile of H.264 (ITU-T H.264, 08/2021), which browsers, players and office programs decode.
+//! An encoder for the constrained baseline profile of H.264 (ITU-T H.264, 08/2021), which browsers, players and office programs can
+//! decode.
 //!
-//! Films of machines have still cameras and plain backgrounds: blocks of 16 × 16 pixels are kept from the picture before, corrected, or
-//! predicted from their neighbours. There is no search for motion, no filter, and one quantiser.
+//! Films of machines have static cameras and plain backgrounds. Macroblocks of 16 × 16 pixels are skipped, predicted from the previous
+//! picture, or predicted from their neighbours. There is no motion search, no deblocking filter, and one quantiser.
 
 mod bits;
 mod residual;
@@ -14,18 +15,18 @@ use transform::{
     restored,
 };
 
-/// Code numbers of the pattern of coded parts of a block that is predicted from another picture (table 9-4), in their order.
+/// Code numbers of the coded block pattern of an inter-predicted macroblock (table 9-4), in order.
 const PATTERNS: [u8; 48] = [
     0, 16, 1, 2, 4, 8, 32, 3, 5, 10, 12, 15, 47, 7, 11, 13, 14, 6, 9, 31, 35, 37, 42, 44, 33, 34, 36, 40, 39, 43, 45,
     46, 17, 18, 20, 24, 19, 21, 26, 28, 23, 27, 29, 30, 22, 25, 38, 41,
 ];
-/// Greatest numbers of blocks per picture of the levels (table A-1).
+/// Maximum number of macroblocks per picture for each level (table A-1).
 const LEVELS: [(usize, u8); 7] =
     [(1_620, 30), (3_600, 31), (5_120, 32), (8_192, 40), (8_704, 42), (22_080, 50), (36_864, 52)];
-/// Advantage in absolute differences of a prediction from the picture before, which needs no mode.
+/// Advantage, in the sum of absolute differences, of a prediction from the previous picture, which needs no mode.
 const BEFORE: i32 = 64;
 
-/// A plane of samples, whole blocks wide and high.
+/// Plane of samples whose width and height are multiples of the macroblock size.
 #[derive(Debug, Clone, PartialEq)]
 struct Plane {
     width: usize,
@@ -45,7 +46,7 @@ impl Plane {
         self.samples[y * self.width + x] = value.clamp(0, 255) as u8;
     }
 
-    /// Both planes are the same in a square.
+    /// Returns whether both planes are equal in a square.
     fn agrees(&self, other: &Self, [x, y]: [usize; 2], side: usize) -> bool {
         (y..y + side).all(|row| {
             let part = row * self.width + x..row * self.width + x + side;
@@ -54,42 +55,42 @@ impl Plane {
     }
 }
 
-/// Luminance and two chrominances.
+/// Luma and two chroma planes.
 type Picture = [Plane; 3];
 
-/// Levels of a block of 16 × 16 pixels.
+/// Quantised levels of a macroblock.
 struct Coded {
     luma: [Block; 16],
-    /// Constant parts of luminance in a block predicted from its neighbours.
+    /// DC coefficients of luma in an intra-predicted macroblock.
     constants: Option<Block>,
     chroma_constants: [[i32; 4]; 2],
     chroma: [[Block; 4]; 2],
 }
 
-/// The encoder of a film.
+/// Encoder of a film.
 pub(super) struct Encoder {
     size: [u32; 2],
-    /// Blocks in a row and rows of blocks.
+    /// Number of columns and rows of macroblocks.
     blocks: [usize; 2],
     restored: Picture,
     before: Option<Picture>,
-    /// Numbers of coefficients per 4 × 4 block of the planes.
+    /// Number of coefficients of each 4 × 4 block of the planes.
     counts: [Vec<u8>; 3],
     pictures: u32,
-    /// Pictures from one that stands alone to the next.
+    /// Number of pictures from one key frame to the next.
     interval: u32,
 }
 
-/// An encoded picture.
+/// Encoded picture.
 pub(super) struct Encoded {
-    /// The unit with its length before it.
+    /// NAL unit, preceded by its length.
     pub bytes: Vec<u8>,
-    /// It needs no other picture.
+    /// Whether it is a key frame, which can be decoded without other pictures.
     pub stands_alone: bool,
 }
 
 impl Encoder {
-    /// An encoder of pictures of an even width and height, of which every `interval`-th stands alone.
+    /// Creates an encoder of pictures with even width and height; every `interval`-th is a key frame.
     pub fn new(size: [u32; 2], interval: u32) -> Self {
         let [wide, high] = size.map(|length| length.div_ceil(16) as usize);
         let planes = [Plane::new(16 * wide, 16 * high), Plane::new(8 * wide, 8 * high), Plane::new(8 * wide, 8 * high)];
@@ -98,43 +99,43 @@ impl Encoder {
         Self { size, blocks: [wide, high], restored: planes, before: None, counts, pictures: 0, interval }
     }
 
-    /// Number of the level, ten times.
+    /// Ten times the number of the H.264 level.
     fn level(&self) -> u8 {
         let count = self.blocks[0] * self.blocks[1];
         LEVELS.into_iter().find(|(most, _)| count <= *most).map_or(52, |(_, level)| level)
     }
 
-    /// Sequence parameters: profile, size, colours after BT.709.
+    /// Sequence parameter set: profile, size, colours according to BT.709.
     pub fn sequence(&self) -> Vec<u8> {
         let mut bits = Bits::default();
-        bits.put(66, 8); // baseline
-        bits.put(0xc0, 8); // and constrained
+        bits.put(66, 8); // baseline profile
+        bits.put(0xc0, 8); // constrained baseline profile
         bits.put(self.level().into(), 8);
         for value in [0, 0, 2, 1] {
-            bits.ue(value); // identifier, 16 picture numbers, output in the order of decoding, one reference
+            bits.ue(value); // identifier, frame numbers modulo 16, output in decoding order, one reference picture
         }
         bits.put(0, 1);
         self.blocks.iter().for_each(|count| bits.ue(*count as u32 - 1));
-        bits.put(0b11, 2); // whole pictures
+        bits.put(0b11, 2); // frames only, no fields
         let cut = [0, 1].map(|i| (16 * self.blocks[i] as u32 - self.size[i]) / 2);
         bits.put(u32::from(cut != [0, 0]), 1);
         if cut != [0, 0] {
             [0, cut[0], 0, cut[1]].into_iter().for_each(|side| bits.ue(side));
         }
         bits.put(1, 1);
-        bits.put(0b001, 3); // no aspect ratio, no overscan, a video signal:
+        bits.put(0b001, 3); // no aspect ratio, no overscan, a video signal type:
         bits.put(5, 3);
         bits.put(0b01, 2);
         [1, 1, 1].into_iter().for_each(|of| bits.put(of, 8));
-        bits.put(0b0_0000, 5); // no places of chrominance, no timing, no buffers, no structure of pictures
-        bits.put(0b11, 2); // restrictions: motion over the edge is allowed
+        bits.put(0b0_0000, 5); // no chroma sample location, no timing, no buffer parameters, no picture structure
+        bits.put(0b11, 2); // restrictions: motion vectors may point outside the picture
         for value in [0, 0, 16, 16, 0, 1] {
             bits.ue(value);
         }
         bits.unit(0x67)
     }
 
-    /// Picture parameters: variable-length codes, the quantiser.
+    /// Picture parameter set: variable-length codes, the quantiser.
     pub fn parameters(&self) -> Vec<u8> {
         let mut bits = Bits::default();
         bits.ue(0);
@@ -145,11 +146,11 @@ impl Encoder {
         bits.se(QP - 26);
         bits.se(0);
         bits.se(0);
-        bits.put(0b100, 3); // the filter is switched per picture
+        bits.put(0b100, 3); // the deblocking filter is controlled per slice
         bits.unit(0x68)
     }
 
-    /// Encodes red, green and blue per pixel, row by row.
+    /// Encodes a picture given as red, green and blue per pixel, row by row.
     pub fn encode(&mut self, pixels: &[u8]) -> Encoded {
         let picture = self.planes(pixels);
         let number = self.pictures % self.interval;
@@ -163,10 +164,10 @@ impl Encoder {
             bits.ue(self.pictures / self.interval % 2);
             bits.put(0, 2);
         } else {
-            bits.put(0, 3); // one reference, in order, forgotten by age
+            bits.put(0, 3); // one reference picture, no reordering, sliding-window marking
         }
         bits.se(0);
-        bits.ue(1); // no filter
+        bits.ue(1); // no deblocking filter
         self.counts.iter_mut().for_each(|counts| counts.fill(0));
         let mut kept = 0;
         for row in 0..self.blocks[1] {
@@ -185,7 +186,7 @@ impl Encoder {
         Encoded { bytes, stands_alone }
     }
 
-    /// Planes of a picture after BT.709 in the range of video, with edges repeated to whole blocks.
+    /// Planes of a picture according to BT.709 with limited video range; edges are repeated to complete macroblocks.
     fn planes(&self, pixels: &[u8]) -> Picture {
         let [width, height] = self.size.map(|length| length as usize);
         let mut planes = self.restored.clone();
@@ -212,7 +213,7 @@ impl Encoder {
         planes
     }
 
-    /// Encodes a block of 16 × 16 pixels.
+    /// Encodes a macroblock.
     fn block(&mut self, at: [usize; 2], picture: &Picture, (alone, kept): (bool, &mut u32), bits: &mut Bits) {
         let [x, y] = at.map(|place| 16 * place);
         if !alone
@@ -223,7 +224,7 @@ impl Encoder {
             })
         {
             *kept += 1;
-            return; // the picture before stays here
+            return; // skipped: the previous picture is kept here
         }
         let (mode, predicted, apart) = self.best_of_neighbours(at, &picture[0]);
         let from_before = !alone && {
@@ -249,19 +250,19 @@ impl Encoder {
         }
         if from_before {
             bits.ue(0);
-            bits.put(0b11, 2); // no motion
+            bits.put(0b11, 2); // motion vector zero
             let pattern = (luma | chroma << 4) as u8;
             bits.ue(PATTERNS.iter().position(|other| *other == pattern).unwrap_or(0) as u32);
         } else {
             let offset = if alone { 0 } else { 5 };
             bits.ue(offset + 1 + mode + 4 * chroma + if luma > 0 { 12 } else { 0 });
-            bits.ue(0); // chrominance from its mean
+            bits.ue(0); // DC prediction of chroma
         }
-        bits.se(0); // the same quantiser
+        bits.se(0); // unchanged quantiser
         self.write(at, &coded, (luma, chroma), bits);
     }
 
-    /// The best of the predictions of luminance from above, from the left, from the mean: number, samples, absolute differences.
+    /// Best intra prediction of luma (vertical, horizontal or DC): number of the mode, samples, sum of absolute differences.
     fn best_of_neighbours(&self, at: [usize; 2], picture: &Plane) -> (u32, [i32; 256], i32) {
         let [x, y] = at.map(|place| 16 * place);
         let plane = &self.restored[0];
@@ -285,7 +286,7 @@ impl Encoder {
         judged.min_by_key(|(_, _, apart)| *apart).unwrap_or((2, [mean; 256], i32::MAX))
     }
 
-    /// Prediction of chrominance: from the picture before, or the mean of the neighbours of each 4 × 4 block (clause 8.3.4.1).
+    /// Prediction of chroma: from the previous picture, or DC prediction from the neighbours of each 4 × 4 block (clause 8.3.4.1).
     fn chroma_prediction(&self, at: [usize; 2], plane: usize, from_before: bool) -> [i32; 64] {
         let ([x, y], plane) = (at.map(|place| 8 * place), &self.restored[plane]);
         if from_before {
@@ -309,7 +310,7 @@ impl Encoder {
         std::array::from_fn(|i| means[i / 32][i % 8 / 4])
     }
 
-    /// Levels of the differences from a prediction; the restored picture is set.
+    /// Returns the quantised levels of the differences from a prediction, and stores the reconstructed picture.
     fn coded(
         &mut self,
         at: [usize; 2],
@@ -391,7 +392,7 @@ impl Encoder {
         }
     }
 
-    /// Appends the levels of a block.
+    /// Appends the levels of a macroblock.
     fn write(&mut self, at: [usize; 2], coded: &Coded, (luma, chroma): (u32, u32), bits: &mut Bits) {
         let first = at.map(|place| 4 * place);
         if let Some(constants) = &coded.constants {
@@ -399,7 +400,7 @@ impl Encoder {
             write(bits, &SCAN.map(|i| constants[i]), Neighbours::Count(around));
         }
         for (block, levels) in coded.luma.iter().enumerate() {
-            // a block predicted from its neighbours has all parts or none
+            // an intra-predicted macroblock has all parts of luma or none
             let written = if coded.constants.is_some() { luma > 0 } else { luma >> (block / 4) & 1 == 1 };
             if written {
                 let (right, down) = place_of(block);
@@ -429,12 +430,12 @@ impl Encoder {
         self.counts[plane][at[1] * width + at[0]] = write(bits, &scanned[from..], Neighbours::Count(around));
     }
 
-    /// 4 × 4 blocks in a row of a plane.
+    /// Number of 4 × 4 blocks in a row of a plane.
     fn width(&self, plane: usize) -> usize {
         self.blocks[0] * if plane == 0 { 4 } else { 2 }
     }
 
-    /// Mean number of coefficients in the 4 × 4 blocks at the left and above.
+    /// Mean number of coefficients in the 4 × 4 blocks on the left and above.
     fn around(&self, plane: usize, [x, y]: [usize; 2]) -> u32 {
         let (counts, width) = (&self.counts[plane], self.width(plane));
         let left = (x > 0).then(|| u32::from(counts[y * width + x - 1]));
@@ -447,7 +448,7 @@ impl Encoder {
     }
 }
 
-/// Column and row of a 4 × 4 block in its order.
+/// Column and row of a 4 × 4 block in coding order.
 fn place_of(block: usize) -> (usize, usize) {
     (block % 2 + 2 * (block / 4 % 2), block / 2 % 2 + 2 * (block / 8))
 }

@@ -1,8 +1,9 @@
-//! Coefficients of blocks as variable-length codes (ITU-T H.264, clause 9.2), with the tables of that clause.
+//! Variable-length coding of transform coefficients (ITU-T H.264, clause 9.2), with the tables of that clause.
 
 use super::bits::Bits;
 
-/// Lengths of `coeff_token` by `4 · count + trailing ones`, for few to many coefficients in the neighbourhood (table 9-5).
+/// Code lengths of `coeff_token`, indexed by `4 · count + trailing ones`, for few to many coefficients in the neighbouring
+/// blocks (table 9-5).
 #[rustfmt::skip]
 const TOKEN_LENGTHS: [[u8; 68]; 3] = [
     [
@@ -18,7 +19,7 @@ const TOKEN_LENGTHS: [[u8; 68]; 3] = [
         8, 8, 7, 6, 9, 8, 8, 7, 9, 9, 8, 8, 9, 9, 9, 8, 10, 9, 9, 9, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10,
     ],
 ];
-/// Bits of the same codes.
+/// Bits of these codes.
 #[rustfmt::skip]
 const TOKENS: [[u8; 68]; 3] = [
     [
@@ -34,11 +35,11 @@ const TOKENS: [[u8; 68]; 3] = [
         11, 14, 10, 12, 15, 10, 13, 12, 11, 14, 9, 12, 8, 10, 13, 8, 13, 7, 9, 12, 9, 12, 11, 10, 5, 8, 7, 6, 1, 4, 3, 2,
     ],
 ];
-/// The same for the constant parts of chrominance.
+/// Code lengths of `coeff_token` for the DC coefficients of chroma, and their bits.
 const CHROMA_TOKEN_LENGTHS: [u8; 20] = [2, 0, 0, 0, 6, 1, 0, 0, 6, 6, 3, 0, 6, 7, 7, 6, 6, 8, 8, 7];
 const CHROMA_TOKENS: [u8; 20] = [1, 0, 0, 0, 7, 1, 0, 0, 4, 6, 1, 0, 3, 3, 2, 5, 2, 3, 2, 0];
 
-/// Lengths of `total_zeros` by count − 1 and zeros (tables 9-7 and 9-8).
+/// Code lengths of `total_zeros`, indexed by count − 1 and number of zeros (tables 9-7 and 9-8).
 #[rustfmt::skip]
 const ZEROS_LENGTHS: [&[u8]; 15] = [
     &[1, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8, 9, 9, 9], &[3, 3, 3, 3, 3, 4, 4, 4, 4, 5, 5, 6, 6, 6, 6],
@@ -46,7 +47,7 @@ const ZEROS_LENGTHS: [&[u8]; 15] = [
     &[6, 5, 3, 3, 3, 3, 3, 3, 4, 3, 6], &[6, 5, 3, 3, 3, 2, 3, 4, 3, 6], &[6, 4, 5, 3, 2, 2, 3, 3, 6], &[6, 6, 4, 2, 2, 3, 2, 5],
     &[5, 5, 3, 2, 2, 2, 4], &[4, 4, 3, 3, 1, 3], &[4, 4, 2, 1, 3], &[3, 3, 1, 2], &[2, 2, 1], &[1, 1],
 ];
-/// Bits of the same codes.
+/// Bits of these codes.
 #[rustfmt::skip]
 const ZEROS: [&[u8]; 15] = [
     &[1, 3, 2, 3, 2, 3, 2, 3, 2, 3, 2, 3, 2, 3, 2, 1], &[7, 6, 5, 4, 3, 5, 4, 3, 2, 3, 2, 3, 2, 1, 0],
@@ -54,37 +55,37 @@ const ZEROS: [&[u8]; 15] = [
     &[1, 1, 7, 6, 5, 4, 3, 2, 1, 1, 0], &[1, 1, 5, 4, 3, 3, 2, 1, 1, 0], &[1, 1, 1, 3, 3, 2, 2, 1, 0], &[1, 0, 1, 3, 2, 1, 1, 1],
     &[1, 0, 1, 3, 2, 1, 1], &[0, 1, 1, 2, 1, 3], &[0, 1, 1, 1, 1], &[0, 1, 1, 1], &[0, 1, 1], &[0, 1],
 ];
-/// The same for the constant parts of chrominance (table 9-9).
+/// Code lengths of `total_zeros` for the DC coefficients of chroma (table 9-9), and their bits.
 const CHROMA_ZEROS_LENGTHS: [&[u8]; 3] = [&[1, 2, 3, 3], &[1, 2, 2], &[1, 1]];
 const CHROMA_ZEROS: [&[u8]; 3] = [&[1, 1, 1, 0], &[1, 1, 0], &[1, 0]];
 
-/// Lengths of `run_before` by zeros left − 1, at most 6, and run (table 9-10).
+/// Code lengths of `run_before`, indexed by remaining zeros − 1, at most 6, and run (table 9-10).
 #[rustfmt::skip]
 const RUN_LENGTHS: [&[u8]; 7] = [
     &[1, 1], &[1, 2, 2], &[2, 2, 2, 2], &[2, 2, 2, 3, 3], &[2, 2, 3, 3, 3, 3], &[2, 3, 3, 3, 3, 3, 3],
     &[3, 3, 3, 3, 3, 3, 3, 4, 5, 6, 7, 8, 9, 10, 11],
 ];
-/// Bits of the same codes.
+/// Bits of these codes.
 #[rustfmt::skip]
 const RUNS: [&[u8]; 7] = [
     &[1, 0], &[1, 1, 0], &[3, 2, 1, 0], &[3, 2, 1, 1, 0], &[3, 2, 3, 2, 1, 0], &[3, 0, 1, 3, 2, 5, 4],
     &[7, 6, 5, 4, 3, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1],
 ];
 
-/// Which of the tables of `coeff_token` a block has.
+/// Selects the table of `coeff_token` for a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Neighbours {
-    /// Mean number of coefficients in the blocks at the left and above.
+    /// Mean number of coefficients in the blocks on the left and above.
     Count(u32),
-    /// Constant parts of chrominance.
+    /// DC coefficients of chroma.
     Chroma,
 }
 
-/// Appends coefficients in the order of the scan and returns their number.
+/// Appends coefficients in scan order and returns the number of non-zero ones.
 pub(super) fn write(bits: &mut Bits, coefficients: &[i32], neighbours: Neighbours) -> u8 {
     let last = coefficients.iter().rposition(|level| *level != 0);
     let used = last.map_or(&[][..], |last| &coefficients[..=last]);
-    // from the highest frequency on, with the zeros before each
+    // from the highest frequency to the lowest, each with the number of zeros before it
     let mut levels: Vec<(i32, usize)> = Vec::with_capacity(16);
     let mut zeros = 0;
     for level in used {
@@ -134,7 +135,7 @@ pub(super) fn write(bits: &mut Bits, coefficients: &[i32], neighbours: Neighbour
     count as u8
 }
 
-/// Appends the levels after the trailing ones.
+/// Appends the levels that are not trailing ones.
 fn write_levels(bits: &mut Bits, levels: &[(i32, usize)], count: usize, ones: usize) {
     let mut suffix = u32::from(count > 10 && ones < 3);
     for (i, (level, _)) in levels.iter().enumerate() {

@@ -3,7 +3,7 @@ use sha2::{Digest, Sha256};
 
 const SIZE: [u32; 2] = [70, 54];
 
-/// A disc with a shaded face that moves over fine stripes and a plain background.
+/// Picture of a shaded disc that moves over fine stripes and a plain background.
 fn scene(picture: usize) -> Vec<u8> {
     let [width, height] = SIZE.map(|length| length as usize);
     let pixel = |i: usize| {
@@ -18,7 +18,7 @@ fn scene(picture: usize) -> Vec<u8> {
     (0..width * height).flat_map(pixel).collect()
 }
 
-/// Codes of table 9-2, signs of table 9-3, bytes that a unit must not contain.
+/// Codes of table 9-2, signs of table 9-3, and bytes that a NAL unit must not contain.
 #[test]
 fn codes_are_those_of_the_standard() {
     let bits = |fill: &dyn Fn(&mut Bits)| {
@@ -32,8 +32,8 @@ fn codes_are_those_of_the_standard() {
     assert_eq!(bits(&|bits| bits.put(0, 32)), [0x65, 0, 0, 3, 0, 0, 0x80]);
 }
 
-/// The first example of the informal literature on residual blocks (Richardson 2003, section 6.4.12.2): 0, 3, 0, 1, −1, −1, 0, 1, 0 … with
-/// no coefficients around is 000010001110010111101101.
+/// The first example of residual blocks in Richardson (2003, section 6.4.12.2): the coefficients 0, 3, 0, 1, −1, −1, 0, 1, 0 … with no
+/// coefficients in the neighbouring blocks are encoded as 000010001110010111101101.
 #[test]
 fn a_residual_block_has_its_known_bits() {
     let mut bits = Bits::default();
@@ -43,7 +43,7 @@ fn a_residual_block_has_its_known_bits() {
     assert_eq!(bits.unit(0), [0, 0b0000_1000, 0b1110_0101, 0b1110_1101, 0x80]);
 }
 
-/// A block returns from transform and quantiser within the quantiser's step, 8 at QP 22, plus round-off.
+/// Transform, quantisation and their inverses reproduce a block within the quantiser step, 8 at QP 22, plus round-off.
 #[test]
 fn blocks_return_within_a_step() {
     let mut random = fastrand::Rng::with_seed(5);
@@ -55,7 +55,7 @@ fn blocks_return_within_a_step() {
     }
 }
 
-/// Decoded pictures are close to the given ones, every one of them: no error adds up from one to the next.
+/// Every decoded picture is close to the original: errors do not accumulate from one picture to the next.
 #[test]
 fn pictures_stay_close() {
     let mut encoder = Encoder::new(SIZE, 100);
@@ -67,13 +67,13 @@ fn pictures_stay_close() {
         let noise_db = 10.0 * (255.0_f64.powi(2) * source[0].samples.len() as f64 / square).log10();
         assert!(noise_db > 38.0, "picture {picture}: {noise_db} dB");
     }
-    // nothing changes: a few bytes
+    // an unchanged picture takes a few bytes
     let still = encoder.encode(&scene(11)).bytes;
     let same = encoder.encode(&scene(11)).bytes;
     assert!(still.len() < 20 && same.len() < 20, "{} and {} bytes", still.len(), same.len());
 }
 
-/// The stream and what it shows are those that FFmpeg 8.0 (PyAV 18.1) has decoded, bit for bit, on 2026-11-26.
+/// The stream and the decoded pictures are bit-identical to those decoded by FFmpeg 8.0 (PyAV 18.1) on 2026-11-26.
 #[test]
 fn the_stream_is_the_one_that_another_decoder_has_decoded() {
     let mut encoder = Encoder::new(SIZE, 5);

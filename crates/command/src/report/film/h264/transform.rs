@@ -1,15 +1,15 @@
-//! Transforms and quantisers of 4 × 4 blocks (ITU-T H.264, clause 8.5); blocks are row by row.
+//! Transforms and quantisers of 4 × 4 blocks (ITU-T H.264, clause 8.5); blocks are stored row by row.
 
-/// Order of the coefficients of a block in the stream.
+/// Zigzag order of the coefficients of a block in the stream.
 pub(super) const SCAN: [usize; 16] = [0, 1, 4, 8, 5, 2, 3, 6, 9, 12, 13, 10, 7, 11, 14, 15];
 
 /// A block of differences or coefficients.
 pub(super) type Block = [i32; 16];
 
-/// Quantiser parameter of luminance and chrominance: below 30, where both are the same.
+/// Quantiser parameter of luma and chroma: below 30, where both are equal.
 pub(super) const QP: i32 = 22;
 
-/// Factors of the quantiser by `QP mod 6`: constant part, both frequencies odd, others.
+/// Quantiser factors by `QP mod 6`: positions with both frequencies even, both odd, others.
 const FORWARD: [[i32; 3]; 6] = [
     [13107, 5243, 8066],
     [11916, 4660, 7490],
@@ -18,7 +18,7 @@ const FORWARD: [[i32; 3]; 6] = [
     [8192, 3355, 5243],
     [7282, 2893, 4559],
 ];
-/// Factors of its inverse.
+/// Factors of the inverse quantiser.
 const BACKWARD: [[i32; 3]; 6] = [[10, 16, 13], [11, 18, 14], [13, 20, 16], [14, 23, 18], [16, 25, 20], [18, 29, 23]];
 
 const fn kind(i: usize) -> usize {
@@ -31,7 +31,7 @@ const fn kind(i: usize) -> usize {
 
 const SHIFT: i32 = 15 + QP / 6;
 
-/// A level: the value over the step, rounded towards zero from `1 − share` on.
+/// Quantised level: the magnitude divided by the step, rounded up where its fractional part is at least `1 − 1/share`.
 fn level(value: i32, factor: i32, (shift, share): (i32, i32)) -> i32 {
     let size = (i64::from(value.abs()) * i64::from(factor) + (1_i64 << shift) / i64::from(share)) >> shift;
     (size as i32) * value.signum()
@@ -56,7 +56,7 @@ pub(super) fn inverse(block: &Block) -> Block {
     both(block, once).map(|value| (value + 32) >> 6)
 }
 
-/// The Hadamard transform of the constant parts.
+/// The Hadamard transform of the DC coefficients.
 pub(super) fn hadamard(block: &Block) -> Block {
     let once = |a: [i32; 4]| {
         let (s0, s1, d0, d1) = (a[0] + a[1], a[2] + a[3], a[0] - a[1], a[2] - a[3]);
@@ -80,28 +80,28 @@ fn both(block: &Block, once: impl Fn([i32; 4]) -> [i32; 4]) -> Block {
     whole
 }
 
-/// Levels of a transformed block; `share` is 3 for predictions from the same picture, 6 from another.
+/// Quantises a transformed block; `share` is 3 for intra prediction, 6 for inter prediction.
 pub(super) fn quantised(block: &Block, share: i32) -> Block {
     std::array::from_fn(|i| level(block[i], FORWARD[(QP % 6) as usize][kind(i)], (SHIFT, share)))
 }
 
-/// Coefficients of levels.
+/// Coefficients reconstructed from levels.
 pub(super) fn restored(levels: &Block) -> Block {
     std::array::from_fn(|i| (levels[i] * BACKWARD[(QP % 6) as usize][kind(i)]) << (QP / 6))
 }
 
-/// Levels of transformed constant parts.
+/// Quantises a transformed DC coefficient.
 pub(super) fn constant_level(value: i32, share: i32) -> i32 {
     level(value, FORWARD[(QP % 6) as usize][0], (SHIFT + 1, share))
 }
 
-/// Constant part of a block of luminance from the inverse transform of the levels.
+/// DC coefficient of a luma block, reconstructed from the inverse transform of the levels.
 pub(super) fn constant_of_luma(value: i32) -> i32 {
     let scale = 16 * BACKWARD[(QP % 6) as usize][0];
     (value * scale + (1 << (5 - QP / 6))) >> (6 - QP / 6)
 }
 
-/// The same for chrominance.
+/// DC coefficient of a chroma block, reconstructed from the inverse transform of the levels.
 pub(super) fn constant_of_chroma(value: i32) -> i32 {
     ((value * 16 * BACKWARD[(QP % 6) as usize][0]) << (QP / 6)) >> 5
 }
