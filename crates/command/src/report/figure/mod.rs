@@ -1,7 +1,7 @@
-//! Figures of curves as SVG, PNG and PDF, from the same description: `plotters` draws the chart and writes the SVG; `tiny-skia` draws
-//! the pixels (`pixels`), and `pdf-writer` writes the page (`page`).
+//! Figures of curves, as SVG, PNG and PDF, from one description: `plotters` draws the chart and its SVG; the pixels are drawn by
+//! `tiny-skia` (`pixels`), the page by `pdf-writer` (`page`).
 //!
-//! All three use integer coordinates in tenths of a user unit, because the coordinates of `plotters` are integers.
+//! All use tenths of a user unit as integers, because the coordinates of `plotters` are integers.
 
 mod canvas;
 mod ends;
@@ -32,24 +32,24 @@ pub(super) use {canvas::outline, pixels::signed};
 const UNIT: u32 = 10;
 /// Width and height of a figure in user units (pixels at scale 1).
 pub const SIZE: [u32; 2] = [960, 600];
-/// Margin in user units.
+/// Free border in user units.
 const BORDER: u32 = 14;
-/// Height of the title line in user units.
+/// Height of the title's line in user units.
 const TITLE: u32 = 40;
-/// Maximum length of a name; longer names are shortened in the middle.
+/// Longer names are shortened in their middle.
 const LONGEST_NAME: usize = 24;
 
 /// Font of labels; browsers without it use the most similar one.
 const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
-/// The font file for pixels and pages: a subset (Latin, Greek, symbols) of DejaVu Sans 2.37 made by `pyftsubset --no-hinting
-/// --layout-features=kern`; its licence is in the same folder.
+/// The same font for the pixels: a subset (Latin, Greek, signs) of DejaVu Sans 2.37 by `pyftsubset --no-hinting --layout-features=kern`;
+/// its licence is in the same folder.
 pub(super) const FONT_FILE: &[u8] = include_bytes!("DejaVuSans.ttf");
 
-/// Colours distinguishable by people with colour blindness (Okabe and Ito).
+/// Colours that are distinct for people with colour blindness (Okabe and Ito).
 pub const PALETTE: [[u8; 3]; 7] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233], [60, 60, 60]];
 
-/// Comment that identifies an SVG of this program.
+/// Comment by which an SVG of this program is recognised.
 const DRAWN_BY: &str = "<!-- drawn by foldwing -->\n";
 
 const INK: RGBColor = RGBColor(27, 39, 51);
@@ -59,36 +59,36 @@ const FAINT: RGBColor = RGBColor(110, 122, 134);
 /// Style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Look {
-    /// Solid line; a dot if there is only one point.
+    /// A line; a dot if it has one point.
     Line,
-    /// Dashed line, used after all colours.
+    /// Dashed, after all colours are used.
     Dashed,
-    /// Dot at every point: measured data.
+    /// A dot at every point: measured data.
     Dots,
 }
 
 /// A curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Name, shown at the end of the curve or in the legend; empty for none.
+    /// Name at its end or in the legend; empty for none.
     pub name: String,
-    /// Red, green and blue components.
+    /// Red, green, blue.
     pub colour: [u8; 3],
     /// Style.
     pub look: Look,
-    /// Points `[x, y]`; points that are not finite are omitted, and the line continues without a gap.
+    /// Points `[x, y]`; those that are not finite are omitted without a gap.
     pub points: Vec<[f64; 2]>,
 }
 
 impl Curve {
-    /// Creates the n-th curve of a figure, with a distinct colour and style.
+    /// The n-th curve of a figure, with its own colour and style.
     pub fn nth(n: usize, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         let look = if (n / PALETTE.len()) % 2 == 1 { Look::Dashed } else { Look::Line };
         Self { name: name.into(), colour: PALETTE[n % PALETTE.len()], look, points }
     }
 }
 
-/// Chart of curves with common axes.
+/// A chart of curves over one pair of axes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Figure {
     /// Heading.
@@ -97,13 +97,13 @@ pub struct Figure {
     pub x_label: String,
     /// Quantity and unit of the vertical axis.
     pub y_label: String,
-    /// Curves; the last is drawn on top.
+    /// Curves, the last on top.
     pub curves: Vec<Curve>,
     /// Instants marked by a vertical line with a label above the chart.
     pub marks: Vec<(f64, String)>,
-    /// Whether both axes have equal scales; names are then in a legend, otherwise at the ends of the curves.
+    /// Equal scales on both axes; names are then in a legend, otherwise at the ends of the curves.
     pub equal: bool,
-    /// Cells instead of curves and axes, if given.
+    /// Cells instead of curves and axes.
     pub heat: Option<Heat>,
     /// Other figures on one sheet instead of a chart, row by row, and the number of columns.
     pub panels: Vec<Figure>,
@@ -116,9 +116,9 @@ pub struct Figure {
 /// Size and resolution of the files of a figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sheet {
-    /// Width and height in user units of 1/96 inch.
+    /// Width and height in user units, of which an inch has 96.
     pub size: [u32; 2],
-    /// Pixels per user unit in a PNG.
+    /// Pixels per user unit of a PNG.
     pub scale: f32,
 }
 
@@ -128,7 +128,7 @@ impl Default for Sheet {
     }
 }
 
-/// Error of a figure that cannot be drawn.
+/// A figure that cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 #[error("figure `{title}`: {cause}")]
 pub struct FigureError {
@@ -137,7 +137,7 @@ pub struct FigureError {
 }
 
 impl Figure {
-    /// Returns the figure as an SVG document.
+    /// The figure as an SVG document.
     ///
     /// # Errors
     /// `plotters` cannot draw it.
@@ -147,12 +147,12 @@ impl Figure {
         let mut text = String::new();
         self.draw(sheet, &SVGBackend::with_string(&mut text, (size[0], size[1])).into_drawing_area())?;
         let [large, small] = [size, sheet.size].map(|[width, height]| format!("width=\"{width}\" height=\"{height}\""));
-        // text must be on the same line as its element, otherwise viewers show the indentation
+        // text must be on one line with its element, otherwise viewers show its indentation
         let text = text.replacen(&large, &format!("{small} role=\"img\""), 1).replace(">\n</text>", "></text>");
         Ok(text.replacen('>', &format!(">\n{DRAWN_BY}"), 1))
     }
 
-    /// Returns the figure as a PNG file.
+    /// The figure as a PNG file.
     ///
     /// # Errors
     /// `plotters` cannot draw it.
@@ -173,7 +173,7 @@ impl Figure {
     }
 
     fn draw<B: DrawingBackend>(&self, sheet: Sheet, area: &DrawingArea<B, Shift>) -> Result<(), FigureError> {
-        // `plotters` measures text with the registered font
+        // `plotters` measures text with a registered font
         let _ = plotters::style::register_font(FONT, FontStyle::Normal, FONT_FILE);
         area.fill(&WHITE)
             .and_then(|()| self.chart(sheet.size, area))
@@ -244,61 +244,16 @@ impl Figure {
         panel
     }
 
-    /// Draws the name of every curve at its end, in its colour, without overlap.
-    fn draw_names<B: DrawingBackend>(
-        &self,
-        size: [u32; 2],
-        area: &DrawingArea<B, Shift>,
-        chart: &Chart<'_, B>,
-    ) -> Drawn<B> {
-        let last = |curve: &&Curve| curve.points.iter().rfind(|point| point.iter().all(|c| c.is_finite())).copied();
-        let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
-        let mut ends: Vec<(f64, i32, &Curve)> = named
-            .filter_map(|curve| {
-                let [x, y] = last(&curve)?;
-                let (_, pixel) = chart.backend_coord(&(x, y));
-                Some((f64::from(pixel), pixel, curve))
-            })
-            .collect();
-        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (top, bottom) = (f64::from((BORDER + TITLE) * UNIT), f64::from((size[1] - BORDER) * UNIT));
-        let apart = f64::from(NAME_LINE * UNIT).min((bottom - top) / ends.len().max(1) as f64);
-        spread(&mut ends, apart, [top, bottom]);
-        let left = (size[0] - LEGEND - BORDER) * UNIT;
-        for (y, end, curve) in &ends {
-            let (from, to) = ((left + 3 * UNIT) as i32, (left + 15 * UNIT) as i32);
-            area.draw(&PathElement::new(vec![(from, *end), (to, *y as i32)], line(colour(curve), 0.9)))?;
-            let ink = colour(curve);
-            let text = style(13, &INK, HPos::Left, VPos::Center).color(&ink);
-            area.draw_text(&short(&curve.name), &text, (to + (4 * UNIT) as i32, *y as i32))?;
-        }
-        Ok(())
+    /// Corners and sizes of the panels below the title, in user units.
+    fn places(&self, size: [u32; 2], layout: &Layout) -> impl Iterator<Item = ([u32; 2], [u32; 2])> {
+        let columns = self.columns.max(1);
+        let rows = (self.panels.len() as u32).div_ceil(columns).max(1);
+        let head = if self.title.is_empty() { 0 } else { layout.border + layout.title / 2 };
+        let part = [size[0] / columns, (size[1] - head) / rows];
+        (0..).map(move |i| ([i % columns * part[0], head + i / columns * part[1]], part))
     }
 
-    fn draw_legend<B: DrawingBackend>(&self, size: [u32; 2], area: &DrawingArea<B, Shift>) -> Drawn<B> {
-        let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
-        for (row, curve) in named.enumerate() {
-            let y = BORDER + TITLE + 12 + 22 * row as u32;
-            if y + 22 > size[1] {
-                break; // a figure with so many curves needs no complete legend
-            }
-            let stroke = line(colour(curve), 2.2);
-            match curve.look {
-                _ if curve.points.len() == 1 => area.draw(&Circle::new(at(14, y), 4 * UNIT, colour(curve).filled()))?,
-                Look::Dots => area.draw(&Circle::new(at(14, y), 3 * UNIT, colour(curve).filled()))?,
-                Look::Dashed => {
-                    area.draw(&PathElement::new(vec![at(2, y), at(11, y)], stroke))?;
-                    area.draw(&PathElement::new(vec![at(17, y), at(26, y)], stroke))?;
-                }
-                Look::Line => area.draw(&PathElement::new(vec![at(2, y), at(26, y)], stroke))?,
-            }
-            let text = style(13, &INK, HPos::Left, VPos::Center);
-            area.draw_text(&short(&curve.name), &text, at(34, y))?;
-        }
-        Ok(())
-    }
-
-    /// Ranges of the axes: they include all points with a margin, are never empty, and have equal scales if requested.
+    /// Ranges of the axes: all points with a margin, never empty, with equal scales if requested.
     fn ranges(&self, size: [u32; 2]) -> [Range<f64>; 2] {
         let points =
             self.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.iter().all(|c| c.is_finite()));
@@ -317,7 +272,7 @@ impl Figure {
             }
             let middle = 0.5 * (least[axis] + most[axis]);
             let half = 0.5 * (most[axis] - least[axis]);
-            // a constant curve is drawn without its round-off
+            // a constant curve is drawn as such, without its round-off
             let floor = (1e-9 * middle.abs()).max(1e-12);
             let half = if half > floor { half * (1.0 + room[axis]) } else { (0.1 * middle.abs()).max(1e-3) };
             [middle, half]
@@ -368,14 +323,14 @@ fn line(colour: RGBColor, width: f64) -> ShapeStyle {
     colour.stroke_width((width * f64::from(UNIT)).round() as u32)
 }
 
-/// Text style with a font size in user units.
+/// Text style with a size in user units.
 fn style(size: u32, colour: &'static RGBColor, across: HPos, along: VPos) -> TextStyle<'static> {
-    // the size in `plotters` is the line height, which is 1.24 times the font size
+    // the size in `plotters` is the height of a line, which is 1.24 times the font size
     let height = 1.24 * f64::from(size * UNIT);
     TextStyle::from((FONT, height).into_font()).color(colour).pos(Pos::new(across, along))
 }
 
-/// Formats the label of an axis with as many digits as its range needs, and a typographic minus sign.
+/// Label of an axis: as many digits as its range needs, with a true minus sign.
 fn tidy(value: f64, range: &Range<f64>) -> String {
     let span = range.end - range.start;
     if value.abs() < 1e-9 * span {
@@ -396,12 +351,12 @@ fn tidy(value: f64, range: &Range<f64>) -> String {
     text.replace('-', "−")
 }
 
-/// Shortens a name to the width of the legend.
+/// Shortens a name to fit the legend.
 fn short(name: &str) -> String {
     shortened(name, LONGEST_NAME)
 }
 
-/// Shortens a name to a number of characters by omitting its middle.
+/// Shortens a name to a number of letters, in its middle.
 fn shortened(name: &str, most: usize) -> String {
     let letters: Vec<char> = name.chars().collect();
     if letters.len() <= most {
@@ -419,7 +374,7 @@ mod tests {
         Figure { title: "a < b".to_owned(), curves: vec![Curve::nth(0, "wing & tip", points)], ..Figure::default() }
     }
 
-    /// Texts of the model are escaped, sizes are in user units, and equal figures give equal bytes.
+    /// Texts of the model are escaped, the size is in user units, and equal figures have equal bytes.
     #[test]
     fn svg_and_png_are_made_of_the_same_figure() {
         let figure = figure(vec![[0.0, 1.0], [1.0, 2.0], [2.0, 1.5]]);
@@ -456,7 +411,7 @@ mod tests {
         }
     }
 
-    /// With equal scales, a unit has the same length along both axes.
+    /// With equal scales a unit has the same length in both directions.
     #[test]
     fn equal_scales_are_equal() {
         let [x, y] = Figure { equal: true, ..figure(vec![[0.0, 0.0], [1.0, 0.01]]) }.ranges(SIZE);
