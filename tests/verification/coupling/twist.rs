@@ -62,7 +62,7 @@ fn q30_wing_twists_by_the_closed_form() {
             let order = (pair[0] / pair[1]).log2();
             assert!((order - 2.0).abs() < 0.3, "order {order}");
         }
-        // extrapolated to zero strip width: what is left is the error of the order
+        // extrapolated to zero strip width: the remaining error is that of the order
         let limit = (4.0 * errors[2] - errors[1]) / 3.0;
         assert!(errors[2] < 2e-3 && limit.abs() < 2e-4, "{limit}");
     }

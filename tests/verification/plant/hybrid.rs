@@ -144,7 +144,7 @@ fn hy02_strips_tend_to_the_air_of_the_instant() {
         let instant = read(&plant);
         let [coarse, fine] = steps_s.map(|step_s| stepped(step_s) - instant);
         let order = (coarse / fine).log2();
-        // Richardson's extrapolation: what is left is of higher order
+        // Richardson extrapolation: the remaining error is of higher order
         let left = fine - (coarse - fine) / 3.0;
         println!("HY-02 {name}: {instant}, steps {coarse:e} {fine:e}, order {order:.2}, extrapolated {left:e}");
         if let Some(near) = near {

@@ -263,9 +263,9 @@ fn damped() -> Machine {
 
 const SPEED_RAD_S: f64 = 12.1 * PI / 30.0;
 
-/// WT-42. The 5 MW turbine without aerodynamics, with tilt and gravity, shaft at 12.1 rpm. The state at the start of a turn compared with a
-/// simulation with variable steps at a tolerance of 1e-9 whose transient has decayed: 1e-8 for coordinates is the accumulated error of the
-/// simulation; errors of rates of modes at ten times the rotor speed are ten times as large.
+/// WT-42. The 5 MW turbine without aerodynamics, with tilt and gravity, shaft at 12.1 rpm. The state at the start of a revolution compared
+/// with a simulation with variable steps at a tolerance of 1e-9 whose transient has decayed: 1e-8 for coordinates is the accumulated error
+/// of the simulation; errors of rates of modes at ten times the rotor speed are ten times as large.
 #[test]
 fn wt42_the_turbine_under_gravity() {
     let machine = damped();
