@@ -297,8 +297,10 @@ mod tests {
             for ((body, position_m, _), output) in places.iter().zip(outputs.internal_loads()) {
                 let own = &recording.scene.bodies[*body].places_m;
                 let index = own.iter().position(|place_m| (place_m - position_m).abs() < 1e-12).expect("a section");
-                // the same expressions
-                assert_eq!(frame.loads[*body][index], *output, "{body} {position_m} m at step {step}");
+                // the same expressions at places that differ by round-off
+                let loads = [frame.loads[*body][index], *output].map(|load| (load.force_n, load.moment_n_m));
+                let off = (loads[0].0 - loads[1].0).norm() + (loads[0].1 - loads[1].1).norm();
+                assert!(off < 1e-12 * (loads[1].0.norm() + 1e-3), "{body} {position_m} m at step {step}: {off:e}");
             }
             let total: Vector3<f64> = frame.edge_forces_n.iter().flatten().sum();
             let air = outputs.air_total().force_n;

@@ -479,7 +479,7 @@ mod tests {
         let size = format!("width=\"{}\" height=\"{}\"", OVERVIEW_SIZE[0], 20 + 3 * OVERVIEW_SIZE[1]);
         assert!(svg.contains(&size) && svg.trim_end().ends_with("</svg>"), "{}", &svg[..200]);
         assert_eq!(svg.matches("</svg>").count(), 1);
-        assert_eq!(svg.matches("fold latched, ").count(), 4, "each figure over time");
+        assert_eq!(svg.matches("fold latched, ").count(), 5, "each figure over time");
         // names, titles and axes stay on their panels
         for title in expected {
             assert_eq!(svg.matches(title).count(), 1, "{title}");

@@ -4,6 +4,7 @@ use crate::report::shapes::{DrawnMode, DrawnState, LARGEST_SHARE, Shapes, size_m
 use crate::report::signals::Signals;
 use foldwing_engine::math::strain::STRAINS;
 use foldwing_recording::packed::{MAXIMUM_NUMBERS, PackedRun, encoded, in_script};
+use foldwing_recording::recording::Scene;
 use serde_json::{Value, json};
 
 /// Numbers of the motion of a section: displacement, rotation and strain measures, real and imaginary.
@@ -48,7 +49,13 @@ impl PackedModes {
             "size": size.map_or(0.0, |frame| size_m(&shapes.scene, frame)),
             "states": states, "found": shapes.states.len(),
         });
-        let states = PackedRun::of_states(&shapes.scene, &frames, &Signals::new([], 0));
+        // a mode has no loads at an amplitude that is only drawn
+        for frame in &mut frames {
+            (frame.loads, frame.edge_forces_n) = (Vec::new(), Vec::new());
+        }
+        let load_places = vec![Vec::new(); shapes.scene.bodies.len()];
+        let scene = Scene { load_places, ..shapes.scene.clone() };
+        let states = PackedRun::of_states(&scene, &frames, &Signals::new([], 0));
         Self { states, description: in_script(&description), numbers: encoded(&numbers) }
     }
 }
