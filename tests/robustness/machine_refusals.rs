@@ -693,7 +693,7 @@ fn parts_by_name() {
         ),
         (
             inner().body(beam("outer"), fold().latch(Latch::with_ratio(2.0))),
-            "joint \"fold\", latch, stiffness_ratio: 2 is not allowed; allowed: a ratio where the stiffness of motor and spring is > 0",
+            "joint \"fold\", latch, stiffness_ratio: 2 is not allowed; allowed: a ratio only with a motor or a spring of stiffness > 0",
         ),
         (
             inner().body(beam("outer"), fold().latch(Latch::with_ratio(1.0))),
