@@ -55,7 +55,7 @@ pub struct Doubt {
     pub line: usize,
     /// Byte range of the text that is marked by a caret.
     pub span: Range<usize>,
-    /// Path of the key, e.g. `section.spar.youngs_modulus_Pa`.
+    /// Path of the key, such as `section.spar.youngs_modulus_Pa`.
     pub key: String,
     /// Reason why it is implausible.
     pub reason: String,

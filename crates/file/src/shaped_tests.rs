@@ -33,7 +33,7 @@ fn a_tube_has_the_properties_of_its_ring() {
     let listed = section_properties(&beam(TUBE));
     assert_eq!((listed.len(), listed[0].body.as_str(), listed[0].sections.len()), (1, "beam", 1));
     let shear = listed[0].sections[0].properties.shear_stiffnesses_n.expect("known");
-    // the shear area of a thin ring is half its area; the relative deviation is 0.5 + 0.7 of (thickness / radius)²
+    // ratio of shear area to area of a thin ring: 0.5 + 0.7 (thickness / radius)²
     assert!((shear[0] / (70e9 / 2.6 * area) - 0.5).abs() < 0.01 && shear[0] == shear[1], "{shear:?}");
 }
 

@@ -17,7 +17,7 @@ pub(super) struct GridArguments {
 }
 
 impl GridArguments {
-    /// Times given by a program, in s.
+    /// Grid arguments for times in s given by a program.
     pub(super) fn of(start: Option<f64>, stop: Option<f64>, step: Option<f64>) -> Self {
         Self { step, start, stop }
     }

@@ -10,7 +10,7 @@ use foldwing_study::values::Setting;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Returns a plant of a model file with start values set, not yet initialised.
+/// Reads a model file and returns a plant with start values set, not yet initialised.
 pub(super) fn read_plant(model: &Path, settings: &[String]) -> Result<Plant, Failure> {
     let (machine, _) = read_model(model)?;
     let interface = Interface::new(&machine);

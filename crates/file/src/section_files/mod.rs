@@ -33,7 +33,7 @@ struct Axes([(usize, f64); 3]);
 
 /// VABS: `x1` along the beam.
 const X_ALONG: Axes = Axes([(0, 1.0), (1, 1.0), (2, 1.0)]);
-/// BECAS and ANBA4: `z` along the beam, `x` chordwise.
+/// BECAS and ANBA4: `z` along the beam, `x` chordwise towards the leading edge.
 const Z_ALONG: Axes = Axes([(2, 1.0), (0, 1.0), (1, 1.0)]);
 /// BeamDyn and windIO: `z` along the blade, `y` towards the trailing edge.
 const BLADE: Axes = Axes([(2, 1.0), (1, -1.0), (0, 1.0)]);

@@ -19,11 +19,11 @@ fn half_view() -> f64 {
 pub enum View {
     /// Isometric.
     Iso,
-    /// Along y: x to the right, z up.
+    /// View along y: x to the right, z up.
     Front,
-    /// Against x: y to the right, z up.
+    /// View against x: y to the right, z up.
     Side,
-    /// From above: x to the right, y up.
+    /// View from above: x to the right, y up.
     Top,
 }
 
