@@ -268,7 +268,7 @@ pub fn read_field(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceBo
     if is_bladed(bytes) { read_bladed(bytes, settings) } else { read_turbsim(bytes) }
 }
 
-/// Returns whether bytes begin like a full-field file of Bladed.
+/// Returns whether bytes are the start of a full-field file of Bladed.
 pub(crate) fn is_bladed(bytes: &[u8]) -> bool {
     bytes.starts_with(&(-99i16).to_le_bytes())
 }

@@ -28,7 +28,7 @@ impl GridArguments {
     }
 }
 
-/// Maximum number of rows of a run; a larger number is a mistake.
+/// Maximum number of rows of a run; a larger number is probably unintended.
 const MAXIMUM_STEPS: u64 = 1_000_000_000;
 
 /// Communication points of the command line arguments; missing values are taken from `[simulation]`.

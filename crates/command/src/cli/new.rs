@@ -57,8 +57,8 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Model file below `examples/` from which a template is made, and the commands to run next with their effects; `MODEL` stands for
-/// the file.
+/// Model file below `examples/` from which a template is made, and the commands to run next with their effects; `MODEL` is the
+/// placeholder of the file.
 type Source = (&'static str, &'static [(&'static str, &'static str)]);
 
 impl Template {

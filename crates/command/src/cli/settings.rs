@@ -31,7 +31,7 @@ pub(super) fn plant_with(
 }
 
 /// Sets `NAME=VALUE` of an input or parameter, or `NAME=X,Y,Z` of all components of a vector, and returns the value set; messages
-/// begin with `option`.
+/// start with `option`.
 pub(super) fn apply_setting(
     option: &str,
     setting: &str,

@@ -176,7 +176,7 @@ impl CommandLine {
         line
     }
 
-    /// Returns the word that equals or begins with `text`.
+    /// Returns the word that equals or starts with `text`.
     fn find(&self, text: &str) -> Option<Excerpt<'_>> {
         let whole = self.words.iter().rfind(|(word, _)| word == text);
         let part = || self.words.iter().rfind(|(word, _)| word.contains(text) && !text.is_empty());

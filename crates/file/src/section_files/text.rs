@@ -23,7 +23,7 @@ impl<'t> Lines<'t> {
         Ok((index + 1, line))
     }
 
-    /// Returns the lines after the first line that begins with a title, ignoring case.
+    /// Returns the lines after the first line that starts with a title, ignoring case.
     pub fn after(text: &'t str, title: &str) -> Result<Self, StationFault> {
         let mut lines = Self::of(text);
         loop {

@@ -74,7 +74,7 @@ pub(crate) struct Refused {
     pub position_m: f64,
     /// Value of the dimension at this position, if the key has one.
     pub value: Option<f64>,
-    /// Description of what was found, if it is not the value of a key.
+    /// Description of the state found, if it is not the value of a key.
     pub found: Option<String>,
     pub allowed: String,
 }

@@ -146,7 +146,7 @@ pub(crate) fn nearest_name<'n>(name: &str, own: impl IntoIterator<Item = &'n str
     let plain =
         |text: &str| -> String { text.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_lowercase() };
     let separator = |letter: char| !letter.is_ascii_alphanumeric();
-    // whether a word of the known name begins with this text
+    // whether a word of the known name starts with this text
     let begins = |known: &str, word: &str| {
         let starts = known.char_indices().filter(|(at, _)| *at == 0 || known[..*at].ends_with(separator));
         starts.into_iter().any(|(at, _)| plain(&known[at..]).starts_with(word))

@@ -127,7 +127,7 @@ impl Walls {
                 .iter()
                 .map(|line| line.lever_m * line.shear_n_m * (warping[line.ends[1]] - warping[line.ends[0]]))
                 .sum();
-            // where the bending moment varies along the beam, lateral contraction causes shear of the walls
+            // lateral contraction causes shear of the walls if the bending moment varies along the beam
             let contractions: Vec<f64> = lines
                 .iter()
                 .map(|line| {
