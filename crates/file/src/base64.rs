@@ -1,4 +1,4 @@
-//! Bytes as text: base64 of RFC 4648, section 4, for binary data in a model file.
+//! Base64 encoding of RFC 4648, section 4, for binary data in a model file.
 
 /// Letters of the encoding in the order of their values.
 const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

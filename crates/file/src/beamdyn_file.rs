@@ -98,7 +98,7 @@ pub(super) fn read_key_points(text: &str) -> Result<StationTable, StationFault> 
     }
     let straight = |values: &[f64]| values.iter().all(|value| *value == 0.0);
     if straight(&x) && straight(&y) {
-        s_m = z; // equal to the last digit
+        s_m = z; // exact for a straight axis, without the error of the integral
     }
     let negative = |values: &[f64]| values.iter().map(|value| 0.0 - value).collect::<Vec<f64>>();
     let names = ["s_m", "y_m", "z_m", "twist_deg"].map(str::to_owned).to_vec();

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 /// Copied bodies and their attached parts.
 #[derive(Debug, Default)]
 pub(super) struct Copies {
-    /// Names of copies, and their names in the file.
+    /// Names of copies, with the names of their originals in the file.
     pub names: BTreeMap<String, String>,
     /// Table, original name and name of the copy for copies whose name is already in use.
     pub taken: Vec<(&'static str, String, String)>,

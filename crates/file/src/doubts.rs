@@ -57,7 +57,7 @@ pub struct Doubt {
     pub line: usize,
     /// Byte range of the text that is marked by a caret.
     pub span: Range<usize>,
-    /// Path of the key, e.g. `section.spar.youngs_modulus_Pa`.
+    /// Path of the key, such as `section.spar.youngs_modulus_Pa`.
     pub key: String,
     /// Reason why it is implausible.
     pub reason: String,
@@ -321,7 +321,7 @@ impl Look<'_, '_> {
         }
         let table = file.wind.as_ref().and_then(|wind| wind.table.as_deref()).unwrap_or_default();
         let stop_s = file.simulation.stop_time_s;
-        // one row is a steady wind
+        // a single row is a steady wind
         if let Some(end_s) = table.last().map(|row| row[0]).filter(|end_s| table.len() > 1 && *end_s < stop_s) {
             let reason = format!("the wind ends at {} s, the run at {} s", number(end_s), number(stop_s));
             self.doubt(&["wind", "table"], reason, "the last row applies after that; is the table incomplete?");

@@ -14,7 +14,7 @@ use std::fmt::Write;
 use std::path::Path;
 use toml::Spanned;
 
-/// The keys used here; all others are left to later passes.
+/// Keys used here; all others are left to later passes.
 #[derive(Deserialize, Default)]
 #[serde(default)]
 struct Wanted {

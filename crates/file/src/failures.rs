@@ -9,7 +9,7 @@ use foldwing_engine::machine::failure::{BoundSide, FrictionBrake, Quantity};
 use foldwing_engine::machine::units::quoted;
 use foldwing_engine::machine::{Failure, Travel};
 
-/// Keys of a bound: quantity, side and type of joint.
+/// Keys of a limit, for each quantity, side and type of joint.
 pub(super) const BOUNDS: [&str; 8] = [
     "angle_above_deg",
     "angle_below_deg",

@@ -1,4 +1,4 @@
-//! Sections on the bodies of a valid model, with their properties.
+//! Sections along the beams of a valid model, with their properties.
 
 use crate::body::{BodyFile, section_law};
 use crate::copies::{self, Copies};
@@ -16,22 +16,22 @@ use serde::Serialize;
 pub struct BodySections {
     /// Name of the body.
     pub body: String,
-    /// Sections at its ends, and where a table or a dimension along it has a row; one if the section is the same everywhere.
+    /// Sections at both ends, and at every row of a table or of a varying dimension; a single section if it is uniform.
     pub sections: Vec<SectionAt>,
 }
 
-/// A section at a place of a beam.
+/// Section at a position of a beam.
 #[derive(Debug, Clone, Serialize)]
 pub struct SectionAt {
     /// Distance from the body's inner end in m.
     pub s_m: f64,
-    /// Its properties.
+    /// Properties of the section.
     #[serde(flatten)]
     pub properties: SectionProperties,
 }
 
-/// Properties of the sections of all beams in the text of a valid model file for [`crate::parse`], in the order of the file; empty for an
-/// invalid text.
+/// Properties of the sections of all beams in the text of a model file for [`crate::parse`], in the order of the file; empty for an invalid
+/// text.
 pub fn section_properties(text: &str) -> Vec<BodySections> {
     let (Ok(document), Ok(mut file)) = (Document::parse(text), toml::from_str::<ModelFile>(text)) else {
         return Vec::new();
@@ -47,7 +47,8 @@ pub fn section_properties(text: &str) -> Vec<BodySections> {
     each_beam(&document, &file, &copies, on_bodies)
 }
 
-/// Calls a function with every beam of a valid file that has a section: its name, its keys, the section at its inner end, and how it varies.
+/// Calls a function for every beam of a valid file that has a section, with its name, its keys, the section at its inner end, and its
+/// section law.
 pub(super) fn each_beam<R>(
     document: &Document,
     file: &ModelFile,
@@ -66,7 +67,7 @@ pub(super) fn each_beam<R>(
     beams.collect()
 }
 
-/// Places that show how a section varies: ends and kinks.
+/// Positions that show how a section varies: ends and kinks.
 fn places(law: &SectionLaw, built: &Built, length_m: f64) -> Vec<f64> {
     if law.is_uniform() {
         return vec![0.0];
@@ -82,7 +83,7 @@ fn places(law: &SectionLaw, built: &Built, length_m: f64) -> Vec<f64> {
     places
 }
 
-/// Properties at a place: of the shape where it is known, else of stiffness and inertia.
+/// Properties at a position, computed from the shape if it is known, otherwise from stiffness and inertia.
 fn properties(built: &Built, law: &SectionLaw, s_m: f64) -> Option<SectionProperties> {
     let shape = match (built, law) {
         (Built::Shape(shape), SectionLaw::Uniform(_)) => Some(shape.at(s_m).ok()?),

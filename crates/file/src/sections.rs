@@ -1,4 +1,4 @@
-//! Sections of the file to [`Section`]: outlines, stiffness matrices, inertia.
+//! Conversion of the sections in the model file to [`Section`]: outlines, stiffness matrices, inertia.
 
 use crate::file::{ExplicitSection, SectionFile, SolidSection, TableSection};
 use crate::shaped::{self, Builder, Materials};
@@ -10,32 +10,32 @@ use foldwing_engine::machine::validate::section::{are_second_moments, asymmetry,
 use foldwing_engine::math::strain::{EDGE, FLAP, SHEAR_Y, SHEAR_Z, SHEARED, STRAINS, STRETCH, StrainMatrix, TWIST};
 use indexmap::IndexMap;
 
-/// Sections of the file by name; `None` after an error.
+/// Sections of the model file by name; `None` after an error.
 pub(super) type Sections<'f> = IndexMap<&'f str, Option<Built>>;
 
-/// A section of the file.
+/// Section of the model file.
 #[expect(clippy::large_enum_variant, reason = "there is one per section")]
 pub(super) enum Built {
     /// Rectangle or ellipse of one material.
     Solid(Solid),
-    /// By its properties; half width and half height are 0 if they are not stated.
+    /// Section given by its properties; half width and half height are 0 if not stated.
     Explicit(Section),
-    /// By its shape, whose dimensions may vary along a body.
+    /// Section given by its shape, whose dimensions may vary along a body.
     Shape(Box<Shape>),
-    /// Several along a body.
+    /// Several sections along a body.
     Table(Stations),
 }
 
 /// Sections along a body.
 pub(super) struct Stations {
-    /// Their positions.
+    /// Positions of the sections.
     pub places: Places,
-    /// The sections there.
+    /// Sections at these positions.
     pub sections: Vec<Section>,
 }
 
 impl Built {
-    /// Its properties, if they are the same everywhere; with shear if its stiffness is known.
+    /// Returns its properties if they are uniform along the body, with shear if the shear stiffness is known.
     pub fn section(&self) -> Option<Section> {
         match self {
             Self::Solid(solid) if solid.material.shear_modulus_pa > 0.0 => Some(solid.with_shear().section()),
@@ -47,7 +47,7 @@ impl Built {
     }
 }
 
-/// Builds a section; `None` if a problem was found.
+/// Builds a section; `None` after an error.
 pub(super) fn build(name: &str, section: &SectionFile, materials: &Materials, checker: &mut Checker) -> Option<Built> {
     let mut builder = Builder { name, materials, checker };
     let built = match section {
@@ -77,7 +77,7 @@ pub(super) fn build(name: &str, section: &SectionFile, materials: &Materials, ch
     Some(built)
 }
 
-/// A shape whose dimensions at the inner end of a body make a section.
+/// Checks that the dimensions of a shape at the inner end of a body give a section.
 fn shape(shape: Shape, builder: &mut Builder) -> Option<Built> {
     match shape.at(0.0) {
         Ok(_) => Some(Built::Shape(Box::new(shape))),
@@ -119,7 +119,7 @@ fn solid(outline: Outline, file: &SolidSection, builder: &mut Builder) -> Option
     })
 }
 
-/// Material of a solid section: by name, or by its properties.
+/// Material of a solid section, given by name or by its properties.
 fn material(solid: &SolidSection, Builder { name, materials, checker }: &mut Builder) -> Option<Material> {
     let at = |key| ["section", *name, key];
     if let Some(named) = &solid.material {
@@ -156,7 +156,7 @@ fn material(solid: &SolidSection, Builder { name, materials, checker }: &mut Bui
         }
         (Some(shear_modulus_pa), None) => shear_modulus_pa,
         (None, Some(ratio)) => 0.5 * youngs_modulus_pa / (1.0 + ratio),
-        // The shear modulus acts through the torsional rigidity alone.
+        // the shear modulus affects only the torsional rigidity, which is stated
         (None, None) if solid.torsional_rigidity_n_m2.is_some() => 0.0,
         (None, None) => {
             let allowed = "a finite modulus > 0 Pa, or poisson_ratio, or torsional_rigidity_N_m2 instead";
@@ -194,7 +194,7 @@ fn build_explicit(name: &str, explicit: &ExplicitSection, checker: &mut Checker)
     Some(Built::Explicit(section))
 }
 
-/// Second moments about the centre of mass, `[yy, yz, zz]` in kg·m, checked.
+/// Second moments about the centre of mass, `[yy, yz, zz]` in kg·m, checked to be possible.
 fn second_moments(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<[f64; 3]> {
     if are_second_moments(explicit.second_moments_kg_m) {
         return Some(explicit.second_moments_kg_m);
@@ -204,10 +204,10 @@ fn second_moments(name: &str, explicit: &ExplicitSection, checker: &mut Checker)
     None
 }
 
-/// Stiffness of the strains without shear, and of all of them if it is known.
+/// Stiffness for the strains without shear, and with shear if it is known.
 type Stiffness = (StrainMatrix, Option<StrainMatrix<SHEARED>>);
 
-/// The section stiffness, symmetric and positive definite.
+/// Section stiffness, checked to be symmetric and positive definite.
 fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> Option<Stiffness> {
     let stiffnesses = [
         ("axial_stiffness_N", explicit.axial_stiffness_n, STRETCH, STRETCH),
@@ -273,10 +273,10 @@ fn stiffness(name: &str, explicit: &ExplicitSection, checker: &mut Checker) -> O
     Some(with_shear(matrix))
 }
 
-/// Order of the strains `(εx, γy, γz, κx, κy, κz)` of a full matrix of the file, by their indices.
+/// Order of the strains `(εx, γy, γz, κx, κy, κz)` in a full matrix of the file, given by their indices.
 const FULL_ORDER: [usize; SHEARED] = [STRETCH, SHEAR_Y, SHEAR_Z, TWIST, FLAP, EDGE];
 
-/// A full matrix with shear, and its condensation, NOTATION eqs. (S9), (S24).
+/// Condensed stiffness, and full stiffness with shear, NOTATION eqs. (S9), (S24).
 fn stiffness_with_shear(name: &str, rows: &[[f64; SHEARED]; SHEARED], checker: &mut Checker) -> Option<Stiffness> {
     let full = full_stiffness(name, "stiffness_with_shear_SI", rows, checker)?;
     let mut whole = StrainMatrix::<SHEARED>::zeros();

@@ -1,5 +1,5 @@
-//! Doubts about sections by shape: dimensions in another unit, deflection by shear, torsion with restrained warping, and an elastic axis
-//! beside the shear centre.
+//! Warnings about sections given by shape: dimensions in another unit, shear deflection, torsion with restrained warping, and an elastic
+//! axis away from the shear centre.
 
 use crate::body::BodyFile;
 use crate::copies::Copies;
@@ -13,18 +13,18 @@ use crate::shapes::{SectionProperties, Shape};
 use crate::shear_share::{is_unstated, neglected_shear, shear_over_bending};
 use foldwing_engine::machine::units::shortest;
 
-/// A doubt: path of its key, reason, advice.
+/// Warning: path of its key, reason, advice.
 pub(super) type ShapeDoubt = (Vec<String>, String, String);
 
-/// Outer dimension over length of the body beyond which one of them is probably in another unit, and the inverse.
+/// Ratio of outer dimension to body length above which one of them is probably in another unit; then the limit of the inverse ratio.
 const MAXIMUM_WIDTH: f64 = 3.0;
 const MAXIMUM_SLENDERNESS: f64 = 1000.0;
-/// Part of the torsional rigidity that restrained warping at one end adds, which is worth a word.
+/// Increase of the torsional rigidity by restrained warping at one end above which there is a warning.
 const MAXIMUM_WARPING: f64 = 0.1;
-/// Distance of the shear centre from the elastic axis of a surface as a fraction of the chord.
+/// Distance between shear centre and elastic axis of a surface above which there is a warning, as a fraction of the chord.
 const MAXIMUM_OFFSET: f64 = 0.02;
 
-/// Implausible sections by shape of a valid file.
+/// Warnings about implausible sections by shape in a valid file.
 pub(super) fn shape_doubts(document: &Document, file: &ModelFile) -> Vec<ShapeDoubt> {
     let beams = each_beam(document, file, &Copies::default(), |name, body, built, _| {
         let Built::Shape(shape) = built else { return None };
@@ -49,12 +49,12 @@ fn path(parts: &[&str]) -> Vec<String> {
     parts.iter().map(|part| (*part).to_owned()).collect()
 }
 
-/// Three digits.
+/// Formats three digits.
 fn short(value: f64) -> String {
     format!("{value:.2e}").parse().map_or_else(|_| shortest(value), shortest)
 }
 
-/// Outer dimensions far from the length of the body.
+/// Warns about outer dimensions far from the length of the body.
 fn size(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeDoubt> {
     let [width, height] = stations[0].1.outline_m?.map(|[low, high]| high - low);
     let largest_m = width.max(height);
@@ -68,7 +68,7 @@ fn size(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeD
     })
 }
 
-/// Deflection by shear over that by bending; `None` if the shear stiffness is unknown.
+/// Warns about shear deflection that a body without shear neglects.
 fn shear_share(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<f64> {
     let last = stations.last().map(|(_, section)| (body.length_m, section));
     let ends = stations.iter().map(|(s_m, section)| (*s_m, section)).chain(last);
@@ -84,7 +84,8 @@ fn shear_share(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option
     Some(shear_over_bending(&rows?).into_iter().fold(0.0, f64::max))
 }
 
-/// Open sections whose warping is restrained at the joint are stiffer in torsion than the beams, NOTATION eq. (S23).
+/// Warns about open sections: if warping is restrained at the joint, they are stiffer in torsion than the beam model, NOTATION eq.
+/// (S23).
 fn warping(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeDoubt> {
     let section = &stations[0].1;
     let decay = body.length_m * (section.torsional_rigidity_n_m2 / section.warping_stiffness_n_m4).sqrt();
@@ -100,7 +101,7 @@ fn warping(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -
     })
 }
 
-/// A surface whose axis is not where the shear centre of the profile is.
+/// Warns about a surface whose elastic axis is not at the shear centre of the profile.
 fn elastic_axis(
     name: &str,
     shape: &Shape,

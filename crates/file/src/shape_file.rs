@@ -1,4 +1,4 @@
-//! Keys of sections by shape and of materials.
+//! Keys of materials and of sections given by shape.
 
 use crate::air_file::LeadingEdgeFile;
 use crate::function::FunctionFile;

@@ -1,4 +1,4 @@
-//! Sections by shape and materials of the file to [`Shape`].
+//! Conversion of materials and sections by shape in the model file to [`Shape`].
 
 use crate::air_file::LeadingEdgeFile;
 use crate::file::ModelFile;
@@ -14,13 +14,13 @@ use crate::validate::Checker;
 use foldwing_engine::machine::units::shortest;
 use indexmap::IndexMap;
 
-/// Materials of the file by name; `None` after an error.
+/// Materials of the model file by name; `None` after an error.
 pub(super) type Materials<'f> = IndexMap<&'f str, Option<Material>>;
 
-/// Poisson's ratio in the plane across the fibres that is assumed if no shear modulus is stated.
+/// Assumed Poisson's ratio in the plane perpendicular to the fibres if no shear modulus is stated.
 const TRANSVERSE_POISSON_RATIO: f64 = 0.4;
 
-/// The materials of the file.
+/// Builds the materials of the model file.
 pub(super) fn materials<'f>(file: &'f ModelFile, checker: &mut Checker) -> Materials<'f> {
     let built =
         |(name, material): (&'f String, &'f MaterialFile)| (name.as_str(), build_material(name, material, checker));
@@ -78,7 +78,8 @@ fn build_material(name: &str, file: &MaterialFile, checker: &mut Checker) -> Opt
     Some(Material { youngs_modulus_pa: along, shear_modulus_pa, density_kg_m3: file.density_kg_m3, across })
 }
 
-/// The material of a name, of the file or else of the library; an unknown one is an error at `path`.
+/// Returns the material with a name, defined in the model file or in the library; an unknown name is an error at
+/// `path`.
 pub(super) fn material(path: &[&str], name: &str, materials: &Materials, checker: &mut Checker) -> Option<Material> {
     if let Some(own) = materials.get(name) {
         return *own;
@@ -96,7 +97,7 @@ pub(super) fn material(path: &[&str], name: &str, materials: &Materials, checker
     found
 }
 
-/// Builds the shapes of the file.
+/// Builder of the shapes in the model file.
 pub(super) struct Builder<'b, 'd, 'a> {
     /// Name of the section.
     pub name: &'b str,
@@ -114,14 +115,14 @@ impl Builder<'_, '_, '_> {
         material(&["section", self.name, "material"], name, self.materials, self.checker)
     }
 
-    /// A round tube.
+    /// Builds a round tube.
     pub fn tube(&mut self, file: &TubeSection) -> Option<Shape> {
         let (diameter, wall) = (self.dimension("diameter_m", &file.diameter_m), self.dimension("wall_m", &file.wall_m));
         let material = self.material(&file.material);
         Some(Shape::Tube([diameter?, wall?], material?))
     }
 
-    /// Dimensions and material of a box or an I-beam.
+    /// Returns the dimensions and material of a box or an I-beam.
     pub fn frame(&mut self, file: &FrameSection) -> Option<(FrameDimensions, Material)> {
         let outer = [
             self.dimension("width_m", &file.width_m),
@@ -138,7 +139,7 @@ impl Builder<'_, '_, '_> {
         Some((FrameDimensions { outer: [width?, height?, wall?], web }, material?))
     }
 
-    /// A channel.
+    /// Builds a channel.
     pub fn channel(&mut self, file: &ChannelSection) -> Option<Shape> {
         let frame = FrameSection {
             width_m: file.width_m.clone(),
@@ -151,7 +152,7 @@ impl Builder<'_, '_, '_> {
         Some(Shape::C(frame, side(file.open_side), material))
     }
 
-    /// An angle.
+    /// Builds an angle.
     pub fn angle(&mut self, file: &AngleSection) -> Option<Shape> {
         let dimensions = [
             self.dimension("width_m", &file.width_m),
@@ -163,7 +164,7 @@ impl Builder<'_, '_, '_> {
         Some(Shape::Angle([width?, height?, wall?], material?))
     }
 
-    /// A thin-walled profile.
+    /// Builds a thin-walled profile.
     pub fn profile(&mut self, file: &ProfileSection) -> Option<Shape> {
         let (chord, skin) =
             (self.dimension("chord_m", &file.chord_m), self.dimension("skin_wall_m", &file.skin_wall_m));
@@ -212,7 +213,7 @@ impl Builder<'_, '_, '_> {
         })))
     }
 
-    /// A strip of plies.
+    /// Builds a strip of plies.
     pub fn laminate(&mut self, file: &LaminateSection) -> Option<Shape> {
         let width = self.dimension("width_m", &file.width_m);
         let count = file.layup_deg.len();
@@ -282,7 +283,7 @@ fn side(edge: LeadingEdgeFile) -> f64 {
     }
 }
 
-/// Reports dimensions that make no section; `body` if they do so on a body.
+/// Reports dimensions for which there is no section; `body` is the body along which they vary, if any.
 pub(super) fn refuse(name: &str, body: Option<&str>, refused: &Refused, checker: &mut Checker) {
     let path: Vec<&str> = ["section", name].into_iter().chain(refused.key.iter().map(String::as_str)).collect();
     let place = body.map(|body| format!(" at s = {} m of body {body:?}", shortest(refused.position_m)));
@@ -291,7 +292,7 @@ pub(super) fn refuse(name: &str, body: Option<&str>, refused: &Refused, checker:
             checker.refuse_as(&path, found.clone() + &place.unwrap_or_default(), &refused.allowed)
         }
         (None, Some(value), Some(place)) => checker.refuse_as(&path, shortest(value) + &place, &refused.allowed),
-        // a default, such as that of web_wall_m, is not stated itself
+        // a default, such as that of web_wall_m, is not in the file
         (None, Some(value), None) if !checker.states(&path) => {
             checker.refuse_as(&path, shortest(value), &refused.allowed)
         }

@@ -1,10 +1,10 @@
-//! Model files with sections by shape: their machines, errors and doubts.
+//! Model files with sections by shape: their machines, errors and warnings.
 
 use crate::shapes::{MATERIALS, NamedMaterial};
 use crate::{doubts, parse, section_properties};
 use foldwing_engine::math::strain::{FLAP, STRETCH, TWIST};
 
-/// A beam of a metre with a section.
+/// Model file of a beam 1 m long with a section.
 fn beam(section: &str) -> String {
     format!(
         "name = \"Beam\"\n[material.foil]\nyoungs_modulus_Pa = 70e9\npoisson_ratio = 0.3\ndensity_kg_m3 = 2700\n[section.spar]\n{section}\n\
@@ -14,7 +14,8 @@ fn beam(section: &str) -> String {
 
 const TUBE: &str = "shape = \"tube\"\ndiameter_m = 0.025\nwall_m = 0.0015\nmaterial = \"foil\"";
 
-/// The sketched wing's tube: EA, GJ, EI and mass by hand, the same from a library material, and shear besides.
+/// The tube of a sketched wing has the EA, GJ, EI and mass computed by hand, the same with a library material, and the known shear
+/// stiffness.
 #[test]
 fn a_tube_has_the_properties_of_its_ring() {
     let machine = parse(&beam(TUBE), "beam.toml").unwrap_or_else(|error| panic!("{error}"));
@@ -32,12 +33,12 @@ fn a_tube_has_the_properties_of_its_ring() {
     let listed = section_properties(&beam(TUBE));
     assert_eq!((listed.len(), listed[0].body.as_str(), listed[0].sections.len()), (1, "beam", 1));
     let shear = listed[0].sections[0].properties.shear_stiffnesses_n.expect("known");
-    // a thin ring has half its area, 0.5 + 0.7 of thickness over radius squared
+    // ratio of shear area to area of a thin ring: 0.5 + 0.7 (thickness / radius)²
     assert!((shear[0] / (70e9 / 2.6 * area) - 0.5).abs() < 0.01 && shear[0] == shear[1], "{shear:?}");
 }
 
-/// Dimensions along a body: the section properties of a tube that tapers to half its diameter are everywhere those computed from the local
-/// dimensions, to 1e-4, and its mass is the integral of the mass per length.
+/// For a tube that tapers to half its diameter, the section properties at each position are those computed from the local dimensions, to
+/// 1e-4, and the mass is the integral of the mass per length.
 #[test]
 fn dimensions_vary_along_the_body() {
     let tapered = TUBE.replace("0.025", "{ table = [[0, 0.04], [0.5, 0.04], [1, 0.02]] }");
@@ -62,7 +63,7 @@ fn dimensions_vary_along_the_body() {
     assert!((parse(&shorter, "beam.toml").expect("a beam").bodies[0].section.mass_kg(0.7) / mass_kg) < 0.8);
 }
 
-/// Every shape gives a model with a positive definite section, and solids take materials by name.
+/// Every shape gives a model with a positive definite section, and solid sections accept materials by name.
 #[test]
 fn all_shapes_make_models() {
     for section in [
@@ -93,7 +94,7 @@ fn all_shapes_make_models() {
     assert_eq!(sections[0], sections[1]);
 }
 
-/// Impossible sections are errors with place, value, allowed values and cure.
+/// Errors for impossible sections state location, value, allowed values and remedy.
 #[test]
 fn impossible_sections_are_refused() {
     let profile =
@@ -170,7 +171,7 @@ fn impossible_sections_are_refused() {
     assert!(text.contains("{ table = [[s, value], …] } in the section"), "{text}");
 }
 
-/// Deflection by shear, restrained warping and an elastic axis beside the shear centre are doubted; a slender tube is not.
+/// There are warnings for shear deflection, restrained warping and an elastic axis away from the shear centre, but not for a slender tube.
 #[test]
 fn shapes_beyond_the_beams_are_doubted() {
     assert_eq!(doubts(&beam(TUBE)), []);
@@ -217,7 +218,7 @@ fn shapes_beyond_the_beams_are_doubted() {
     );
 }
 
-/// The guide's library is that of the program, and its models and parts of models are valid.
+/// The material library in the guide is that of the program, and the guide's models and excerpts of models are valid.
 #[test]
 fn the_guide_is_true() {
     let guide =

@@ -1,4 +1,4 @@
-//! Deflection by shear over that by bending of a cantilever, and the doubt about bodies that leave it out.
+//! Ratio of shear to bending deflection of a cantilever.
 
 use crate::body::BodyFile;
 use crate::document::Document;
@@ -38,9 +38,9 @@ pub(super) fn neglected_shear(bodies: &[(&str, f64)]) -> Option<(String, String)
     Some((reason, advice.to_owned()))
 }
 
-/// Deflection by shear over that by bending of a body of this length, clamped and with a force at its tip, across `y` and `z` of its
-/// sections: `∫ ds/GA` over `∫ s²/EI ds` with `s` from the tip, which is `3 EI/(GA L²)` for a constant section. Bodies without shear leave it
-/// out, and the condensed stiffness does not contain the neglected part. `None` for a table without shear stiffness.
+/// Ratio of shear to bending deflection of a body of this length that is clamped, with a force at its tip along `y` and along `z` of its
+/// sections: `∫ ds/GA` divided by `∫ s²/EI ds` with `s` from the tip, which is `3 EI/(GA L²)` for a uniform section. Bodies without shear
+/// neglect this deflection, which the condensed stiffness does not contain. `None` for a table without shear stiffness.
 pub(super) fn shear_shares(table: &StationTable, length_m: f64) -> Option<[f64; 2]> {
     let shear_n = [table.column("shear_stiffness_y_N")?, table.column("shear_stiffness_z_N")?];
     let bending_n_m2 = [table.column("edge_stiffness_N_m2")?, table.column("flap_stiffness_N_m2")?];
@@ -54,13 +54,13 @@ pub(super) fn shear_shares(table: &StationTable, length_m: f64) -> Option<[f64; 
     Some(shear_over_bending(&stations))
 }
 
-/// Deflection by shear over that by bending of a cantilever under a force along `y` and `z` at its tip. Stations: distance from the tip in m,
-/// and for either direction the shear stiffness in N and the bending stiffness in N·m².
+/// Ratio of shear to bending deflection of a cantilever under a force along `y` and along `z` at its tip. Stations: distance from the tip
+/// in m, and for each direction the shear stiffness in N and the bending stiffness in N·m².
 pub(super) fn shear_over_bending(stations: &[(f64, [(f64, f64); 2])]) -> [f64; 2] {
     [0, 1].map(|axis| {
         let mut sums = [0.0; 2];
         for pair in stations.windows(2) {
-            // ∫ s² ds between two stations, half of it with the flexibility of each
+            // integrals of 1 and s² between two stations, of which each station's flexibility takes half
             let half = [0.5 * (pair[0].0 - pair[1].0), (pair[0].0.powi(3) - pair[1].0.powi(3)) / 6.0];
             for (_, sections) in pair {
                 let (shear_n, bending_n_m2): (f64, f64) = sections[axis];

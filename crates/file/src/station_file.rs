@@ -1,4 +1,4 @@
-//! Sections and axes of other files: CSV, and those of section programs.
+//! Sections and axes from other files: CSV, and files of section programs.
 
 use crate::beamdyn_file;
 use crate::renamed;
@@ -7,13 +7,13 @@ use crate::stations::MAXIMUM_STATIONS;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Error of a file of stations.
+/// Error in a file of stations.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("line {line}: {reason}")]
 pub struct StationFault {
-    /// Line from 1.
+    /// Line, numbered from 1.
     pub line: usize,
-    /// Reason of the error.
+    /// Cause of the error.
     pub reason: String,
 }
 
@@ -57,29 +57,29 @@ pub(super) const SECTION_COLUMNS: &[&str] = &[
 /// Keys of `[body.<name>.axis]`.
 pub(super) const AXIS_COLUMNS: &[&str] = &["eta", "s_m", "y_m", "z_m", "twist_deg"];
 
-/// Numbers in columns.
+/// Table of numbers in named columns.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StationTable {
-    /// Names of the columns, as the keys of the model file are called.
+    /// Names of the columns, which are keys of the model file.
     pub names: Vec<String>,
-    /// The columns.
+    /// Values of each column.
     pub columns: Vec<Vec<f64>>,
 }
 
 impl StationTable {
-    /// A column by its name.
+    /// Returns a column by its name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let index = self.names.iter().position(|known| known == name)?;
         self.columns.get(index).map(Vec::as_slice)
     }
 
-    /// `key = { name = [...], … }`, one line of TOML.
+    /// Formats the table as `key = { name = [...], … }`, one line of TOML.
     pub(super) fn text(&self, key: &str) -> String {
         let mut text = format!("{key} = {{ ");
         for (index, (name, column)) in self.names.iter().zip(&self.columns).enumerate() {
             let comma = if index == 0 { "" } else { ", " };
             let numbers: Vec<String> = column.iter().map(|value| format!("{value:?}")).collect();
-            // writing to a text does not fail
+            // writing to a String cannot fail
             let _ = write!(text, "{comma}{name} = [{}]", numbers.join(", "));
         }
         text + " }"
@@ -87,20 +87,20 @@ impl StationTable {
 }
 
 /// Reads sections along a body: CSV with the keys of `[section.<name>.along]` as column names in the first row, or a file of VABS, BECAS,
-/// ANBA4, PreComp, windIO (SONATA, WISDEM) or BeamDyn in SI, whose 6×6 stiffness is stored as that without shear forces and that of the
-/// shears, NOTATION eqs. (S9), (S24).
+/// ANBA4, PreComp, windIO (SONATA, WISDEM) or BeamDyn in SI units, whose 6×6 stiffness is stored as the condensed stiffness with zero
+/// shear forces and the shear stiffness, NOTATION eqs. (S9), (S24).
 ///
 /// # Errors
-/// Text in no such format, rows of other lengths, numbers that are not finite, unknown columns, truncated files, matrices that are
-/// impossible for a section.
+/// Text in none of these formats, rows of different lengths, numbers that are not finite, unknown columns, truncated files, matrices that
+/// are impossible for a section.
 pub fn read_sections(text: &str) -> Result<StationTable, StationFault> {
     read_sections_in(text, None)
 }
 
-/// As [`read_sections`], for 6×6 matrices in other units.
+/// Like [`read_sections`], for 6×6 matrices in other units.
 ///
 /// # Errors
-/// As [`read_sections`], and units for a file that states its own: CSV, PreComp.
+/// As for [`read_sections`], and units given for a file that states its units: CSV, PreComp.
 pub fn read_sections_in(text: &str, units: Option<FileUnits>) -> Result<StationTable, StationFault> {
     let text = without_mark(text);
     if let Some(read) = read_program(text, units) {
@@ -112,10 +112,11 @@ pub fn read_sections_in(text: &str, units: Option<FileUnits>) -> Result<StationT
     read_columns(text, SECTION_COLUMNS, AXIS_COLUMNS)
 }
 
-/// As [`read_sections_in`], from a file; one of CSV may also name files of one section each, beside it, in its column `section_file`.
+/// Like [`read_sections_in`], from a file; a CSV file may also name, in its column `section_file`, files of one section each in the same
+/// folder.
 ///
 /// # Errors
-/// A file that cannot be read, with line 0; else as [`read_sections_in`].
+/// A file that cannot be read, with line 0; otherwise as for [`read_sections_in`].
 pub(super) fn read_section_file(path: &Path, units: Option<FileUnits>) -> Result<StationTable, StationFault> {
     let text = std::fs::read_to_string(path).map_err(|reason| fault(0, reason.to_string()))?;
     let text = without_mark(&text);
@@ -125,7 +126,7 @@ pub(super) fn read_section_file(path: &Path, units: Option<FileUnits>) -> Result
     read_sections_in(text, units)
 }
 
-/// Sections of a file that a section program wrote, or of a list of such files; `None` for CSV and for files that cannot be read.
+/// Sections in a file written by a section program, or in a list of such files; `None` for CSV and for files that cannot be read.
 pub(super) fn sections_of_a_program(path: &Path, units: Option<FileUnits>) -> Option<StationTable> {
     let text = std::fs::read_to_string(path).ok()?;
     let text = without_mark(&text);
@@ -135,10 +136,10 @@ pub(super) fn sections_of_a_program(path: &Path, units: Option<FileUnits>) -> Op
     read_section_file(path, units).ok()
 }
 
-/// Reads the axis of a body: CSV whose first row names columns as the keys of `[body.<name>.axis]`, or BeamDyn's primary file.
+/// Reads the axis of a body: CSV with the keys of `[body.<name>.axis]` as column names in the first row, or BeamDyn's primary file.
 ///
 /// # Errors
-/// As [`read_sections`].
+/// As for [`read_sections`].
 pub fn read_axis(text: &str) -> Result<StationTable, StationFault> {
     let text = without_mark(text);
     match beamdyn_file::is_beamdyn(text) {
@@ -147,7 +148,7 @@ pub fn read_axis(text: &str) -> Result<StationTable, StationFault> {
     }
 }
 
-/// The text without the byte order mark that some programs write in front of it.
+/// Returns the text without the byte order mark that some programs write at its beginning.
 pub(super) fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
@@ -156,7 +157,7 @@ pub(super) fn fault(line: usize, reason: impl Into<String>) -> StationFault {
     StationFault { line, reason: reason.into() }
 }
 
-/// The columns in `own`; those in `other` are left to another reader of the same file.
+/// Reads the columns in `own`; those in `other` are left to another reader of the same file.
 fn read_columns(text: &str, own: &[&str], other: &[&str]) -> Result<StationTable, StationFault> {
     let mut rows = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
     let mut rows = rows.by_ref().filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
@@ -212,7 +213,7 @@ mod tests {
         assert_eq!(axis.text("axis"), "axis = { eta = [0.0, 1.0], twist_deg = [-13.3, 0.0] }");
     }
 
-    /// A comment may name the source, and a spreadsheet may put its mark in front.
+    /// Comments, which may name the source, and the byte order mark of a spreadsheet do not change the result.
     #[test]
     fn comments_and_the_byte_order_mark_change_nothing() {
         let plain = "eta,mass_kg_m\n0,10\n1,2\n";

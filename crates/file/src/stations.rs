@@ -1,4 +1,4 @@
-//! Functions along a body by stations: properties of its sections, points of its axis.
+//! Functions along a body given at stations: section properties, points of the axis.
 
 use crate::sections::Stations;
 use crate::validate::Checker;
@@ -11,24 +11,24 @@ use nalgebra::SMatrix;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Sections in a table, and points of an axis.
+/// Maximum number of sections in a table, and of points of an axis.
 pub(super) const MAXIMUM_STATIONS: usize = 1000;
 
-/// Places along a body.
+/// Positions along a body.
 pub(super) enum Places {
     /// As fractions of the length, from 0 to 1.
     Shares(Vec<f64>),
-    /// As lengths in m from the inner end.
+    /// As distances in m from the inner end.
     Lengths(Vec<f64>),
 }
 
-/// Largest relative difference between the last position and the length of a body that is treated as rounding: as for typed digits of an
-/// arc length that a file of points gives by an integral.
+/// Maximum relative difference between the last position and the length of a body that is attributed to rounding, such as that of a
+/// typed length compared with an arc length integrated from a file of points.
 const ROUNDED: f64 = 1e-4;
 
 impl Places {
-    /// Positions in m from the inner end of a body of `length_m`: lengths that end within [`ROUNDED`] of it are scaled so that the last
-    /// position is the end. Otherwise the last length as the error.
+    /// Positions in m from the inner end of a body of `length_m`. Distances that end within [`ROUNDED`] of it are scaled so that the
+    /// last position is the end; otherwise the error is the last distance.
     pub fn on_body(&self, length_m: f64) -> Result<Vec<f64>, f64> {
         let (places, last) = match self {
             Self::Shares(shares) => (shares, 1.0),
@@ -202,7 +202,7 @@ pub(super) struct AxisAlong {
     pub twist_deg: Option<Vec<f64>>,
 }
 
-/// Positions that ascend from 0; otherwise an error at `path`.
+/// Positions that ascend from 0; any others are an error at `path`.
 fn places(path: &[&str], eta: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker: &mut Checker) -> Option<Places> {
     let at = |key| [path, &[key]].concat();
     let (key, values) = match (eta, s_m) {
@@ -239,7 +239,7 @@ fn places(path: &[&str], eta: Option<&Vec<f64>>, s_m: Option<&Vec<f64>>, checker
 }
 
 impl SectionsAlong {
-    /// The sections; `None` after an error.
+    /// Builds the sections; `None` after an error.
     pub fn stations(&self, name: &str, checker: &mut Checker) -> Option<Stations> {
         let path = ["section", name, "along"];
         let places = places(&path, self.eta.as_ref(), self.s_m.as_ref(), checker)?;
@@ -373,8 +373,8 @@ impl SectionsAlong {
     }
 }
 
-/// Stiffness about the beam axis of a section given about its tension centre `[y, z]`: the stretch there is
-/// `εx + z κy − y κz`, NOTATION eqs. (K7), (S9).
+/// Stiffness about the beam axis of a section whose stiffness is given about its tension centre `[y, z]`: the stretch there is `εx + z
+/// κy − y κz`, NOTATION eqs. (K7), (S9).
 fn about_axis(centred: &StrainMatrix, [y_m, z_m]: [f64; 2]) -> StrainMatrix {
     if y_m == 0.0 && z_m == 0.0 {
         return *centred;
@@ -385,7 +385,7 @@ fn about_axis(centred: &StrainMatrix, [y_m, z_m]: [f64; 2]) -> StrainMatrix {
 }
 
 impl AxisAlong {
-    /// The axis of a body of `length_m`; `None` after an error.
+    /// Builds the axis of a body of `length_m`; `None` after an error.
     pub fn on_body(&self, name: &str, length_m: f64, checker: &mut Checker) -> Option<Axis> {
         let path = ["body", name, "axis"];
         let places = places(&path, self.eta.as_ref(), self.s_m.as_ref(), checker)?;
@@ -425,7 +425,7 @@ impl AxisAlong {
 mod tests {
     use super::*;
 
-    /// An axis of 20.0019 m on a body of 20 m used to end at 20.0019 m, beyond the body.
+    /// An axis of 20.0019 m on a body of 20 m formerly ended at 20.0019 m, beyond the end of the body.
     #[test]
     fn rounded_lengths_end_at_the_end_of_the_body() {
         let places = |last_m: f64| Places::Lengths(vec![0.0, 10.0, last_m]).on_body(20.0);

@@ -1,4 +1,4 @@
-//! Second pass: the tree against the schema. Unknown and missing keys, types, ranges of single values.
+//! Second pass: comparison of the tree with the schema. Unknown and missing keys, types, ranges of individual values.
 
 use crate::document::{Document, key_text};
 use crate::error::{Fault, Problem};
@@ -12,13 +12,13 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Maximum number of errors that are listed.
+/// Maximum number of errors that are listed individually.
 pub(super) const MAXIMUM_PROBLEMS: usize = 200;
 
-/// Longest name in bytes for which a suggestion is sought.
+/// Maximum length in bytes of a name for which a suggestion is sought.
 const LONGEST_NAME: usize = 80;
 
-/// Compares the document with the schema.
+/// Compares the model file with the schema.
 ///
 /// # Errors
 /// All problems, in the order of the file.
@@ -38,12 +38,12 @@ struct Check<'d, 'a> {
     document: &'d Document<'a>,
     path: Vec<String>,
     problems: Vec<Problem>,
-    /// Problems beyond [`MAXIMUM_PROBLEMS`].
+    /// Number of problems beyond [`MAXIMUM_PROBLEMS`].
     further: usize,
 }
 
 impl<'a> Check<'_, 'a> {
-    /// Whether further errors are only counted.
+    /// Returns whether further errors are only counted.
     fn is_full(&self) -> bool {
         self.problems.len() >= MAXIMUM_PROBLEMS
     }
@@ -66,7 +66,7 @@ impl<'a> Check<'_, 'a> {
         self.problem_at(offset, span, key_text(&self.path), Fault::NotAllowed { value, allowed });
     }
 
-    /// `offset` is the position of the table's own key, for missing keys.
+    /// Checks a table; `offset` is the position of its key, at which missing keys are reported.
     fn table(&mut self, schema: Node, table: &DeTable<'a>, offset: usize) {
         let Some((tag, variants)) = tagged(schema) else {
             return self.keys(schema, table, offset);
@@ -88,7 +88,7 @@ impl<'a> Check<'_, 'a> {
                 self.refuse(key.span().start, value, allowed);
             }
             None => {
-                // the tag itself may be misspelt: a key that no variant has
+                // the tag itself may be misspelt: then there is a similar key that no variant has
                 let variants = || schema.children("oneOf").into_iter().flatten();
                 let stranger = |name: &str| !variants().any(|variant| properties(variant).any(|(key, _)| key == name));
                 let mut strangers = table.iter().filter(|(key, _)| stranger(key.get_ref()));
@@ -114,7 +114,7 @@ impl<'a> Check<'_, 'a> {
                 None => match renamed(schema, &self.path) {
                     Some((new, schema)) => {
                         self.problem(key.span().start, key_text(&self.path), Fault::RenamedKey { new: new.to_owned() });
-                        // its keys and values may have old names too
+                        // keys and values in this table may have old names, too
                         self.value(new, schema, value, key.span().start);
                         meant.push(new);
                     }
@@ -127,9 +127,9 @@ impl<'a> Check<'_, 'a> {
             self.path.pop();
         }
         for (known, property) in properties(schema) {
-            // A key with a misspelt name is reported once.
+            // a misspelt key is reported only once
             let needed = is_required(&schema, known)
-                // beams need both; a machine of rigid bodies neither
+                // models with beams need both; a machine of rigid bodies needs neither
                 || self.path.is_empty()
                     && ["section", "body"].contains(&known)
                     && !table.iter().any(|(key, _)| ["rigid_body", "modal_body"].contains(&key.get_ref().as_ref()));
@@ -143,7 +143,7 @@ impl<'a> Check<'_, 'a> {
         }
     }
 
-    /// A table that the file names, as `[body.inner]`.
+    /// Checks a table whose name is chosen in the file, such as `[body.inner]`.
     fn named(&mut self, schema: Node, name: &str, value: &Spanned<DeValue<'a>>, offset: usize) {
         if !is_identifier(name) {
             let value = format!("the name {name:?}");
@@ -156,10 +156,11 @@ impl<'a> Check<'_, 'a> {
         self.value(name, schema, value, offset);
     }
 
-    /// Returns the key that is probably meant. A key of another table is referred to that table; for a table, similar tables have priority.
+    /// Returns the key that is probably meant. For a key of another table, that table is suggested; for a table, similar tables have
+    /// priority.
     fn unknown<'s>(&mut self, schema: Node<'s>, name: &str, is_table: bool, offset: usize) -> Option<&'s str> {
         if self.is_full() {
-            self.further += 1; // no suggestions any more
+            self.further += 1; // without further suggestions
             return None;
         }
         let known = || properties(schema).map(|(key, _)| key);
@@ -214,20 +215,20 @@ impl<'a> Check<'_, 'a> {
     }
 }
 
-/// The key of today, with its schema, of a path that ends with a key of 0.1.0.
+/// Present name of the key at the end of a path that has the old name of version 0.1.0, with its schema.
 fn renamed<'s>(schema: Node<'s>, path: &[String]) -> Option<(&'s str, Node<'s>)> {
     let new = renamed::key(path)?;
     properties(schema).find(|(known, _)| *known == new)
 }
 
-/// For a schema with a table or another alternative, the one that fits the kind of `value`.
+/// For a schema with alternatives, one of them a table, the alternative that fits the type of `value`.
 fn alternative<'s>(schema: Node<'s>, value: &DeValue) -> Node<'s> {
     let Some(choices) = schema.children("anyOf") else { return schema };
     let fits = |choice: &Node| is_table(*choice) == matches!(value, DeValue::Table(_));
     choices.map(Node::resolve).find(fits).unwrap_or(schema)
 }
 
-/// Suggestion for a word that is no option of the schema, to follow the options.
+/// Suggestion for a word that is not an allowed option, to be appended to the list of options.
 fn hint(value: &DeValue, schema: Node) -> String {
     let tags = tagged(schema).map(|(_, variants)| variants.into_iter().map(|(name, _)| name).collect());
     match (value.as_str(), options(schema).or(tags)) {
@@ -238,7 +239,7 @@ fn hint(value: &DeValue, schema: Node) -> String {
     }
 }
 
-/// The identifier that a name with invalid characters probably denotes: `Rover_Wing` for `Rover Wing`.
+/// Suggests the identifier that is probably meant by a name with invalid characters: `Rover_Wing` for `Rover Wing`.
 fn as_identifier(word: &str) -> String {
     let words: Vec<&str> = word
         .split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_')
@@ -250,7 +251,7 @@ fn as_identifier(word: &str) -> String {
     if short { format!("; perhaps {meant:?}") } else { String::new() }
 }
 
-/// The direction that the name of an axis denotes.
+/// Suggests the direction vector for the name of an axis.
 fn as_direction(word: &str) -> String {
     let (sign, axis) = word.strip_prefix('-').map_or(("", word), |axis| ("-", axis));
     let place = ["x", "y", "z"].iter().position(|name| axis.eq_ignore_ascii_case(name));
@@ -265,7 +266,7 @@ fn is_table(schema: Node) -> bool {
     schema["type"] == "object" || tagged(schema).is_some()
 }
 
-/// Byte offset of the first item that does not fit, or of the array if its length does not.
+/// Byte offset of the first item of an array that does not fit the schema, or of the array if its length does not.
 fn first_misfit(value: &Spanned<DeValue>, schema: Node) -> Option<usize> {
     let DeValue::Array(items) = value.get_ref() else {
         return (!fits(value.get_ref(), schema)).then(|| value.span().start);
@@ -279,7 +280,7 @@ fn first_misfit(value: &Spanned<DeValue>, schema: Node) -> Option<usize> {
     items.iter().find_map(|item| first_misfit(item, schema.child("items").resolve()))
 }
 
-/// Whether a value that is neither table nor array has the schema's type and is in its range.
+/// Returns whether a value other than a table or array has the type and range of the schema.
 fn fits(value: &DeValue, schema: Node) -> bool {
     match (value, schema["type"].as_str()) {
         (DeValue::String(text), _) if options(schema).is_some() => {

@@ -1,4 +1,5 @@
-//! Third pass: builds the machine by a [`MachineBuilder`], and reports its errors with the file's keys and lines.
+//! Third pass: builds the machine with a [`MachineBuilder`], and reports errors of the machine with the keys and lines
+//! of the file.
 
 use crate::copies::Copies;
 use crate::document::{Document, key_text};
@@ -21,14 +22,14 @@ const REAL_TIME_STEP_S: f64 = 1e-3;
 pub(super) struct Checker<'d, 'a> {
     document: &'d Document<'a>,
     problems: Vec<Problem>,
-    /// Paths of the machine whose values were replaced after an error: further errors there are consequences.
+    /// Paths of the machine whose values were replaced after an error; further errors there are consequences of it.
     stand_ins: Vec<Vec<String>>,
-    /// Parts written once in the file and copied in the machine.
+    /// Parts that are defined once in the file and copied in the machine.
     copies: &'d Copies,
 }
 
 impl<'d, 'a> Checker<'d, 'a> {
-    /// Without errors yet.
+    /// Creates a checker without errors.
     pub fn new(document: &'d Document<'a>, copies: &'d Copies) -> Self {
         Self { document, problems: Vec::new(), stand_ins: Vec::new(), copies }
     }
@@ -40,7 +41,7 @@ impl Checker<'_, '_> {
         self.push(self.document.refusal(&self.stated(path), allowed.into()));
     }
 
-    /// Path in the file of one of several copies.
+    /// Path in the file for a path that may belong to a copy.
     fn stated<'p>(&'p self, path: &[&'p str]) -> Vec<&'p str> {
         let mut path = path.to_vec();
         if let Some(name) = path.get(1).and_then(|name| self.copies.names.get(*name)) {
@@ -49,14 +50,14 @@ impl Checker<'_, '_> {
         path
     }
 
-    /// An error of all copies is reported once.
+    /// Adds a problem; an error that all copies have is reported once.
     fn push(&mut self, problem: Problem) {
         if self.copies.names.is_empty() || !self.problems.contains(&problem) {
             self.problems.push(problem);
         }
     }
 
-    /// Reports the state described by `value`, at `path`.
+    /// Reports the invalid state described by `value`, at `path`.
     pub fn refuse_as(&mut self, path: &[&str], value: impl Into<String>, allowed: impl Into<String>) {
         let fault = Fault::NotAllowed { value: value.into(), allowed: allowed.into() };
         let path = &self.stated(path);
@@ -68,7 +69,7 @@ impl Checker<'_, '_> {
         self.push(problem);
     }
 
-    /// Whether the file states the key.
+    /// Returns whether the file states the key.
     pub fn states(&self, path: &[&str]) -> bool {
         self.document.find(&self.stated(path)).is_some()
     }
@@ -80,12 +81,12 @@ impl Checker<'_, '_> {
         self.refuse(path, format!("{what}: {}{hint}", quoted(&known)));
     }
 
-    /// Suppresses errors at this path of the machine and inside it.
+    /// Suppresses errors at and below this path of the machine.
     pub fn stands_in(&mut self, place: &[&str]) {
         self.stand_ins.push(place.iter().map(|part| (*part).to_owned()).collect());
     }
 
-    /// Reports an error of the machine with the key and line of the file.
+    /// Reports an error of the machine with the key and line in the file.
     fn tell(&mut self, fault: &MachineFault, file: &ModelFile) {
         if self.stand_ins.iter().any(|place| fault.place.0.starts_with(place)) {
             return;
@@ -110,7 +111,7 @@ impl Checker<'_, '_> {
         }
     }
 
-    /// Allowed values if the file gives a function along a body by one number.
+    /// Allowed values if the file gives a function along a body as a single number.
     fn plain_number(&self, path: &[&str]) -> Option<&'static str> {
         let entry = self.document.find(&self.stated(path))?;
         let number = matches!(entry.value.get_ref(), DeValue::Integer(_) | DeValue::Float(_));
@@ -121,7 +122,7 @@ impl Checker<'_, '_> {
         }
     }
 
-    /// Path in the file of a place of the machine.
+    /// Path in the file for a path in the machine.
     fn path_of(&self, place: &[String], file: &ModelFile) -> Vec<String> {
         let mut path: Vec<String> = place.to_vec();
         for part in path.iter_mut().skip(1) {
@@ -148,7 +149,8 @@ impl Checker<'_, '_> {
                 }
             }
             ("joint", Some("offset_m")) => path[2] = "parent_offset_m".to_owned(),
-            // a rigid body has a separate table that includes its mass; an error of all bodies has no name
+            // rigid bodies have a separate table that includes their mass; an error that concerns all bodies has no
+            // name
             ("body" | "mass", _)
                 if path
                     .get(1)
@@ -159,10 +161,10 @@ impl Checker<'_, '_> {
                     path[2] = "centre_of_mass_m".to_owned();
                 }
             }
-            // so has a modal one
+            // so do modal bodies
             ("body", _) if path.get(1).is_some_and(|name| file.modal_body.contains_key(name)) => {
                 path[0] = "modal_body".to_owned();
-                // shapes are in arrays by type
+                // mode shapes are in separate arrays for each type
                 if let ("flap" | "edge", Some(field)) = (path[2].as_str(), path.get(3).cloned()) {
                     let key = match field.as_str() {
                         "coefficients" => "shapes",
@@ -193,7 +195,7 @@ impl Checker<'_, '_> {
     }
 }
 
-/// Fields of the machine and its builder whose keys have other names, and those keys.
+/// Fields of the machine and its builder whose keys have different names, with these keys.
 const KEYS: &[(&str, &str)] = &[
     ("start_angle_rad", "start_angle_deg"),
     ("start_rate_rad_s", "start_rate_deg_s"),
@@ -226,7 +228,7 @@ const KEYS: &[(&str, &str)] = &[
     ("force_n", "force_N"),
 ];
 
-/// Words of the machine's messages, and their replacements in those of the file.
+/// Words in messages of the machine, and their replacements in messages about the file.
 const WORDS: &[(&str, &str)] = &[
     ("rad/s", "deg/s"),
     ("mount_rotation ", "mount_rotation_deg "),
@@ -239,7 +241,7 @@ const WORDS: &[(&str, &str)] = &[
     ("at least one surface", "at least one table [surface.<name>]"),
 ];
 
-/// Validates a file that fits the schema.
+/// Validates a file that conforms to the schema.
 ///
 /// # Errors
 /// All problems, in the order of the file.
@@ -261,7 +263,7 @@ pub(super) fn machine(file: &ModelFile, document: &Document, copies: &Copies) ->
     }
 }
 
-/// The machine that the file describes.
+/// Creates the machine described by the file.
 fn describe(file: &ModelFile, checker: &mut Checker) -> MachineBuilder {
     let materials = shaped::materials(file, checker);
     let build = |(name, section)| (String::as_str(name), sections::build(name, section, &materials, checker));

@@ -1,26 +1,26 @@
-//! Wind from files: TurbSim's and Bladed's full fields, and tables over time at hub height.
+//! Wind from files: full-field files of TurbSim and Bladed, and tables over time at hub height.
 
 use crate::station_file::without_mark;
 use foldwing_engine::aero::rotor::turbulence_box::TurbulenceBox;
 use foldwing_engine::aero::rotor::wind::{TableRow, WindTable};
 
-/// Maximum number of velocities of a field: 1.2 GB of them.
+/// Maximum number of velocities in a field, which then takes 1.2 GB.
 const MAXIMUM_VELOCITIES: usize = 100_000_000;
 
-/// Error of a wind file.
+/// Error in a wind file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WindFault {
     /// The file is shorter than its header implies.
     #[error("truncated: {what} needs {needed} bytes, the file has {length}; fetch or generate the whole file again")]
     CutShort {
-        /// Part that was read.
+        /// Part that was being read.
         what: String,
-        /// Bytes that the file needs.
+        /// Number of bytes that the file needs.
         needed: usize,
-        /// Bytes that it has.
+        /// Number of bytes that it has.
         length: usize,
     },
-    /// A value that cannot be.
+    /// A value is impossible.
     #[error("{what} is {value}; {allowed}")]
     Value {
         /// Name of the field.
@@ -30,17 +30,17 @@ pub enum WindFault {
         /// Allowed values.
         allowed: &'static str,
     },
-    /// A line of a table that cannot be read.
+    /// A line of a table cannot be read.
     #[error("line {line}: {reason}")]
     Line {
-        /// Line from 1.
+        /// Line, numbered from 1.
         line: usize,
-        /// Reason of the error.
+        /// Cause of the error.
         reason: String,
     },
 }
 
-/// Bytes of a file, read from the front, little endian.
+/// Little-endian bytes of a file, read in order.
 struct Bytes<'a> {
     bytes: &'a [u8],
     place: usize,
@@ -74,7 +74,7 @@ impl Bytes<'_> {
         Ok(())
     }
 
-    /// Makes sure of a number of bytes ahead.
+    /// Checks that a number of bytes remain.
     fn remain(&self, count: usize, what: &str) -> Result<(), WindFault> {
         let needed = self.place.saturating_add(count);
         if needed <= self.bytes.len() {
@@ -105,10 +105,10 @@ fn volume(planes: usize, upward: usize, across: usize) -> Result<usize, WindFaul
     Err(WindFault::Value { what: "planes times points", value: count.to_string(), allowed })
 }
 
-/// Reads TurbSim's full field, `.bts`: identifier 7, or 8 if it is periodic. Points of a tower below the grid are ignored.
+/// Reads a full-field file of TurbSim, `.bts`, with identifier 7, or 8 if it is periodic. Points of a tower below the grid are ignored.
 ///
 /// # Errors
-/// A truncated file, another identifier, grids without extent, scales of zero, more than 1e8 velocities, surplus bytes.
+/// A truncated file, another identifier, grids of zero size, scales of zero, more than 1e8 velocities, or surplus bytes.
 pub fn read_turbsim(bytes: &[u8]) -> Result<TurbulenceBox, WindFault> {
     let mut file = Bytes { bytes, place: 0 };
     let identifier = file.short("identifier")?;
@@ -179,20 +179,20 @@ pub fn read_turbsim(bytes: &[u8]) -> Result<TurbulenceBox, WindFault> {
     })
 }
 
-/// Settings missing in Bladed's `.wnd`; TurbSim and Bladed write them to a separate text file.
+/// Settings that Bladed's `.wnd` files lack; TurbSim and Bladed write them to a separate text file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BladedSettings {
-    /// Height in m of the middle of the grid above the ground.
+    /// Height of the middle of the grid above ground in m.
     pub middle_height_m: f64,
-    /// Whether points across are written from port to starboard (`CLOCKWISE` in the `.sum` file), as by TurbSim.
+    /// Whether lateral points are stored from port to starboard (`CLOCKWISE` in the `.sum` file), as by TurbSim.
     pub from_port: bool,
 }
 
-/// Reads Bladed's full field, `.wnd`, with three components: turbulence model 4, written by TurbSim. Velocities along the wind are the mean
-/// plus the turbulence, without shear; the field is periodic.
+/// Reads a full-field file in Bladed's format, `.wnd`, with three components: turbulence model 4, as written by TurbSim. Velocities along
+/// the wind are the mean plus the turbulence, without shear; the field is periodic.
 ///
 /// # Errors
-/// A truncated file, another model, grids without extent, invalid intensities, more than 1e8 velocities, surplus bytes.
+/// A truncated file, another model, grids of zero size, invalid intensities, more than 1e8 velocities, or surplus bytes.
 pub fn read_bladed(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceBox, WindFault> {
     let mut file = Bytes { bytes, place: 0 };
     let identifier = file.short("identifier")?;
@@ -260,15 +260,15 @@ pub fn read_bladed(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceB
     })
 }
 
-/// Reads a full field of TurbSim or Bladed, detected by its first two bytes; `settings` are those of a field of Bladed.
+/// Reads a full-field file of TurbSim or Bladed, distinguished by its first two bytes; `settings` apply to a file of Bladed.
 ///
 /// # Errors
-/// Those of [`read_turbsim`] and [`read_bladed`].
+/// As for [`read_turbsim`] and [`read_bladed`].
 pub fn read_field(bytes: &[u8], settings: BladedSettings) -> Result<TurbulenceBox, WindFault> {
     if is_bladed(bytes) { read_bladed(bytes, settings) } else { read_turbsim(bytes) }
 }
 
-/// Whether bytes start like Bladed's full fields.
+/// Returns whether bytes are the start of a full-field file of Bladed.
 pub(crate) fn is_bladed(bytes: &[u8]) -> bool {
     bytes.starts_with(&(-99i16).to_le_bytes())
 }
@@ -282,12 +282,12 @@ fn left_over(file: &Bytes) -> Result<(), WindFault> {
     Err(WindFault::Value { what: "bytes after the velocities", value: rest.to_string(), allowed })
 }
 
-/// Reads a table over time in the format of AeroDyn's uniform wind files: time in s, horizontal speed in m/s, direction in deg, vertical
-/// speed in m/s, horizontal linear, vertical power-law and vertical linear shear, gust in m/s; comments start with `!` or `#`. A ninth
-/// column (the angle of upflow) must be zero.
+/// Reads a table over time in AeroDyn's uniform wind format: time in s, horizontal speed in m/s, direction in deg, vertical speed in m/s,
+/// horizontal linear, vertical power-law and vertical linear shear, gust in m/s; comments start with `!` or `#`. A ninth column (upflow
+/// angle) must be zero.
 ///
 /// # Errors
-/// Lines with fewer columns, numbers that are not finite, times that do not ascend, no rows, a reference length that is not positive.
+/// Lines with too few columns, numbers that are not finite, times that do not ascend, no rows, or a reference length that is not positive.
 pub fn read_wind_table(text: &str, reference_length_m: f64) -> Result<WindTable, WindFault> {
     positive("reference length", reference_length_m)?;
     let mut rows: Vec<TableRow> = Vec::new();
@@ -340,8 +340,8 @@ pub fn read_wind_table(text: &str, reference_length_m: f64) -> Result<WindTable,
     Ok(WindTable { reference_length_m, rows })
 }
 
-/// Bytes of a full field in TurbSim's format (`.bts`), for use in other programs. Velocities are stored in steps of a 65535th of each
-/// component's range.
+/// Returns a full-field file in TurbSim's format (`.bts`), for use in other programs. Velocities are stored with a resolution of 1/65535 of
+/// each component's range.
 pub fn write_turbsim(grid: &TurbulenceBox, hub_height_m: f64) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(100 + 6 * grid.velocity_m_s.len());
     bytes.extend(if grid.periodic { 8i16 } else { 7 }.to_le_bytes());
@@ -406,7 +406,7 @@ mod tests {
         }
     }
 
-    /// A file truncated at any byte is an error with this message; so is one with a byte too many.
+    /// A file truncated at any byte, or with one surplus byte, gives this error message.
     #[test]
     fn files_cut_short_are_refused_at_every_byte() {
         let bytes = write_turbsim(&grid(), 82.0);
@@ -431,7 +431,7 @@ mod tests {
         assert!(with(42, &0f32.to_le_bytes()).starts_with("scale of velocities is 0"));
     }
 
-    /// Every invalid number of the header, which must be positive, is reported under its own name.
+    /// Every header number that must be positive is reported by name if it is invalid.
     #[test]
     fn numbers_of_the_header_are_refused_by_their_names() {
         let bytes = write_turbsim(&grid(), 82.0);
@@ -453,24 +453,24 @@ mod tests {
         }
     }
 
-    /// A field of Bladed contains the distance of its planes in m, which the mean wind converts to time.
+    /// In a Bladed field the spacing of the planes in m is divided by the mean wind speed to obtain a time.
     #[test]
     fn planes_of_bladed_pass_with_the_mean_wind() {
         let real = |value: &f32| value.to_le_bytes();
         let whole = |value: &i32| value.to_le_bytes();
         let mut bytes: Vec<u8> = [(-99i16).to_le_bytes(), 4i16.to_le_bytes()].concat();
         bytes.extend(whole(&3));
-        // latitude, roughness, height; intensities in per cent; distances upward, across, of planes
+        // latitude, roughness, height; intensities in per cent; vertical, lateral and longitudinal spacing
         bytes.extend([0f32, 0.0, 0.0, 20.0, 10.0, 5.0, 4.0, 5.0, 2.5].iter().flat_map(real));
-        bytes.extend(whole(&2)); // half the planes
-        bytes.extend([12.5f32, 0.0, 0.0, 0.0].iter().flat_map(real)); // mean wind, length scales
-        bytes.extend([0, 1, 3, 2].iter().flat_map(whole)); // seed, points upward, across
+        bytes.extend(whole(&2)); // half the number of planes
+        bytes.extend([12.5f32, 0.0, 0.0, 0.0].iter().flat_map(real)); // mean wind speed, length scales
+        bytes.extend([0, 1, 3, 2].iter().flat_map(whole)); // seed, number of vertical and lateral points
         bytes.extend([0u8; 24]);
         bytes.extend((0..24).flat_map(|i| [i, 2000i16, -1000]).flat_map(i16::to_le_bytes));
         let field = read_bladed(&bytes, BladedSettings { middle_height_m: 90.0, from_port: false }).unwrap();
         assert_eq!((field.planes, field.upward, field.across, field.bottom_m), (4, 3, 2, 86.0));
         assert_eq!((field.carried_m_s, field.plane_interval_s), (12.5, 0.2));
-        assert_eq!(field.velocity_m_s[20], [12.55, 2.5, -0.625]); // 20 thousandths of 20 per cent
+        assert_eq!(field.velocity_m_s[20], [12.55, 2.5, -0.625]); // 20 thousandths of an intensity of 20 per cent
     }
 
     #[test]

@@ -317,7 +317,7 @@ fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effo
     } else if largest == 0.0 || !points.iter().take(1).all(|point| driven_on(&point)) {
         Reach::TurnsAway
     } else {
-        // at the end itself the springs may be slack
+        // at the end position itself the springs may be unloaded
         match points[..POINTS - 1].iter().find(|point| !driven_on(point)) {
             Some((place, ..)) => Reach::StallsAt(travel.shown(*place)),
             None => Reach::Arrives,
@@ -439,7 +439,7 @@ mod tests {
         near(sag.way_m, per_length * 9.81 * length.powi(4) / (8.0 * stiffness), 1e-4);
         let first_hz =
             1.875_104f64.powi(2) / std::f64::consts::TAU * (stiffness / (per_length * length.powi(4))).sqrt();
-        near(bare.frequencies_hz[0], first_hz, 1e-3); // rotary inertia lowers it by about 5e-4
+        near(bare.frequencies_hz[0], first_hz, 1e-3); // rotary inertia lowers the frequency by about 5e-4
         assert!(bare.warnings.is_empty(), "{:?}", bare.warnings);
     }
 

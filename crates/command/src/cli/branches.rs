@@ -45,7 +45,7 @@ impl BranchArguments {
     }
 }
 
-/// A model with one varied start value, parameter or key of the file.
+/// Model with one varied start value, parameter or key of the file.
 pub(super) struct Varied {
     file: String,
     text: String,

@@ -37,7 +37,7 @@ pub fn summary_json(machine: &Machine, file_text: &str) -> String {
 /// `arc_length` follows the path of equilibria through limit points; `branch` selects the equilibrium if the one on the path is unstable.
 ///
 /// # Errors
-/// [`PlantError::Equilibrium`] if there is none.
+/// [`PlantError::Equilibrium`] if there is no equilibrium.
 pub fn rest(plant: &mut Plant, time_s: f64, arc_length: bool, branch: Branch) -> Result<Value, PlantError> {
     let search = Search { path: if arc_length { LoadPath::ArcLength } else { LoadPath::Load }, branch };
     let rest = plant.study().rest(time_s, Holding::AsReleased, search)?;
@@ -49,9 +49,9 @@ pub fn rest(plant: &mut Plant, time_s: f64, arc_length: bool, branch: Branch) ->
 pub enum ModesOf {
     /// Undeformed, without loads, gravity and root motion.
     Undeformed,
-    /// Static equilibrium; strip theory is included, the loads of a lattice are held constant.
+    /// Static equilibrium; the loads of strip theory vary with the motion, those of a lattice are held constant.
     Rest,
-    /// Static equilibrium, with the vortex lattice.
+    /// Static equilibrium; the loads of the vortex lattice vary with the motion.
     RestInLattice,
 }
 
@@ -167,7 +167,7 @@ pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(
     place.fill_durably(&fmu)
 }
 
-/// Modes of a rotor over its speed, as `foldwing modes --vary rotor_speed_rpm=… --json` describes them.
+/// Modes of a rotor over its speed, in the format of `foldwing modes --vary rotor_speed_rpm=… --json`.
 ///
 /// # Errors
 /// As for [`over_speed_watched`].
@@ -328,7 +328,7 @@ impl SweepPlan {
         self.plan.count()
     }
 
-    /// Runs a variant and returns its row as texts. Errors are returned in the message column of the row.
+    /// Runs a variant and returns its row as text cells. Errors are returned in the message column.
     pub fn run(&self, index: usize) -> Vec<String> {
         std::iter::once(index.to_string()).chain(self.experiment().run(index, None)).collect()
     }

@@ -47,7 +47,7 @@ pub struct Arguments {
     quiet: Quiet,
 }
 
-/// Prints the summary and the wing.
+/// Prints the summary and the drawing of the wing.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, text) = read_model(&arguments.model)?;
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);
@@ -70,7 +70,7 @@ pub(super) fn json(machine: &Machine, file_text: &str) -> String {
     Summary::new(machine, file_text).json()
 }
 
-/// Returns the summary and the drawing in characters, optionally with a list of the variables.
+/// Returns the summary with a drawing of text characters, optionally with a list of the variables.
 pub(super) fn text(machine: &Machine, file_text: &str, list_variables: bool) -> String {
     Summary::new(machine, file_text).shown(machine, list_variables, false)
 }
@@ -196,7 +196,7 @@ impl Summary {
         serde_json::to_string_pretty(self).expect("names and finite numbers always serialise")
     }
 
-    /// Returns the summary as text, with the drawing in characters.
+    /// Returns the summary as text, with a drawing of text characters.
     fn shown(&self, machine: &Machine, list_variables: bool, list_unknowns: bool) -> String {
         format!("{}\n{}", self.text(list_variables, list_unknowns), sketch(machine))
     }

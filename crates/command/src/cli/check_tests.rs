@@ -28,7 +28,7 @@ fn section<'t>(text: &'t str, title: &str) -> Vec<&'t str> {
     lines.take_while(|line| !line.is_empty()).collect()
 }
 
-/// Text and JSON list all bodies, joints, loops, gauges, notes and variables by name, in order, and no others, whatever their number.
+/// Text and JSON list all bodies, joints, loops, gauges, notes and variables by name, in order, and no others, for any number of them.
 #[test]
 fn everything_is_listed_by_its_name() {
     for machine in machines() {

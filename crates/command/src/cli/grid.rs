@@ -17,7 +17,7 @@ pub(super) struct GridArguments {
 }
 
 impl GridArguments {
-    /// Times given by a program, in s.
+    /// Grid arguments for times in s given by a program.
     pub(super) fn of(start: Option<f64>, stop: Option<f64>, step: Option<f64>) -> Self {
         Self { step, start, stop }
     }
@@ -28,7 +28,7 @@ impl GridArguments {
     }
 }
 
-/// Maximum number of rows of a run; a larger number is a mistake.
+/// Maximum number of rows of a run; a larger number is probably unintended.
 const MAXIMUM_STEPS: u64 = 1_000_000_000;
 
 /// Communication points of the command line arguments; missing values are taken from `[simulation]`.

@@ -28,7 +28,7 @@ impl JointSize {
     pub const TITLE: &str = "\njoint variables and multipliers, ours against the conventional 12 per node (Otsuka et \
                              al., Table 2)\n";
 
-    /// Sizes of a joint from the numbers used by the engine.
+    /// Computes the sizes of a joint from the numbers of unknowns in the engine.
     pub fn new(kind: &JointKind, variables: usize, multipliers: usize) -> Self {
         // both formulations have the same degrees of freedom
         let conventional_multipliers = NODE - (variables - multipliers);

@@ -255,7 +255,7 @@ pub(super) fn chosen<'a>(
     choice::chosen(names, &rows, what)
 }
 
-/// Brings the plant to the requested state: `start`, `equilibrium` or a time in s.
+/// Moves the plant to the requested state: `start`, `equilibrium` or a time in s.
 pub(super) fn reach(option: &str, at: &str, plant: &mut Plant) -> Result<(), Failure> {
     let (start_s, stop_s) = (plant.machine().experiment.start_time_s, plant.machine().experiment.stop_time_s);
     let statics = |error: PlantError| Failure::Statics(error.to_string());

@@ -109,7 +109,7 @@ fn announce(server: &Server, session: &Session, no_browser: bool) -> Result<(), 
     Ok(())
 }
 
-/// Whether there is a display for a browser.
+/// Returns whether there is a display for a browser.
 fn has_display() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     cfg!(any(windows, target_os = "macos")) && !set("SSH_CONNECTION") || set("DISPLAY") || set("WAYLAND_DISPLAY")
@@ -139,6 +139,6 @@ fn heed_signals(interrupted: &Arc<AtomicBool>) {
     }
 }
 
-/// On other systems Ctrl-C ends the process directly.
+/// On systems without these signals, Ctrl-C ends the process directly.
 #[cfg(not(unix))]
 fn heed_signals(_: &Arc<AtomicBool>) {}

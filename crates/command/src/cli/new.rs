@@ -1,4 +1,4 @@
-//! `foldwing new`: a model file to start from.
+//! `foldwing new`: writes a model file to start from.
 
 use crate::cli::examples::holds;
 use crate::cli::outlets::{Mark, Outlets, Quiet};
@@ -57,8 +57,8 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Model file below `examples/` from which a template is made, and the commands to run next with their effects; `MODEL` stands for
-/// the file.
+/// Model file below `examples/` from which a template is made, and the commands to run next with their effects; `MODEL` is the
+/// placeholder of the file.
 type Source = (&'static str, &'static [(&'static str, &'static str)]);
 
 impl Template {
@@ -229,7 +229,7 @@ fn commands(next: &[(&str, &str)], path: &Path) -> String {
     next.iter().map(|(command, _)| format!("  foldwing {}\n", command.replace(FILE, &quoted(path)))).collect()
 }
 
-/// A path as a shell argument: quoted if it has spaces, always on one line.
+/// Formats a path as a shell argument: quoted if it has spaces, always on one line.
 fn quoted(path: &Path) -> String {
     let text: String = path.display().to_string().chars().map(|c| if c.is_control() { '?' } else { c }).collect();
     if text.contains(' ') { format!("\"{text}\"") } else { text }

@@ -27,7 +27,7 @@ pub(super) fn cells(point: &Point, words: &dyn Fn(&PointError) -> String) -> Vec
     own.into_iter().chain(texts).chain(values).collect()
 }
 
-/// Names of the columns of the CSV.
+/// Names of the CSV columns.
 pub(super) fn header(outputs: &[(String, &'static str)]) -> Vec<String> {
     let own = ["wind_m_s", "rotor_speed_rpm", "pitch_deg", "state", "hold", "message"].map(str::to_owned);
     let values = outputs.iter().flat_map(|(name, _)| [format!("{name}.mean"), format!("{name}.peak_to_peak")]);

@@ -1,6 +1,6 @@
 //! Options of version 0.1.0 that have been renamed.
 
-/// Option of 0.1.0 and its new name.
+/// Options of version 0.1.0 and their new names.
 const OPTIONS: &[(&str, &str)] = &[
     ("--beside", "--compare FILE"),
     ("--timing", "--profile OUT.json"),

@@ -10,7 +10,7 @@ use foldwing_study::values::Setting;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Returns a plant of a model file with start values set, not yet initialised.
+/// Reads a model file and returns a plant with start values set, not yet initialised.
 pub(super) fn read_plant(model: &Path, settings: &[String]) -> Result<Plant, Failure> {
     let (machine, _) = read_model(model)?;
     let interface = Interface::new(&machine);
@@ -31,7 +31,7 @@ pub(super) fn plant_with(
 }
 
 /// Sets `NAME=VALUE` of an input or parameter, or `NAME=X,Y,Z` of all components of a vector, and returns the value set; messages
-/// begin with `option`.
+/// start with `option`.
 pub(super) fn apply_setting(
     option: &str,
     setting: &str,

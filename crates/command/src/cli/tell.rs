@@ -176,7 +176,7 @@ impl CommandLine {
         line
     }
 
-    /// Returns the word that equals or begins with `text`.
+    /// Returns the word that equals or starts with `text`.
     fn find(&self, text: &str) -> Option<Excerpt<'_>> {
         let whole = self.words.iter().rfind(|(word, _)| word == text);
         let part = || self.words.iter().rfind(|(word, _)| word.contains(text) && !text.is_empty());
@@ -208,7 +208,7 @@ impl CommandLine {
         best.or_else(option).map(|span| self.excerpt(span))
     }
 
-    /// Returns the line around a span, shortened.
+    /// Returns the command line, shortened to the surroundings of a span.
     fn excerpt(&self, span: Range<usize>) -> Excerpt<'_> {
         line_at(&self.text, &span).unwrap_or(Excerpt { line: 1, text: &self.text, span })
     }

@@ -46,13 +46,13 @@ pub enum Kind {
     Boolean,
     /// Text.
     String,
-    /// Binary or clock of FMI 3.0: neither read nor set.
+    /// Binary or clock of FMI 3.0, which can be neither read nor set.
     Opaque,
-    /// Items of an enumeration, each with its number.
+    /// Enumeration; its items, each with its value.
     Enumeration(Vec<(String, i32)>),
 }
 
-/// Type of FMI 3.0, as in the names of its functions.
+/// Data type of FMI 3.0, named as in its functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs, reason = "names of the standard")]
 pub enum NativeType {
@@ -207,7 +207,7 @@ impl Description {
     /// Interprets the contents of the file.
     ///
     /// # Errors
-    /// The name of a missing or contradictory item.
+    /// A missing or contradictory item; the message names it.
     pub(super) fn new(root: Root, third: Option<Root3>) -> Result<Self, String> {
         let co_simulation = root.co_simulation.ok_or("no element CoSimulation")?;
         check_identifier(&co_simulation.identifier)?;

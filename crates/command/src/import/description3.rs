@@ -7,7 +7,7 @@ use std::collections::HashMap;
 /// Maximum number of array elements that are listed.
 const MAXIMUM_ELEMENTS: usize = 1_000_000;
 
-/// Elements that differ between FMI 3.0 and FMI 2.0.
+/// Elements whose form in FMI 3.0 differs from FMI 2.0.
 #[derive(Deserialize)]
 pub(super) struct Root3 {
     #[serde(rename = "TypeDefinitions", default)]
@@ -22,7 +22,7 @@ struct Types {
     list: Vec<Declared>,
 }
 
-/// A declared type of any kind.
+/// Declared type.
 #[derive(Deserialize)]
 struct Declared {
     #[serde(rename = "@name")]

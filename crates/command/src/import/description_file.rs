@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-/// The root element. Everything is optional: a missing item is reported with the file's name instead of the parser's message.
+/// Root element. Everything is optional, so that a missing item is reported with the file's name rather than by the parser's
+/// message.
 #[derive(Deserialize)]
 pub(super) struct Root {
     #[serde(rename = "@fmiVersion")]
@@ -111,7 +112,7 @@ pub(super) struct ScalarVariable {
     pub enumeration: Option<Attributes>,
 }
 
-/// Attributes of a variable's or a declared type's `Real`, `Integer`, `Boolean`, `String` or `Enumeration`.
+/// Attributes of the element `Real`, `Integer`, `Boolean`, `String` or `Enumeration` of a variable or declared type.
 #[derive(Deserialize, Default)]
 pub(super) struct Attributes {
     #[serde(rename = "@declaredType")]

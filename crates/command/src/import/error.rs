@@ -43,7 +43,7 @@ pub enum ImportError {
         path: PathBuf,
         /// Path inside the archive.
         expected: String,
-        /// Folders of `binaries`, or a text for none.
+        /// Folders in `binaries`, or a text if there are none.
         found: String,
     },
     /// The library cannot be loaded.

@@ -227,7 +227,7 @@ impl Drop for Slave2 {
                 let _ = catch_unwind(AssertUnwindSafe(|| instance.terminate()));
             }
             None | Some(Fault::Discard | Fault::Error | Fault::Early) => {}
-            // after fmi2Fatal not even fmi2FreeInstance may be called, nor while a step may still be running
+            // after fmi2Fatal, or while a step may still be running, not even fmi2FreeInstance may be called
             Some(Fault::Fatal | Fault::Other) => std::mem::forget(instance),
         }
     }

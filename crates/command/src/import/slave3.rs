@@ -188,7 +188,7 @@ impl Slave3 {
         let mut held: HashMap<u32, Vec<Datum>> = HashMap::new();
         for variable in variables.iter().filter(|variable| variable.settable) {
             let Some(element) = variable.element.filter(|element| element.length > 1) else { continue };
-            // an alias has the same value reference
+            // aliases have the same value reference
             let whole = held.entry(variable.value_reference).or_insert_with(|| vec![Datum::whole(0); element.length]);
             if let Some(place) = whole.get_mut(element.place) {
                 *place = variable.start_value();

@@ -13,9 +13,9 @@ const GRAVITY_M_S2: f64 = 9.81;
 pub struct Control {
     /// Name of the variable.
     pub name: String,
-    /// `input` or `parameter`.
+    /// Causality: `input` or `parameter`.
     pub role: &'static str,
-    /// `real`, `integer` or `switch`.
+    /// Type of control: `real`, `integer` or `switch`.
     pub kind: &'static str,
     /// Unit in which the value is shown; empty for switches and dimensionless numbers.
     pub unit: &'static str,
@@ -74,7 +74,7 @@ fn ends(value: f64, scale: f64, [least, most]: [Option<f64>; 2]) -> [f64; 2] {
     [low, high]
 }
 
-/// Typical sizes of quantities of a machine.
+/// Typical magnitudes of the quantities of a machine.
 struct Scales {
     weight_n: f64,
     length_m: f64,

@@ -13,7 +13,7 @@ const MOST_BYTES: usize = 256 << 20;
 /// Number of states between two measurements of their size, which grows with the wakes.
 const BETWEEN_SIZES: usize = 128;
 
-/// State of a simulation at one time.
+/// Stored state of a simulation at one time.
 #[derive(Clone)]
 pub(super) struct Moment {
     /// Time in s.

@@ -30,7 +30,7 @@ pub(super) enum Access {
     Page,
     /// The page's WebSocket; the string is the `Sec-WebSocket-Accept` value for its key.
     Socket(String),
-    /// An error, with status and reason.
+    /// An error, with HTTP status and reason.
     Refused(u16, String),
 }
 

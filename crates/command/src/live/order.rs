@@ -14,36 +14,36 @@ const STIFFNESSES_N_M: [f64; 2] = [1e-9, 1e12];
 /// Limit of coordinates in m, far beyond the size of any machine.
 const FARTHEST_M: f64 = 1e6;
 
-/// A value of an input or parameter.
+/// Value of an input or parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum Given {
-    /// Of a Boolean.
+    /// Value of a Boolean.
     Switch(bool),
-    /// Of a real or an integer.
+    /// Value of a real or an integer.
     Number(f64),
 }
 
-/// One order of a page.
+/// Command of a page.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Order {
-    /// Let the time run.
+    /// Start the clock.
     Run {},
-    /// Stop the time.
+    /// Stop the clock.
     Pause {},
-    /// Take one communication step and stop.
+    /// Perform one communication step and stop.
     Step {},
-    /// Return to the start.
+    /// Return to the start of the simulation.
     Restart {},
-    /// Return to the last picture not after a time, and stop there.
+    /// Return to the last picture at or before a time, and stop there.
     Rollback {
         /// Time in s.
         time_s: f64,
     },
-    /// Simulated seconds per second.
+    /// Set the speed in simulated seconds per second.
     Speed {
-        /// 1 is real time.
+        /// Speed; 1 is real time.
         value: f64,
     },
     /// Set an input or a tunable parameter.
@@ -53,16 +53,16 @@ pub enum Order {
         /// Its value in the variable's unit.
         value: Given,
     },
-    /// Send outputs over time, besides those that are sent already.
+    /// Send the values of further outputs over time.
     Watch {
         /// Their names.
         names: Vec<String>,
     },
-    /// Pull at a load station by a spring.
+    /// Attach a spring to a load station.
     Pull {
         /// Index of the station, over all bodies.
         station: usize,
-        /// Free end of the spring, root frame, m.
+        /// Free end of the spring in m in the root frame.
         target_m: [f64; 3],
         /// Stiffness in N/m.
         stiffness_n_m: f64,

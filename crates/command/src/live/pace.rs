@@ -20,7 +20,7 @@ pub(super) struct Pace {
     seen: VecDeque<(Duration, f64)>,
     /// Lost wall time in s.
     lost_s: f64,
-    /// Largest delay in s of wall time.
+    /// Largest delay in s of wall time so far.
     latest_s: f64,
     /// Wall time in s for which the clock has run.
     ran_s: f64,

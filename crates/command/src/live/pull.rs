@@ -23,7 +23,7 @@ impl Held {
     }
 }
 
-/// A spring between a station and a point of the root frame.
+/// Spring between a station and a point fixed in the root frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pull {
     /// The station, and its force without the spring.
@@ -56,7 +56,7 @@ impl Pull {
     ///
     /// The force is held constant over the step. Computed from the position at the start of the step, it would act like a negative
     /// damping of `−k h/2` and feed energy into oscillations. It is computed from the position extrapolated to the middle of the step by
-    /// the velocity: the error is then of second order, and zero at rest.
+    /// the velocity: the error is then of second order, and zero in static equilibrium.
     pub fn apply(&mut self, plant: &mut Plant, step_s: f64) {
         plant.provide(OutputSet::STATION_PLACES | OutputSet::STATION_MOTIONS);
         let Some(station) = plant.outputs().stations().get(self.held.station) else { return };

@@ -16,7 +16,7 @@ const GRACE: Duration = Duration::from_secs(3);
 /// Longer time if the page was requested again meanwhile, because slow browsers need time to load it.
 const GRACE_FOR_LOADING: Duration = Duration::from_secs(30);
 
-/// Longest interval between two checks for interruption.
+/// Maximum interval between two checks for interruption.
 const POLL: Duration = Duration::from_millis(50);
 
 /// Timeout for closing the connections at the end.

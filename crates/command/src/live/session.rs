@@ -222,7 +222,7 @@ impl Session {
         Ok(None)
     }
 
-    /// Performs the steps that are due, for at most [`TURN_S`].
+    /// Performs the steps that are due, for at most `TURN_S`.
     pub fn advance(&mut self) {
         let begun = self.wall();
         while self.pace.runs() && self.next_s() <= self.pace.due_s(self.wall()) {

@@ -17,7 +17,7 @@ pub struct Extras {
     pub linear: Option<LinearModel>,
 }
 
-/// All files by their path in the archive, except the libraries.
+/// All files by their paths in the archive, except the libraries.
 ///
 /// `model_text` is the file from which `machine` was read.
 pub fn contents(machine: &Machine, model_text: &str, extras: &Extras) -> BTreeMap<String, Vec<u8>> {

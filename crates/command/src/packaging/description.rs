@@ -186,7 +186,7 @@ fn write_variable(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
     nest(xml, "ScalarVariable", &attributes, |xml| write_type(xml, variable))
 }
 
-/// The type element: declared type, bounds, and a start value if the standard requires one.
+/// Writes the element for the type of a variable: declared type, bounds, and a start value if the standard requires one.
 fn write_type(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
     let mut attributes: Attributes = vec![];
     if let Some(name) = variable.declared_type {

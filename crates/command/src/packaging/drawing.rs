@@ -237,7 +237,7 @@ struct Canvas {
     origin: Point,
     /// User units per metre.
     scale: f64,
-    /// Origin of the drawn axes, in the projection plane in m.
+    /// Origin of the drawn axes in m, in the projection plane.
     root: Point,
     size: [f64; 2],
 }

@@ -10,7 +10,7 @@ use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Folder and file extension of a platform below `binaries/`.
+/// Folder below `binaries/` and file extension of a platform.
 ///
 /// FMI 2.0.4, section 2.3: `win32`, `win64`, `linux32`, `linux64`, `darwin32`, `darwin64` are x86 platforms; any other platform is
 /// named by its platform tuple of FMI 3.0, section 2.5.1.4.1.

@@ -255,8 +255,8 @@ mod tests {
         text.lines().skip_while(|line| !line.contains(title)).skip(1).take_while(|line| !line.is_empty()).collect()
     }
 
-    /// Folded down by 90 degrees, seen from the side: the inner body is at the top, and the outer body extends down from its end; the
-    /// inner body has twice as many columns as the outer one has rows.
+    /// Folded down by 90 degrees, in the view from the side: the inner body is at the top, and the outer body extends down from its
+    /// end; the inner body has twice as many columns as the outer one has rows.
     #[test]
     fn a_folded_wing_hangs_from_its_hinge() {
         let text = sketch(&two_body_machine());
@@ -272,7 +272,7 @@ mod tests {
         );
         assert!(side[side.len() - 1].ends_with('#'));
 
-        // seen from above, the hinge spans the chord, and the inner body is as wide as its section
+        // in the view from above, the hinge spans the chord, and the inner body is as wide as its section
         let above = rows(&text, "from above");
         assert!(above.len() >= 3 && above.iter().all(|row| row.contains('|') || row.contains('@')), "{text}");
         assert!(text.contains("= inner   # outer   @ fold joint with latch   X clamp   + load station"), "{text}");

@@ -85,7 +85,7 @@ fn integrate(html: &mut String, machine: &Machine) {
 /// damping, 2√2.
 const RUNGE_KUTTA: f64 = 2.8;
 
-/// A line of start values for the example: the first switch among the inputs, or the first parameter.
+/// Line of start values in the example: the first Boolean input, or the first parameter.
 fn start_values(variables: &[Variable]) -> String {
     let switch = |row: &&Variable| row.causality == Causality::Input && matches!(row.value, Value::Boolean(_));
     let parameter = |row: &&Variable| row.causality == Causality::Parameter;

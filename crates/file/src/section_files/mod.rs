@@ -1,5 +1,5 @@
-//! Files of section programs: 6×6 matrices of VABS, BECAS, ANBA4, windIO and BeamDyn, and tables of PreComp, as columns of
-//! `[section.<name>.along]`. Each format has one reader that finds the numbers and one [`Axes`]; all else is written once here.
+//! Files of section programs: 6×6 matrices of VABS, BECAS, ANBA4, windIO and BeamDyn, and tables of PreComp, converted to the columns of
+//! `[section.<name>.along]`. Each format has a reader for its numbers and an [`Axes`]; this module contains everything common.
 
 mod anba;
 mod becas;
@@ -20,32 +20,32 @@ use std::path::Path;
 pub(super) use text::Lines;
 use text::number;
 
-/// Asymmetry that is treated as rounding, relative to the geometric mean of the diagonal.
+/// Asymmetry that is attributed to rounding, relative to the geometric mean of the diagonal entries.
 const ROUNDING: f64 = 1e-6;
 
-/// Shear strains of a 6×6 stiffness: those that its condensation removes.
+/// Number of shear strains of a 6×6 stiffness, which are eliminated by its condensation.
 const SHEARS: usize = 2;
 
 /// Axes of a program: for `x` along the beam, `y` chordwise towards the leading edge and `z` through the thickness, the index of the
-/// program's axis and the sign. All are rotations, so that forces, moments, strains and curvatures turn alike.
+/// program's axis and its sign. All are proper rotations, so that forces, moments, strains and curvatures transform alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Axes([(usize, f64); 3]);
 
 /// VABS: `x1` along the beam.
 const X_ALONG: Axes = Axes([(0, 1.0), (1, 1.0), (2, 1.0)]);
-/// BECAS and ANBA4: `z` along the beam, `x` chordwise.
+/// BECAS and ANBA4: `z` along the beam, `x` chordwise towards the leading edge.
 const Z_ALONG: Axes = Axes([(2, 1.0), (0, 1.0), (1, 1.0)]);
 /// BeamDyn and windIO: `z` along the blade, `y` towards the trailing edge.
 const BLADE: Axes = Axes([(2, 1.0), (1, -1.0), (0, 1.0)]);
 
 impl Axes {
-    /// The program's component of a 6-vector and its sign for a component `(force; moment)` here.
+    /// Index and sign of the program's component that corresponds to a component `(force; moment)` in our axes.
     fn component(&self, here: usize) -> (usize, f64) {
         let (axis, sign) = self.0[here % 3];
         (3 * (here / 3) + axis, sign)
     }
 
-    /// A matrix of `(force; moment)` in the axes here.
+    /// Transforms a matrix of `(force; moment)` to our axes.
     fn turned(&self, theirs: &Matrix6<f64>) -> Matrix6<f64> {
         Matrix6::from_fn(|row, column| {
             let ((row, one), (column, other)) = (self.component(row), self.component(column));
@@ -53,7 +53,7 @@ impl Axes {
         })
     }
 
-    /// A matrix of the axes here in those of the program.
+    /// Transforms a matrix in our axes to those of the program.
     fn back(&self, here: &Matrix6<f64>) -> Matrix6<f64> {
         let mut theirs = Matrix6::zeros();
         for (row, column) in (0..6).flat_map(|row| (0..6).map(move |column| (row, column))) {
@@ -80,7 +80,7 @@ pub enum FileUnits {
 }
 
 impl FileUnits {
-    /// Length in m and force in N. Mass is force times s² over length.
+    /// Units of length in m and of force in N. The unit of mass is force times s² divided by length.
     fn length_and_force(self) -> (f64, f64) {
         match self {
             Self::MNKg => (1.0, 1.0),
@@ -89,7 +89,7 @@ impl FileUnits {
         }
     }
 
-    /// A matrix of `(force; moment)` in SI whose upper left block has units of `factor`.
+    /// Converts to SI a matrix of `(force; moment)` whose upper left block has units of `factor`.
     fn in_si(self, matrix: &Matrix6<f64>, factor: f64) -> Matrix6<f64> {
         let (length_m, _) = self.length_and_force();
         let arm = |index: usize| if index < 3 { 1.0 } else { length_m };
@@ -97,33 +97,33 @@ impl FileUnits {
     }
 }
 
-/// Stiffness as a program printed it, `(force; moment)` over `(strain; curvature)` in its axes.
+/// Stiffness as written by a program, which maps `(strain; curvature)` to `(force; moment)` in its axes.
 pub(super) enum Stiffness {
-    /// With shear.
+    /// With shear stiffness.
     Whole(Matrix6<f64>),
-    /// Without: the rows and columns of both shears are zero.
+    /// Without shear stiffness: the rows and columns of both shear strains are zero.
     Classical(Matrix6<f64>),
 }
 
-/// A section of a file.
+/// Section in a file.
 pub(super) struct Station {
-    /// Place as a fraction of the length; `None` in files of one section.
+    /// Position as a fraction of the length; `None` in files of a single section.
     pub share: Option<f64>,
-    /// Line of the stiffness and of the inertia.
+    /// Line numbers of the stiffness and of the inertia.
     pub lines: [usize; 2],
     /// Stiffness.
     pub stiffness: Stiffness,
-    /// Inertia per length, `(force; moment)` over `(acceleration; angular acceleration)`.
+    /// Inertia per length, which maps `(acceleration; angular acceleration)` to `(force; moment)`.
     pub inertia: Matrix6<f64>,
 }
 
-/// Sections of a file, and their axes.
+/// Sections of a file, and the axes of its program.
 struct Sections {
     axes: Axes,
     stations: Vec<Station>,
 }
 
-/// Programs whose files are recognised by their text.
+/// Programs whose files are recognised by their contents.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Program {
     BeamDyn,
@@ -134,7 +134,7 @@ enum Program {
     PreComp,
 }
 
-/// The program of a text; `None` for CSV.
+/// Returns the program that wrote a text; `None` for CSV.
 fn program(text: &str) -> Option<Program> {
     if beamdyn_file::is_beamdyn(text) {
         return Some(Program::BeamDyn);
@@ -158,7 +158,7 @@ fn program(text: &str) -> Option<Program> {
     })
 }
 
-/// Whether a text is a file with 6×6 matrices or of PreComp, not CSV.
+/// Returns whether a text contains 6×6 matrices or PreComp output, rather than CSV.
 pub(super) fn is_of_a_program(text: &str) -> bool {
     program(text).is_some()
 }
@@ -174,11 +174,11 @@ fn read(program: Program, text: &str) -> Result<Sections, StationFault> {
     }
 }
 
-/// Sections of a file of a program as columns of `[section.<name>.along]`; `None` for CSV. A file of one section gives equal sections at
-/// both ends.
+/// Sections in a file of a section program as columns of `[section.<name>.along]`; `None` for CSV. A file of a single section gives equal
+/// sections at both ends.
 ///
 /// # Errors
-/// Truncated files, invalid numbers, matrices that are not those of a section, units for a file that states its own.
+/// Truncated files, invalid numbers, matrices that are impossible for a section, or units given for a file that states its units.
 pub(super) fn read_program(text: &str, units: Option<FileUnits>) -> Option<Result<StationTable, StationFault>> {
     let program = program(text)?;
     Some(read_of(program, text, units))
@@ -200,12 +200,12 @@ fn read_of(program: Program, text: &str, units: Option<FileUnits>) -> Result<Sta
     Ok(table("eta", &rows))
 }
 
-/// Whether the header of a CSV file names files of sections.
+/// Returns whether the header of a CSV file has a column with names of section files.
 pub(super) fn is_list(text: &str) -> bool {
     header(text).is_some_and(|(_, line)| line.split(',').any(|name| name.trim() == LIST_COLUMN))
 }
 
-/// Column with the names of files, one section each.
+/// Column with the names of files of one section each.
 const LIST_COLUMN: &str = "section_file";
 
 fn header(text: &str) -> Option<(usize, &str)> {
@@ -213,10 +213,10 @@ fn header(text: &str) -> Option<(usize, &str)> {
     lines.find(|(_, line)| !line.is_empty() && !line.starts_with('#'))
 }
 
-/// Sections of the files that a CSV file names, columns `eta` or `s_m` and `section_file`.
+/// Reads the sections in the files named by a CSV file with the columns `eta` or `s_m`, and `section_file`.
 ///
 /// # Errors
-/// Other columns, a file that cannot be read or has several sections, and as [`read_program`].
+/// Other columns, a file that cannot be read or has several sections, and the errors of [`read_program`].
 pub(super) fn read_list(text: &str, folder: &Path, units: Option<FileUnits>) -> Result<StationTable, StationFault> {
     let (first, names) = header(text).ok_or_else(|| fault(1, "an empty file"))?;
     let names: Vec<&str> = names.split(',').map(str::trim).collect();
@@ -256,7 +256,7 @@ pub(super) fn read_list(text: &str, folder: &Path, units: Option<FileUnits>) -> 
     Ok(table(place, &rows))
 }
 
-/// Columns after the place, those of the shears last.
+/// Columns after the position; those of shear are last.
 const COLUMNS: [&str; 27] = [
     "axial_stiffness_N",
     "torsional_rigidity_N_m2",
@@ -286,13 +286,13 @@ const COLUMNS: [&str; 27] = [
     "coupling_shear_z_flap_N_m",
     "coupling_shear_z_edge_N_m",
 ];
-/// Columns of a section without shear stiffness.
+/// Number of columns of a section without shear stiffness.
 const CLASSICAL: usize = 16;
 
-/// Place and columns of a station; those of the shears are `None` without shear stiffness.
+/// Position and columns of a station; the columns of shear are `None` without shear stiffness.
 type Row = (f64, ([f64; CLASSICAL], Option<[f64; COLUMNS.len() - CLASSICAL]>));
 
-/// The columns with the place in front. Shears have columns if all sections have them.
+/// Table of the columns, preceded by the position. Columns of shear are included if all sections have them.
 fn table(place: &str, rows: &[Row]) -> StationTable {
     let sheared = rows.iter().all(|(_, (_, shears))| shears.is_some());
     let count = if sheared { COLUMNS.len() } else { CLASSICAL };
@@ -307,17 +307,17 @@ fn table(place: &str, rows: &[Row]) -> StationTable {
     StationTable { names, columns }
 }
 
-/// Indices of the strains of an element without shear in a `(force; moment)` matrix.
+/// Indices in a `(force; moment)` matrix of the strains of an element without shear.
 const KEPT: [usize; STRAINS] = {
     let mut kept = [0; STRAINS];
     (kept[STRETCH], kept[TWIST], kept[FLAP], kept[EDGE]) = (0, 3, 4, 5);
     kept
 };
-/// Those of the shears, `z` first: the order in which BeamDyn has them, for results that are equal to the last digit.
+/// Indices of the shear strains, `z` first: the order of BeamDyn, with which results agree to the last digit.
 const SHEARED_FIRST: [usize; SHEARS] = [2, 1];
 
-/// Stiffness of `(εx, κx, κy, κz)` without shear forces, NOTATION eq. (S9), of a 6×6 one in the axes here; `None` if that of shear is not
-/// positive definite.
+/// Condenses a 6×6 stiffness in our axes to `(εx, κx, κy, κz)` with zero shear forces, NOTATION eq. (S9); `None` if its shear stiffness
+/// is not positive definite.
 fn condensed(whole: &Matrix6<f64>) -> Option<StrainMatrix> {
     let shear = Matrix2::from_fn(|row, column| whole[(SHEARED_FIRST[row], SHEARED_FIRST[column])]);
     let mixed = SMatrix::<f64, SHEARS, STRAINS>::from_fn(|row, column| whole[(SHEARED_FIRST[row], KEPT[column])]);
@@ -325,13 +325,13 @@ fn condensed(whole: &Matrix6<f64>) -> Option<StrainMatrix> {
     Some(kept(whole) - mixed.transpose() * inverse * mixed)
 }
 
-/// Rows and columns of `(εx, κx, κy, κz)`.
+/// Extracts the rows and columns of `(εx, κx, κy, κz)`.
 fn kept(whole: &Matrix6<f64>) -> StrainMatrix {
     StrainMatrix::from_fn(|row, column| whole[(KEPT[row], KEPT[column])])
 }
 
-/// Stiffness of `(εx, κx, κy, κz)` from a 6×6 one of `(γx, γy, εz, κx, κy, κz)` in BeamDyn's axes without shear forces: the shear
-/// strains are those of zero shear forces, NOTATION eq. (S9). `None` if the stiffness of shear is not positive definite.
+/// Condenses a 6×6 stiffness of `(γx, γy, εz, κx, κy, κz)` in BeamDyn's axes to `(εx, κx, κy, κz)`: the shear strains are those with zero
+/// shear forces, NOTATION eq. (S9). `None` if the shear stiffness is not positive definite.
 pub fn condensed_stiffness(full: &Matrix6<f64>) -> Option<StrainMatrix> {
     condensed(&BLADE.turned(full))
 }
@@ -348,7 +348,7 @@ fn row(axes: &Axes, station: &Station, units: FileUnits) -> Result<Row, StationF
     let bending = if sheared { condensed(&whole) } else { Some(kept(&whole)) };
     let bending = bending.ok_or_else(|| fault(line, "the stiffness of shear is not positive definite"))?;
     symmetric(inertia_line, "the inertia", &station.inertia)?;
-    // mass per length: force times s² over length²
+    // unit of mass per length: force times s² divided by length²
     let inertia = units.in_si(&station.inertia, force_n / (length_m * length_m));
     let [mass, y, z, yy, yz, zz] = lamina(inertia_line, axes, &inertia)?;
     let k = |row: usize, column: usize| 0.0 + bending[(row, column)];
@@ -375,7 +375,7 @@ fn row(axes: &Axes, station: &Station, units: FileUnits) -> Result<Row, StationF
     Ok((station.share.unwrap_or_default(), (classical, sheared.then_some(shears))))
 }
 
-/// Returns an error for a matrix that is not symmetric.
+/// Checks that a matrix is symmetric.
 fn symmetric(line: usize, what: &str, matrix: &Matrix6<f64>) -> Result<(), StationFault> {
     for (row, column) in (0..6).flat_map(|row| (0..row).map(move |column| (row, column))) {
         let (lower, upper) = (matrix[(row, column)], matrix[(column, row)]);
@@ -388,7 +388,7 @@ fn symmetric(line: usize, what: &str, matrix: &Matrix6<f64>) -> Result<(), Stati
     Ok(())
 }
 
-/// Inertia of a thin slice in the axes here: mass, its centre and moments about the axis `[m, y, z, yy, yz, zz]`.
+/// Inertia matrix of a thin slice in our axes, from mass, centre and moments about the axis `[m, y, z, yy, yz, zz]`.
 fn slice_inertia([mass, y, z, yy, yz, zz]: [f64; 6]) -> Matrix6<f64> {
     let mut inertia = Matrix6::zeros();
     for (row, column, value) in [
@@ -410,8 +410,8 @@ fn slice_inertia([mass, y, z, yy, yz, zz]: [f64; 6]) -> Matrix6<f64> {
     inertia
 }
 
-/// Mass per length, centre and central moments `[m, y, z, yy, yz, zz]` in the axes used here of a 6×6 inertia in SI and in the axes of
-/// a program, which must be that of a thin slice.
+/// Mass per length, centre and central moments `[m, y, z, yy, yz, zz]` in our axes, from a 6×6 inertia in SI and in the axes of a
+/// program, which must be that of a thin slice.
 fn lamina(line: usize, axes: &Axes, theirs: &Matrix6<f64>) -> Result<[f64; 6], StationFault> {
     let inertia = axes.turned(theirs);
     let mass = inertia[(0, 0)];
@@ -427,7 +427,7 @@ fn lamina(line: usize, axes: &Axes, theirs: &Matrix6<f64>) -> Result<[f64; 6], S
     for (row, column) in (0..6).flat_map(|row| (0..=row).map(move |column| (row, column))) {
         let (found, due) = (theirs[(row, column)], expected[(row, column)]);
         let scale = (theirs[(row, row)] * theirs[(column, column)]).abs().sqrt();
-        // polar moments are often rounded by themselves
+        // the polar moment is often rounded separately
         let allowed = if (row, column) == (along, along) { 1e-2 } else { 1e-3 };
         if (found - due).abs() > allowed * scale {
             return refuse(format!("{found} in row {}, column {}, where a thin slice has {due}", row + 1, column + 1));

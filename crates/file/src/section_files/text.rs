@@ -1,10 +1,10 @@
-//! Numbers and matrices in lines of text.
+//! Reading of numbers and matrices from lines of text.
 
 use crate::station_file::{StationFault, fault};
 use crate::stations::MAXIMUM_STATIONS;
 use nalgebra::SMatrix;
 
-/// Lines of a file, read from the front.
+/// Lines of a file, read in order.
 pub(crate) struct Lines<'t> {
     lines: std::iter::Enumerate<std::str::Lines<'t>>,
     last: usize,
@@ -15,7 +15,7 @@ impl<'t> Lines<'t> {
         Self { lines: text.lines().enumerate(), last: text.lines().count() }
     }
 
-    /// The next line that is not empty.
+    /// Returns the next line that is not empty.
     pub fn next(&mut self, due: &str) -> Result<(usize, &'t str), StationFault> {
         let next = self.lines.find(|(_, line)| !line.trim().is_empty());
         let (index, line) =
@@ -23,7 +23,7 @@ impl<'t> Lines<'t> {
         Ok((index + 1, line))
     }
 
-    /// The lines after the first one with a title at its front, in any case of letters.
+    /// Returns the lines after the first line that starts with a title, ignoring case.
     pub fn after(text: &'t str, title: &str) -> Result<Self, StationFault> {
         let mut lines = Self::of(text);
         loop {
@@ -34,7 +34,7 @@ impl<'t> Lines<'t> {
         }
     }
 
-    /// The value before a label.
+    /// Returns the value that precedes a label.
     pub fn labelled(&mut self, label: &str) -> Result<(usize, usize), StationFault> {
         loop {
             let (line, text) = self.next(label)?;
@@ -49,13 +49,13 @@ impl<'t> Lines<'t> {
         }
     }
 
-    /// So many numbers at the front of the next line.
+    /// Returns the first `N` numbers of the next line.
     pub fn numbers<const N: usize>(&mut self, due: &str) -> Result<(usize, [f64; N]), StationFault> {
         let (line, text) = self.next(due)?;
         numbers(line, text, due).map(|values| (line, values))
     }
 
-    /// A matrix of `N` rows, and the line of its first. Lines of `=` before it are skipped.
+    /// Returns a matrix of `N` rows, and the line number of its first row. Lines of `=` before it are skipped.
     pub fn matrix<const N: usize>(&mut self, due: &str) -> Result<(usize, SMatrix<f64, N, N>), StationFault> {
         let (mut line, mut text) = self.next(due)?;
         while text.trim().bytes().all(|byte| byte == b'=') || text.trim_end().ends_with('=') {
@@ -84,7 +84,7 @@ fn numbers<const N: usize>(line: usize, text: &str, due: &str) -> Result<[f64; N
     Ok(values)
 }
 
-/// A finite number; Fortran's `d` for the exponent is allowed.
+/// Parses a finite number; Fortran's `d` is accepted as exponent.
 pub(crate) fn number(line: usize, due: &str, word: &str) -> Result<f64, StationFault> {
     let value: Option<f64> = word.replace(['d', 'D'], "e").parse().ok();
     let finite = value.filter(|value| value.is_finite());

@@ -1,4 +1,5 @@
-//! Output of VABS, `.K`: mass matrix, classical stiffness and, of a Timoshenko analysis, the 6×6 one, about the origin of its mesh.
+//! Output of VABS, `.K`: mass matrix, classical stiffness and, from a Timoshenko analysis, 6×6 stiffness, about the origin of its
+//! mesh.
 
 use super::text::Lines;
 use super::{KEPT, Station, Stiffness};
@@ -11,7 +12,7 @@ pub(super) const MASS: &str = "The 6X6 Mass Matrix";
 const TIMOSHENKO: &str = "Timoshenko Stiffness Matrix";
 const CLASSICAL: &str = "Classical Stiffness Matrix";
 
-/// The section.
+/// Reads the section.
 pub(super) fn station(text: &str) -> Result<Station, StationFault> {
     let (inertia_line, inertia) = Lines::after(text, MASS)?.matrix::<6>("the mass matrix")?;
     let (line, stiffness) = match Lines::after(text, TIMOSHENKO) {

@@ -1,5 +1,5 @@
-//! `elastic_properties` of a blade in a windIO file (YAML), and `six_x_six` of its first version, as SONATA and WISDEM write them: stiffness
-//! and inertia about the reference axis, in BeamDyn's axes. Only keys and lists of numbers in brackets are read.
+//! `elastic_properties` of a blade in a windIO file (YAML), and `six_x_six` of the first windIO version, as written by SONATA and WISDEM:
+//! stiffness and inertia about the reference axis, in BeamDyn's axes. Only keys and bracketed lists of numbers are read.
 
 use super::text::number;
 use super::{Station, Stiffness, slice_inertia};
@@ -7,13 +7,13 @@ use crate::station_file::{StationFault, fault};
 use crate::stations::MAXIMUM_STATIONS;
 use nalgebra::Matrix6;
 
-/// Keys in front of the section data.
+/// Keys that precede the section data.
 pub(super) const MARKS: [&str; 3] = ["elastic_properties:", "elastic_properties_mb:", "six_x_six:"];
 
-/// A list of numbers: its line and the rows, one row for a flat list.
+/// List of numbers: its line and its rows; a flat list is one row.
 type List = (usize, Vec<Vec<f64>>);
 
-/// Lists of numbers of the blade, by key and the key of their table.
+/// Lists of numbers of the blade, identified by their key and the key of their table.
 struct Lists(Vec<([String; 2], List)>);
 
 impl Lists {
@@ -39,7 +39,7 @@ impl Lists {
 const STIFFNESS: [&str; 2] = ["stiffness_matrix", "stiff_matrix"];
 const INERTIA: [&str; 1] = ["inertia_matrix"];
 
-/// The sections.
+/// Reads the sections.
 pub(super) fn stations(text: &str) -> Result<Vec<Station>, StationFault> {
     let lists = lists(text)?;
     let (line, grid) = lists.flat(&STIFFNESS, "grid", 0)?;
@@ -68,12 +68,12 @@ pub(super) fn stations(text: &str) -> Result<Vec<Station>, StationFault> {
     Ok(grid.iter().zip(stiffness).zip(inertia).map(station).collect())
 }
 
-/// Rows and columns of the upper triangle, row by row.
+/// Row and column indices of the upper triangle, row by row.
 fn places() -> impl Iterator<Item = (usize, usize)> {
     (0..6).flat_map(|row| (row..6).map(move |column| (row, column)))
 }
 
-/// Symmetric matrices: 21 numbers per station in `values`, or lists `K11` to `K66`.
+/// Symmetric matrices given by 21 numbers per station in `values`, or by lists `K11` to `K66`.
 fn upper_triangles(lists: &Lists, tables: &[&str], count: usize) -> Result<Vec<Matrix6<f64>>, StationFault> {
     let mut matrices = vec![Matrix6::zeros(); count];
     let values = lists.find(tables, "values");
@@ -102,14 +102,14 @@ fn upper_triangles(lists: &Lists, tables: &[&str], count: usize) -> Result<Vec<M
     Ok(matrices)
 }
 
-/// Inertia by mass, centre and moments about the reference axis: `i_edge` about `x`, `i_flap` about `y`, `i_cp = ∫ρxy dA`.
+/// Inertia given by mass, centre and moments about the reference axis: `i_edge` about `x`, `i_flap` about `y`, `i_cp = ∫ρxy dA`.
 fn slices(lists: &Lists, count: usize) -> Result<Vec<Matrix6<f64>>, StationFault> {
     let list = |key: &str| lists.flat(&INERTIA, key, count).map(|(_, values)| values);
     let (mass, x, y) = (list("mass")?, list("cm_x")?, list("cm_y")?);
     let (edge, flap, polar, product) = (list("i_edge")?, list("i_flap")?, list("i_plr")?, list("i_cp")?);
     Ok((0..count)
         .map(|i| {
-            // (x, y, z) of the slice here are (z, −y, x) of the file
+            // our (x, y, z) of the slice are (z, −y, x) of the file
             let slice = slice_inertia([mass[i], -y[i], x[i], edge[i], -product[i], flap[i]]);
             let mut inertia = super::BLADE.back(&slice);
             inertia[(5, 5)] = polar[i];
@@ -118,7 +118,7 @@ fn slices(lists: &Lists, count: usize) -> Result<Vec<Matrix6<f64>>, StationFault
         .collect())
 }
 
-/// Keys by indentation; of the first blade, or of the whole file without one.
+/// Reads the lists of the first blade, or of the whole file if there is no blade; tables are distinguished by indentation.
 fn lists(text: &str) -> Result<Lists, StationFault> {
     let mut found = Lists(Vec::new());
     let mut path: Vec<(usize, String)> = Vec::new();
@@ -153,7 +153,7 @@ fn lists(text: &str) -> Result<Lists, StationFault> {
     Ok(found)
 }
 
-/// `[1, 2]` or `[[1, 2], [3, 4]]`.
+/// Parses `[1, 2]` or `[[1, 2], [3, 4]]`.
 fn rows(line: usize, key: &str, list: &str) -> Result<Vec<Vec<f64>>, StationFault> {
     let inner = list.trim().strip_prefix('[').and_then(|list| list.strip_suffix(']'));
     let inner = inner.ok_or_else(|| fault(line, format!("{key} has no list of numbers in brackets")))?;

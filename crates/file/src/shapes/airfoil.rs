@@ -1,20 +1,20 @@
-//! A thin-walled profile: the skin of an aerofoil with spars across it.
+//! Thin-walled profile: the skin of an aerofoil with spars between its upper and lower side.
 
 use super::materials::Material;
 use super::properties::Raw;
 use super::walls::Walls;
 
-/// Points on either side of an aerofoil by its digits.
+/// Number of points on each side of a NACA four-digit aerofoil.
 const POINTS_PER_SIDE: usize = 60;
-/// Largest distance between the ends of an outline as a fraction of the chord: a blunt trailing edge, closed by a wall.
+/// Maximum distance between the ends of an outline as a fraction of the chord; the resulting blunt trailing edge is closed by a wall.
 pub(in crate::shapes) const LARGEST_GAP: f64 = 0.05;
 
-/// A spar: a wall across the profile, along `z`.
+/// Spar: a wall through the profile along `z`.
 #[derive(Debug, Clone)]
 pub(in crate::shapes) struct Spar {
     /// Name, for messages.
     pub name: String,
-    /// Position behind the leading edge as a fraction of the chord.
+    /// Distance from the leading edge as a fraction of the chord.
     pub position: f64,
     /// Thickness in m.
     pub wall_m: f64,
@@ -22,23 +22,23 @@ pub(in crate::shapes) struct Spar {
     pub material: Material,
 }
 
-/// Reason for which a profile has no section.
+/// Reason why a profile is not valid.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::shapes) enum Misfit {
-    /// The ends of the outline are apart by this fraction of the chord.
+    /// The ends of the outline are separated by this fraction of the chord.
     Open(f64),
     /// The outline crosses itself or has no area.
     Tangled,
-    /// Skin beyond this thickness in m folds over at a bend of the outline.
+    /// A skin thicker than this thickness in m overlaps itself at a bend of the outline.
     ThickSkin(f64),
-    /// A spar, by its index, ahead of or behind the hollow between these fractions of the chord.
+    /// The spar with this index is not within the hollow, which extends between these fractions of the chord.
     Outside(usize, [f64; 2]),
-    /// Two spars at one place.
+    /// Two spars are at the same position; index of one of them.
     Coincident(usize),
 }
 
-/// Outline of a NACA aerofoil of four digits with a sharp trailing edge, as fractions of the chord `[x, z]`: from the trailing edge over the
-/// upper side to the leading edge and back below. `None` for other names.
+/// Outline of a NACA four-digit aerofoil with a sharp trailing edge, as fractions of the chord `[x, z]`: from the trailing edge along the
+/// upper side to the leading edge and back along the lower side. `None` for other names.
 pub(crate) fn naca(name: &str) -> Option<Vec<[f64; 2]>> {
     let digits = name.to_ascii_lowercase().replace(['-', ' ', '_'], "");
     let digits = digits.strip_prefix("naca")?;
@@ -74,8 +74,8 @@ pub(crate) fn naca(name: &str) -> Option<Vec<[f64; 2]>> {
     Some(points)
 }
 
-/// A profile of a chord in m, by its outline as fractions of the chord `[x, z]`, which is the outer surface; leading edge towards `+y` for a
-/// `side` of 1, towards `−y` for −1. The origin of the returned positions is the leading edge, `x = 0`.
+/// Profile with a chord in m and an outline given as fractions of the chord `[x, z]`, which is the outer surface. The leading edge is
+/// towards `+y` if `side` is 1, towards `−y` if −1. The origin of the returned positions is the leading edge, `x = 0`.
 pub(in crate::shapes) fn profile(
     outline: &[[f64; 2]],
     chord_m: f64,
@@ -101,7 +101,7 @@ pub(in crate::shapes) fn profile(
         .ok_or_else(|| Misfit::ThickSkin(2.0 * largest_inset(&surface, 0.5 * skin_m)))?;
     let mut walls = Walls::default();
     let mut nodes: Vec<usize> = middle.iter().map(|point| walls.node(*point)).collect();
-    // spars from one side of the skin to the other, at new nodes in the ring
+    // spars connect both sides of the skin at new nodes of the ring
     let reach = |points: &[[f64; 2]]| {
         let ends = points.iter().map(|point| point[0]);
         [ends.clone().fold(f64::INFINITY, f64::min), ends.fold(f64::NEG_INFINITY, f64::max)]
@@ -150,7 +150,7 @@ pub(in crate::shapes) fn profile(
     })
 }
 
-/// Consecutive points, from the last to the first too if the line is closed.
+/// Pairs of consecutive points; for a closed line also the last and the first.
 fn edges(points: &[[f64; 2]], closed: bool) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
     let count = if closed { points.len() } else { points.len() - 1 };
     (0..count).map(|i| (points[i], points[(i + 1) % points.len()]))
@@ -160,7 +160,7 @@ fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
     (to[0] - from[0]).hypot(to[1] - from[1])
 }
 
-/// Crossing of two segments: fractions of either.
+/// Intersection of two segments, as fractions of each.
 fn crossing((a, b): ([f64; 2], [f64; 2]), (c, d): ([f64; 2], [f64; 2])) -> Option<[f64; 2]> {
     let (r, s, w) = ([b[0] - a[0], b[1] - a[1]], [d[0] - c[0], d[1] - c[1]], [c[0] - a[0], c[1] - a[1]]);
     let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
@@ -169,7 +169,7 @@ fn crossing((a, b): ([f64; 2], [f64; 2]), (c, d): ([f64; 2], [f64; 2])) -> Optio
     places.iter().all(|place| (0.0..=1.0).contains(place)).then_some(places)
 }
 
-/// Whether edges that are not neighbours cross.
+/// Returns whether edges that are not adjacent intersect.
 fn crosses_itself(points: &[[f64; 2]]) -> bool {
     let lines: Vec<_> = edges(points, false).collect();
     let last = lines.len() - 1;
@@ -177,8 +177,8 @@ fn crosses_itself(points: &[[f64; 2]]) -> bool {
     (0..lines.len()).any(|i| (i..lines.len()).any(|j| far(i, j) && crossing(lines[i], lines[j]).is_some()))
 }
 
-/// The closed line inside an outline at the distance `inset_m`: near the trailing edge, where the two sides meet, it ends at their
-/// crossing. `None` if the distance is too large for a bend of the outline.
+/// Closed line inside an outline at the distance `inset_m`; near the trailing edge, where the lines of the two sides meet, it ends at their
+/// intersection. `None` if the distance is too large for a bend of the outline.
 fn closed_middle(surface: &[[f64; 2]], inset_m: f64) -> Option<Vec<[f64; 2]>> {
     let directions: Vec<[f64; 2]> = edges(surface, false)
         .map(|(a, b)| {
@@ -191,7 +191,7 @@ fn closed_middle(surface: &[[f64; 2]], inset_m: f64) -> Option<Vec<[f64; 2]>> {
         .map(|i| {
             let (before, after) = (directions[i.max(1) - 1], directions[i.min(last - 1)]);
             let cosine = before[0] * after[0] + before[1] * after[1];
-            // both sides' lines at the distance meet there
+            // intersection of the lines at this distance from both edges
             let scale = inset_m / (1.0 + cosine).max(0.1);
             [surface[i][0] - scale * (before[1] + after[1]), surface[i][1] + scale * (before[0] + after[0])]
         })
@@ -208,7 +208,7 @@ fn closed_middle(surface: &[[f64; 2]], inset_m: f64) -> Option<Vec<[f64; 2]>> {
         }
         None => inset.clone(),
     };
-    // edges that the inset shortens to nothing
+    // find edges whose length the inset reduces to zero
     let folded = (0..last).find(|i| {
         let (a, b) = lines[*i];
         let kept = meeting.is_none_or(|(first, end, _)| *i > first && *i < end);
@@ -217,7 +217,7 @@ fn closed_middle(surface: &[[f64; 2]], inset_m: f64) -> Option<Vec<[f64; 2]>> {
     (folded.is_none() && middle.len() >= 4 && !crosses_itself(&middle)).then_some(middle)
 }
 
-/// Half of the largest thickness that follows an outline, below one that does not; by halving.
+/// Half of the largest thickness that an outline permits, below a thickness that it does not permit; found by bisection.
 fn largest_inset(surface: &[[f64; 2]], inset_m: f64) -> f64 {
     let (mut low, mut high) = (0.0, inset_m);
     for _ in 0..20 {
@@ -231,7 +231,7 @@ fn largest_inset(surface: &[[f64; 2]], inset_m: f64) -> f64 {
     low
 }
 
-/// Puts a node into the ring at `x`, on its upper or lower side, and returns it.
+/// Inserts a node into the upper or lower side of the ring at `x`, and returns its index.
 fn split(walls: &mut Walls, ring: &mut Vec<usize>, at_m: f64, upper: bool) -> Option<usize> {
     let mut best: Option<(usize, f64)> = None;
     for i in 0..ring.len() {

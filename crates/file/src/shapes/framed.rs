@@ -1,14 +1,15 @@
-//! Boxes, I-beams, channels and angles of one material: rectangles for area and bending, walls for torsion and shear.
+//! Boxes, I-beams, channels and angles of one material: area and bending from rectangles, torsion and shear from walls.
 
 use super::materials::Material;
 use super::properties::{Moments, Raw};
 use super::walls::Walls;
 use std::f64::consts::PI;
 
-/// A rectangle by smallest and largest `y` and smallest and largest `z` in m.
+/// Rectangle given by smallest and largest `y` and smallest and largest `z` in m.
 type Rectangle = [[f64; 2]; 2];
 
-/// Properties from rectangles that do not overlap, walls along their middles, and the torsion constant in m⁴; warping of open sections.
+/// Properties from rectangles that do not overlap, walls along their centre lines, and the torsion constant in m⁴; for open sections
+/// including warping.
 fn raw(rectangles: &[Rectangle], walls: &Walls, torsion_m4: f64, open: bool, material: &Material) -> Option<Raw> {
     let moments = |weight: f64| {
         let mut moments = Moments::default();
@@ -38,7 +39,7 @@ fn raw(rectangles: &[Rectangle], walls: &Walls, torsion_m4: f64, open: bool, mat
     })
 }
 
-/// Outer dimensions and walls in m: `wall_m` of the walls along `y`, `web_m` of those along `z`.
+/// Outer dimensions and wall thicknesses in m: `wall_m` for walls along `y`, `web_m` for walls along `z`.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shapes) struct Frame {
     /// Full width along `y`.
@@ -51,7 +52,7 @@ pub(in crate::shapes) struct Frame {
     pub web_m: f64,
 }
 
-/// A rectangular box with sharp corners; torsion by walls and corners, NOTATION eq. (S19).
+/// Rectangular box with sharp corners; torsion from walls and corners, NOTATION eq. (S19).
 pub(in crate::shapes) fn hollow_box(frame: Frame, material: &Material) -> Option<Raw> {
     let Frame { width_m: b, height_m: h, wall_m: t, web_m: w } = frame;
     let (y, z) = (0.5 * b, 0.5 * h);
@@ -64,14 +65,14 @@ pub(in crate::shapes) fn hollow_box(frame: Frame, material: &Material) -> Option
         walls.wall(corners[side], corners[(side + 1) % 4], thickness, material);
     }
     let (inner_b, inner_h) = (b - 2.0 * w, h - 2.0 * t);
-    // ∫h dA and ∮∂h/∂n of the function that is 0 outside and 1 inside
+    // ∫h dA and ∮∂h/∂n of the harmonic function h that is 0 at the outer and 1 at the inner boundary
     let level = inner_b * inner_h + inner_b * t + inner_h * w + 4.0 * corner_level_m2(t, w);
     let flux = 2.0 * inner_b / t + 2.0 * inner_h / w + 4.0 * corner_flux(t, w);
     let open = 2.0 * (inner_b * t.powi(3) + inner_h * w.powi(3)) / 3.0 + 4.0 * corner_torsion_m4(t, w);
     raw(&rectangles, &walls, 4.0 * level * level / flux + open, false, material)
 }
 
-/// An I-beam with equal flanges; torsion with the junctions' contributions, NOTATION eq. (S19).
+/// I-beam with equal flanges; torsion includes the contributions of the junctions, NOTATION eq. (S19).
 pub(in crate::shapes) fn i_beam(frame: Frame, material: &Material) -> Option<Raw> {
     let Frame { width_m: b, height_m: h, wall_m: t, web_m: w } = frame;
     let (y, z, half) = (0.5 * b, 0.5 * h, 0.5 * w);
@@ -87,7 +88,7 @@ pub(in crate::shapes) fn i_beam(frame: Frame, material: &Material) -> Option<Raw
     raw(&rectangles, &walls, torsion, true, material)
 }
 
-/// A channel, open towards `+y`; torsion with the corners' contributions, NOTATION eq. (S19).
+/// Channel, open towards `+y`; torsion includes the contributions of the corners, NOTATION eq. (S19).
 pub(in crate::shapes) fn channel(frame: Frame, material: &Material) -> Option<Raw> {
     let Frame { width_m: b, height_m: h, wall_m: t, web_m: w } = frame;
     let z = 0.5 * h;
@@ -103,7 +104,7 @@ pub(in crate::shapes) fn channel(frame: Frame, material: &Material) -> Option<Ra
     raw(&rectangles, &walls, torsion, true, material)
 }
 
-/// An angle with its heel at smallest `y` and `z`, legs along `+y` and `+z` of one thickness; NOTATION eq. (S19).
+/// Angle with its heel at the smallest `y` and `z`, and legs of equal thickness along `+y` and `+z`; NOTATION eq. (S19).
 pub(in crate::shapes) fn angle(width_m: f64, height_m: f64, wall_m: f64, material: &Material) -> Option<Raw> {
     let (b, h, t) = (width_m, height_m, wall_m);
     let rectangles = [[[0.0, b], [0.0, t]], [[0.0, t], [t, h]]];
@@ -115,40 +116,43 @@ pub(in crate::shapes) fn angle(width_m: f64, height_m: f64, wall_m: f64, materia
     raw(&rectangles, &walls, torsion, true, material)
 }
 
-/// Torsion constant that a wall lacks at a free end, over the fourth power of its thickness: that of a long rectangle, NOTATION eq. (S2).
+/// Reduction of the torsion constant at a free end of a wall, divided by the fourth power of its thickness, from a long rectangle,
+/// NOTATION eq. (S2).
 const END: f64 = 0.105;
 
-/// Cubic through four values at 1/4, 1/2, 3/4 and 1, by their differences.
+/// Cubic interpolation of values at 1/4, 1/2, 3/4 and 1, given by the first value and the forward differences.
 fn cubic(ratio: f64, [value, first, second, third]: [f64; 4]) -> f64 {
     let u = 4.0 * ratio - 1.0;
     value + u * (first + 0.5 * (u - 1.0) * (second + (u - 2.0) / 3.0 * third))
 }
 
-/// Smaller over larger thickness, and the larger one in m.
+/// Ratio of the smaller to the larger thickness, and the larger thickness in m.
 fn ratio(wall_m: f64, web_m: f64) -> (f64, f64) {
     (wall_m.min(web_m) / wall_m.max(web_m), wall_m.max(web_m))
 }
 
-/// Torsion constant in m⁴ of a sharp corner beyond the walls up to its inner edge; Poisson's equation in an infinite corner,
-/// `tests/reference/sections/corners.py`.
+/// Torsion constant in m⁴ of a sharp corner, in addition to that of the walls up to its inner edge; from Poisson's equation in an
+/// infinite corner, `tests/reference/sections/corners.py`.
 fn corner_torsion_m4(wall_m: f64, web_m: f64) -> f64 {
     let (ratio, thick_m) = ratio(wall_m, web_m);
     thick_m.powi(4) * cubic(ratio, [-0.018_907, 0.104_301, 0.034_908, 0.007_569])
 }
 
-/// `∫h dA` in m² of a sharp corner beyond the walls up to its inner edge, from the same script.
+/// `∫h dA` in m² of a sharp corner, in addition to that of the walls up to its inner edge, from the same script.
 fn corner_level_m2(wall_m: f64, web_m: f64) -> f64 {
     let (ratio, thick_m) = ratio(wall_m, web_m);
     thick_m.powi(2) * cubic(ratio, [-0.033_765, 0.076_154, -0.017_321, 0.002_105])
 }
 
-/// `∫∂h/∂n` over a sharp corner beyond the walls up to its inner edge (Cockcroft, J. IEE 66 (1928) 385); 0.559 for equal walls.
+/// `∫∂h/∂n` of a sharp corner, in addition to that of the walls up to its inner edge (Cockcroft, J. IEE 66 (1928) 385); 0.559 for equal
+/// walls.
 fn corner_flux(wall_m: f64, web_m: f64) -> f64 {
     let (a, b) = (wall_m, web_m);
     2.0 / PI * (((a * a + b * b) / (4.0 * a * b)).ln() + a / b * (b / a).atan() + b / a * (a / b).atan())
 }
 
-/// Torsion constant in m⁴ of the junction of a flange with a web beyond the whole flange and the web up to it, from the same script.
+/// Torsion constant in m⁴ of the junction of a flange and a web, in addition to those of the complete flange and of the web up to it,
+/// from the same script.
 fn junction_torsion_m4(flange_m: f64, web_m: f64) -> f64 {
     let ratio = web_m / flange_m;
     let u = 2.0 * ratio - 2.0;

@@ -1,13 +1,13 @@
-//! A flat strip of plies by classical lamination theory.
+//! Flat strip of plies according to classical lamination theory.
 
 use super::materials::{Across, Material};
 use super::properties::SectionProperties;
 use nalgebra::{Matrix3, SMatrix, SVector};
 
-/// Coupling over the geometric mean of its stiffnesses which counts as none.
+/// Coupling relative to the geometric mean of the two stiffnesses below which it counts as zero.
 const ROUND_OFF: f64 = 1e-6;
 
-/// A ply.
+/// Ply of a laminate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ply {
     /// Angle of the fibres from the body's axis towards `+y` in rad.
@@ -18,19 +18,19 @@ pub(crate) struct Ply {
     pub material: Material,
 }
 
-/// A coupling with shear in the plane of the strip, which beams of four strains cannot have.
+/// Coupling with in-plane shear of the strip, which a beam model with four strains cannot represent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::shapes) enum Coupling {
-    /// Stretch: the laminate is not balanced.
+    /// With stretch: the laminate is not balanced.
     Stretch,
-    /// Bending or twist: the laminate is not symmetric.
+    /// With bending or twist: the laminate is not symmetric.
     OutOfPlane,
 }
 
 /// Strains of a plate: `εx, εy, γxy, kx, ky, kxy`.
 type Plate = SMatrix<f64, 6, 6>;
 
-/// Reduced stiffness of a ply in the axes of the strip in Pa, `(εx, εy, γxy)`, NOTATION eq. (S20).
+/// Reduced stiffness of a ply in Pa, in the axes of the strip, for `(εx, εy, γxy)`, NOTATION eq. (S20).
 fn reduced_pa(ply: &Ply) -> Matrix3<f64> {
     let Material { youngs_modulus_pa: along, shear_modulus_pa: shear, across, .. } = ply.material;
     let (across, ratio) =
@@ -48,12 +48,12 @@ fn reduced_pa(ply: &Ply) -> Matrix3<f64> {
         shear,
     );
     let (s, c) = ply.angle_rad.sin_cos();
-    // strains of the ply by those of the strip
+    // strains in ply axes as functions of strains in strip axes
     let turn = Matrix3::new(c * c, s * s, s * c, s * s, c * c, -s * c, -2.0 * s * c, 2.0 * s * c, c * c - s * s);
     turn.transpose() * own * turn
 }
 
-/// Shear modulus of a ply in the plane of axis and thickness in Pa.
+/// Shear modulus of a ply in Pa, in the plane of body axis and thickness.
 fn transverse_shear_pa(ply: &Ply) -> f64 {
     let along = ply.material.shear_modulus_pa;
     let across = ply.material.across.map_or(along, |Across { shear_modulus_pa, .. }| shear_modulus_pa);
@@ -61,13 +61,13 @@ fn transverse_shear_pa(ply: &Ply) -> f64 {
     along * c * c + across * s * s
 }
 
-/// Stiffness without a strain whose force is zero, NOTATION eq. (S21).
+/// Condensed stiffness without a strain whose force is zero, NOTATION eq. (S21).
 fn freed(stiffness: &Plate, strain: usize) -> Plate {
     let pivot = stiffness[(strain, strain)];
     Plate::from_fn(|i, j| stiffness[(i, j)] - stiffness[(i, strain)] * stiffness[(strain, j)] / pivot)
 }
 
-/// Properties of a strip of plies, from the lowest `z` to the highest, `width_m` along `y`, NOTATION eqs. (S20)–(S22).
+/// Properties of a strip of plies, given from the lowest `z` to the highest; `width_m` is along `y`. NOTATION eqs. (S20)–(S22).
 pub(in crate::shapes) fn laminate(width_m: f64, plies: &[Ply]) -> Result<SectionProperties, Coupling> {
     let thickness_m: f64 = plies.iter().map(|ply| ply.thickness_m).sum();
     let mut plate = Plate::zeros();
@@ -83,7 +83,7 @@ pub(in crate::shapes) fn laminate(width_m: f64, plies: &[Ply]) -> Result<Section
         mass.iter_mut().zip(powers).for_each(|(sum, power)| *sum += ply.material.density_kg_m3 * power);
         low = high;
     }
-    // neither force nor moment across the strip
+    // force and moment in the transverse direction are zero
     let [axial, shear, bend, twist] = [0, 2, 3, 5];
     let open = freed(&freed(&plate, 1), 4);
     let coupled = |i: usize, j: usize| open[(i, j)].abs() > ROUND_OFF * (plate[(i, i)] * plate[(j, j)]).sqrt();
@@ -98,10 +98,10 @@ pub(in crate::shapes) fn laminate(width_m: f64, plies: &[Ply]) -> Result<Section
     }
     let free = freed(&open, shear);
     let through = through_thickness(plies, thickness_m);
-    // shear over the thickness fades the twisting moment towards the edges, NOTATION eq. (S22)
+    // transverse shear strain reduces the twisting moment towards the edges, NOTATION eq. (S22)
     let decay = 0.5 * width_m * (through.twist_n_m / free[(twist, twist)]).sqrt();
     let edges = 1.0 - decay.tanh() / decay;
-    // bending across the strip by lateral contraction twists it where the moment varies along the body
+    // lateral contraction in bending twists the cross-section where the bending moment varies along the body
     let ratio = plate_ratio(&plate);
     let (coth, squared) = (1.0 / decay.tanh(), decay * decay);
     let contraction =
@@ -131,21 +131,23 @@ pub(in crate::shapes) fn laminate(width_m: f64, plies: &[Ply]) -> Result<Section
     })
 }
 
-/// Curvature across the strip per curvature along it, without moments and forces across and in shear: the strip's own Poisson's ratio.
+/// Ratio of transverse to longitudinal curvature when all transverse and shear forces and moments are zero: Poisson's ratio of the
+/// strip.
 fn plate_ratio(plate: &Plate) -> f64 {
     let free = freed(&freed(&freed(plate, 1), 2), 5);
     free[(4, 3)] / free[(4, 4)]
 }
 
-/// Shear stiffnesses through the thickness per width in N/m.
+/// Transverse shear stiffnesses per width in N/m.
 struct Through {
-    /// With the distribution of shear in bending.
+    /// For the shear distribution in bending.
     bend_n_m: f64,
-    /// With the distribution of shear at the edges in torsion.
+    /// For the shear distribution at the edges in torsion.
     twist_n_m: f64,
 }
 
-/// Force squared over twice the energy of the shear that balances axial stresses, or those of twist.
+/// Squared force divided by twice the energy of the transverse shear that balances the axial stresses in bending, or the shear
+/// stresses in torsion.
 fn through_thickness(plies: &[Ply], thickness_m: f64) -> Through {
     let axial = |ply: &Ply| {
         let reduced = reduced_pa(ply);
@@ -171,7 +173,8 @@ fn through_thickness(plies: &[Ply], thickness_m: f64) -> Through {
         let (mut flow, mut energy) = (0.0, 0.0);
         for ply in plies {
             let (modulus, shear) = (modulus(ply), transverse_shear_pa(ply));
-            // flow at z: that at the ply's lower face less E (z² − low²)/2; its square by three Gauss points, exact to the fifth power
+            // shear flow at z: flow at the ply's lower face minus E (z² − low²)/2; its square is integrated by three Gauss points,
+            // exact to the fifth power
             for (place, weight) in GAUSS {
                 let z = low + 0.5 * (1.0 + place) * ply.thickness_m;
                 let here = flow - 0.5 * modulus * (z * z - low * low);

@@ -1,4 +1,4 @@
-//! A section by its shape whose dimensions may vary along a body.
+//! Section given by its shape, whose dimensions may vary along a body.
 
 use super::airfoil::{self, LARGEST_GAP, Misfit, Spar};
 use super::framed::{self, Frame};
@@ -11,31 +11,31 @@ use foldwing_engine::beam::profile::Profile;
 use foldwing_engine::beam::section::{Outline, Solid};
 use foldwing_engine::machine::units::shortest;
 
-/// Largest relative error of a stiffness or of the mass halfway between two stations, where it is interpolated.
+/// Maximum relative error of stiffness and mass halfway between two stations, due to linear interpolation.
 const STATION_ERROR: f64 = 1e-4;
-/// Number of halvings of the distance between two kinks of the dimensions at most.
+/// Maximum number of bisections of the interval between two kinks of the dimensions.
 const MAXIMUM_HALVINGS: usize = 7;
 
-/// A shape with its dimensions and materials.
+/// Shape with its dimensions and materials.
 #[derive(Debug, Clone)]
 pub(crate) enum Shape {
-    /// Round tube of `[diameter, wall]`.
+    /// Round tube with `[diameter, wall]`.
     Tube([Dimension; 2], Material),
     /// Rectangular box.
     Box(FrameDimensions, Material),
     /// I-beam with equal flanges.
     I(FrameDimensions, Material),
-    /// Channel, open towards `+y` for 1, towards `−y` for −1.
+    /// Channel, open towards `+y` if the number is 1, towards `−y` if −1.
     C(FrameDimensions, f64, Material),
-    /// Angle of `[width, height, wall]`.
+    /// Angle with `[width, height, wall]`.
     Angle([Dimension; 3], Material),
     /// Thin-walled profile.
     Profile(Box<ProfileShape>),
-    /// Strip of plies of a width.
+    /// Strip of plies, with its width.
     Laminate(Dimension, Vec<Ply>),
 }
 
-/// `[width, height, wall]`, and the wall of the webs if it differs.
+/// `[width, height, wall]`, and the web thickness if it differs from that of the wall.
 #[derive(Debug, Clone)]
 pub(crate) struct FrameDimensions {
     pub outer: [Dimension; 3],
@@ -47,34 +47,34 @@ pub(crate) struct FrameDimensions {
 pub(crate) struct ProfileShape {
     pub chord: Dimension,
     pub skin: Dimension,
-    /// Outline as fractions of the chord.
+    /// Outline in fractions of the chord.
     pub outline: Vec<[f64; 2]>,
-    /// Key that states the outline.
+    /// Key that defines the outline.
     pub outline_key: &'static str,
     pub material: Material,
-    /// Name, position, thickness, material.
+    /// Name, position, thickness and material of each spar.
     pub spars: Vec<(String, f64, Dimension, Material)>,
-    /// 1 for a leading edge towards `+y`, −1 towards `−y`.
+    /// 1 if the leading edge is towards `+y`, −1 if towards `−y`.
     pub side: f64,
 }
 
-/// A dimension with its key.
+/// Dimension with its key.
 #[derive(Debug, Clone)]
 pub(crate) struct Dimension {
     pub key: &'static str,
     pub profile: Profile,
 }
 
-/// Dimensions for which there is no section.
+/// Dimensions that do not give a section.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Refused {
-    /// Keys in the section's table.
+    /// Path of the key in the section's table.
     pub key: Vec<String>,
     /// Position along the body in m.
     pub position_m: f64,
-    /// The value there, if the key has one.
+    /// Value of the dimension at this position, if the key has one.
     pub value: Option<f64>,
-    /// The state, if it is no value of the key.
+    /// Description of the state found, if it is not the value of a key.
     pub found: Option<String>,
     pub allowed: String,
 }
@@ -99,7 +99,7 @@ impl Dimension {
         Err(Refused::value(self.key, s_m, value, "a finite length > 0 m".to_owned()))
     }
 
-    /// A wall that is thinner than half of an outer dimension; half of it is solid.
+    /// Wall thickness, which must be less than half of each outer dimension; at half the section would be solid.
     fn wall(&self, s_m: f64, within: &[(&Self, f64)], solid: &str) -> Result<f64, Refused> {
         let wall = self.at(s_m)?;
         for (outer, size_m) in within {
@@ -123,11 +123,11 @@ impl FrameDimensions {
     }
 }
 
-/// Advice for walls so thick that nothing is hollow.
+/// Advice if the walls are so thick that the section is not hollow.
 const RECTANGLE: &str = "a solid one has shape = \"rectangle\"";
 
 impl Shape {
-    /// Properties of a solid section; `None` if its shear modulus is not known.
+    /// Properties of a solid section; `None` if its shear modulus is unknown.
     pub fn solid(solid: &Solid) -> Option<SectionProperties> {
         let own = &solid.material;
         let material = Material {
@@ -146,10 +146,10 @@ impl Shape {
         Some(properties)
     }
 
-    /// Properties at `s_m` from the inner end of a body.
+    /// Properties at the distance `s_m` from the inner end of a body.
     ///
     /// # Errors
-    /// Dimensions there that make no such section.
+    /// Dimensions at this position that do not give a section.
     pub fn at(&self, s_m: f64) -> Result<SectionProperties, Refused> {
         let degenerate =
             |key: &str| Refused::state(key, s_m, "a section of such dimensions", "walls that make a section");
@@ -183,13 +183,13 @@ impl Shape {
         Ok(raw.about_shear_centre())
     }
 
-    /// Position of the beam axis of a profile behind its leading edge as a fraction of its chord; `None` for other shapes.
+    /// Distance of the beam axis from the leading edge of a profile as a fraction of its chord; `None` for other shapes.
     pub fn axis_fraction(&self, properties: &SectionProperties) -> Option<f64> {
         match self {
             Self::Profile(profile) => {
                 let [[rear, front], _] = properties.outline_m?;
                 let ahead = if profile.side > 0.0 { front } else { -rear };
-                // the outline may reach ahead of x = 0
+                // the outline may extend ahead of x = 0
                 let nose = profile.outline.iter().map(|point| point[0]).fold(f64::INFINITY, f64::min);
                 Some(ahead / profile.chord.profile.at(0.0) + nose)
             }
@@ -212,21 +212,21 @@ impl Shape {
         }
     }
 
-    /// Whether the section is the same everywhere.
+    /// Returns whether the section is uniform along the body.
     pub fn is_constant(&self) -> bool {
         self.dimensions().iter().all(|dimension| dimension.profile.is_constant())
     }
 
-    /// Positions in m at which the slope of a dimension may jump.
+    /// Positions in m at which the derivative of a dimension may be discontinuous.
     pub fn kinks_m(&self) -> Vec<f64> {
         self.dimensions().iter().flat_map(|dimension| dimension.profile.kinks_m()).collect()
     }
 
-    /// Sections along a body of `length_m` with their positions, the first at its inner end and the last at its outer one: linear
-    /// interpolation between them is within [`STATION_ERROR`] of the shape.
+    /// Sections along a body of `length_m` with their positions, the first at its inner end and the last at its outer end, such
+    /// that the error of linear interpolation between them is within [`STATION_ERROR`].
     ///
     /// # Errors
-    /// As [`Shape::at`].
+    /// As for [`Shape::at`].
     pub fn stations(&self, length_m: f64) -> Result<Vec<(f64, SectionProperties)>, Refused> {
         if self.is_constant() {
             return Ok(vec![(0.0, self.at(0.0)?)]);
@@ -245,7 +245,7 @@ impl Shape {
         Ok(stations)
     }
 
-    /// Adds stations between two until linear interpolation is accurate.
+    /// Adds stations between two others until linear interpolation is accurate.
     fn refine(
         &self,
         inner: (f64, &SectionProperties),
@@ -263,10 +263,10 @@ impl Shape {
         self.refine((half_m, &half), outer, halvings - 1, stations)
     }
 
-    /// The sections along a body of `length_m`.
+    /// Section law along a body of `length_m`.
     ///
     /// # Errors
-    /// As [`Shape::at`].
+    /// As for [`Shape::at`].
     pub fn law(&self, length_m: f64) -> Result<SectionLaw, Refused> {
         let stations = self.stations(length_m)?;
         if let [(_, only)] = stations.as_slice() {
@@ -280,7 +280,7 @@ impl Shape {
     }
 }
 
-/// Whether a section is close to the mean of two others.
+/// Returns whether a section is close to the mean of two others.
 fn is_between(inner: &SectionProperties, half: &SectionProperties, outer: &SectionProperties) -> bool {
     let mean = inner.section().towards(&outer.section(), 0.5);
     let own = half.section();
@@ -351,12 +351,12 @@ impl ProfileShape {
     }
 }
 
-/// Four digits.
+/// Formats four digits.
 fn short(value: f64) -> String {
     format!("{value:.3e}").parse().map_or_else(|_| shortest(value), shortest)
 }
 
-/// The error of a laminate whose couplings need more strains than a beam has.
+/// Error for a laminate whose couplings involve strains that a beam does not have.
 fn coupled(coupling: Coupling, s_m: f64) -> Refused {
     let (found, allowed) = match coupling {
         Coupling::Stretch => (

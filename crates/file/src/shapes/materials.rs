@@ -1,8 +1,8 @@
-//! Materials by name, each with its source.
+//! Library of materials by name, each with its source.
 
 use crate::meant::nearest;
 
-/// A material as sections by shape use it: along the fibres or the grain, if it has any.
+/// Material of sections by shape; the axial direction is that of the fibres or the grain, if there are any.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Young's modulus in Pa, along the fibres.
@@ -11,23 +11,23 @@ pub struct Material {
     pub shear_modulus_pa: f64,
     /// Density in kg/m³.
     pub density_kg_m3: f64,
-    /// Properties across the fibres; `None` for isotropic materials.
+    /// Properties perpendicular to the fibres; `None` for isotropic materials.
     pub across: Option<Across>,
 }
 
-/// Properties of a unidirectional material across its fibres.
+/// Properties of a unidirectional material perpendicular to its fibres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Across {
-    /// Young's modulus across the fibres in Pa.
+    /// Young's modulus perpendicular to the fibres in Pa.
     pub youngs_modulus_pa: f64,
-    /// Major Poisson's ratio: contraction across per extension along the fibres.
+    /// Major Poisson's ratio: transverse contraction divided by extension along the fibres.
     pub poisson_ratio: f64,
-    /// Shear modulus in the plane across the fibres in Pa.
+    /// Shear modulus in the plane perpendicular to the fibres in Pa.
     pub shear_modulus_pa: f64,
 }
 
 impl Material {
-    /// Poisson's ratio of an isotropic material; 0 otherwise, where formulas with it do not apply.
+    /// Poisson's ratio of an isotropic material; 0 for other materials, to which formulas with Poisson's ratio do not apply.
     pub(in crate::shapes) fn poisson_ratio(&self) -> f64 {
         if self.across.is_some() { 0.0 } else { 0.5 * self.youngs_modulus_pa / self.shear_modulus_pa - 1.0 }
     }
@@ -38,9 +38,9 @@ impl Material {
 pub struct NamedMaterial {
     /// Name in model files.
     pub name: &'static str,
-    /// Its properties.
+    /// Properties of the material.
     pub material: Material,
-    /// Source of the numbers.
+    /// Source of the values.
     pub source: &'static str,
 }
 
@@ -58,7 +58,8 @@ const fn isotropic(
     }
 }
 
-/// Along: Young's modulus, shear modulus; across: Young's modulus, major Poisson's ratio, shear modulus; density.
+/// Arguments: Young's and shear modulus along the fibres; Young's modulus, major Poisson's ratio and shear modulus perpendicular to them;
+/// density.
 const fn along_fibres(
     name: &'static str,
     [along, shear, across, ratio, across_shear, density]: [f64; 6],
@@ -75,7 +76,7 @@ const DANIEL: &str = "Daniel and Ishai, Engineering Mechanics of Composite Mater
 const LAMINATED: &str = "lamination theory of the unidirectional material of the same name";
 const WOOD: &str = "USDA Wood Handbook FPL-GTR-190 (2010), chapter 5, at 12 % moisture; typical value, unchecked";
 
-/// The library: typical values at room temperature, not allowables.
+/// Library of materials: typical values at room temperature, not design allowables.
 pub const MATERIALS: &[NamedMaterial] = &[
     isotropic("aluminium 2024-T3", 72.4e9, 27.6e9, 2770.0, MMPDS),
     isotropic("aluminium 6061-T6", 68.3e9, 26.2e9, 2710.0, MMPDS),
@@ -128,7 +129,7 @@ pub const MATERIALS: &[NamedMaterial] = &[
     isotropic("Rohacell 51 IG", 70.0e6, 19.0e6, 52.0, "Evonik Rohacell 51 IG, data sheet; typical value, unchecked"),
 ];
 
-/// The material of the library with this name.
+/// Returns the material of the library with this name.
 pub fn named_material(name: &str) -> Option<Material> {
     MATERIALS.iter().find(|named| named.name == name).map(|named| named.material)
 }
@@ -138,14 +139,14 @@ pub(crate) fn names_of_materials() -> String {
     MATERIALS.iter().map(|named| format!("{:?}", named.name)).collect::<Vec<_>>().join(", ")
 }
 
-/// The nearest name to one that is unknown, among own materials and those of the library: by edits, else by its parts, such as `7075` for
-/// `aluminium 7075-T6`.
+/// Name most similar to an unknown one, among the materials of the model file and of the library: by edit distance, otherwise by its
+/// parts, such as `7075` for `aluminium 7075-T6`.
 pub(crate) fn nearest_name<'n>(name: &str, own: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     let known: Vec<&'n str> = own.into_iter().chain(MATERIALS.iter().map(|named| named.name)).collect();
     let plain =
         |text: &str| -> String { text.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_lowercase() };
     let separator = |letter: char| !letter.is_ascii_alphanumeric();
-    // whether a word of a name has this start
+    // whether a word of the known name starts with this text
     let begins = |known: &str, word: &str| {
         let starts = known.char_indices().filter(|(at, _)| *at == 0 || known[..*at].ends_with(separator));
         starts.into_iter().any(|(at, _)| plain(&known[at..]).starts_with(word))

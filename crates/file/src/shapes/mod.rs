@@ -1,4 +1,4 @@
-//! Sections by shape: dimensions and materials to stiffness, inertia, shear stiffness and centres.
+//! Sections by shape: dimensions and materials are converted to stiffness, inertia, shear stiffness and centres.
 
 mod airfoil;
 mod framed;

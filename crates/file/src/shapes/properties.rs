@@ -1,4 +1,4 @@
-//! Properties of a cross-section by its shape, about the beam axis: those that beams use, and those that are only reported.
+//! Properties of a cross-section given by its shape, about the beam axis: those that beams use, and those that are only reported.
 
 use foldwing_engine::beam::section::{Section, uncoupled_shear};
 use foldwing_engine::math::strain::{EDGE, FLAP, STRAINS, STRETCH, StrainMatrix, TWIST};
@@ -12,8 +12,8 @@ pub struct SectionProperties {
     /// Axial stiffness `EA` in N.
     #[serde(rename = "axial_stiffness_N")]
     pub axial_stiffness_n: f64,
-    /// Shear stiffnesses `[GA_y, GA_z]` in N: squared force over twice the energy of a force along `y` or `z`, NOTATION eq. (S13), used
-    /// by bodies with `shear = true`. `None` for sections given by their stiffness.
+    /// Shear stiffnesses `[GA_y, GA_z]` in N: squared force divided by twice the energy due to a force along `y` or `z`, NOTATION eq.
+    /// (S13). Used by bodies with shear deformation only. `None` for sections given by their stiffness.
     #[serde(rename = "shear_stiffnesses_N")]
     pub shear_stiffnesses_n: Option<[f64; 2]>,
     /// Torsional rigidity `GJ` in N·m².
@@ -25,7 +25,7 @@ pub struct SectionProperties {
     /// Edgewise bending stiffness `EI_z = ∫E y² dA` about the tension centre in N·m².
     #[serde(rename = "edge_stiffness_N_m2")]
     pub edge_stiffness_n_m2: f64,
-    /// `−∫E y z dA` about the tension centre in N·m²: the coupling of the two curvatures.
+    /// Coupling of the two curvatures, `−∫E y z dA` about the tension centre, in N·m².
     #[serde(rename = "coupling_flap_edge_N_m2")]
     pub coupling_flap_edge_n_m2: f64,
     /// Coupling of stretch and twist in N·m.
@@ -34,12 +34,13 @@ pub struct SectionProperties {
     /// Coupling of twist and curvature about `y` in N·m².
     #[serde(rename = "coupling_twist_flap_N_m2")]
     pub coupling_twist_flap_n_m2: f64,
-    /// Warping stiffness `E C_w` about the shear centre in N·m⁴ of an open section of thin walls; 0 for all others. Not used by the beams.
+    /// Warping stiffness `E C_w` about the shear centre in N·m⁴ of an open thin-walled section; 0 for other sections. Not used by the
+    /// beams.
     #[serde(rename = "warping_stiffness_N_m4")]
     pub warping_stiffness_n_m4: f64,
-    /// Tension centre `[y, z]` in m: a force there along the axis does not bend.
+    /// Tension centre `[y, z]` in m: an axial force at this point causes no bending.
     pub tension_centre_m: [f64; 2],
-    /// Shear centre `[y, z]` in m: a transverse force there does not twist. `None` for sections given by their stiffness.
+    /// Shear centre `[y, z]` in m: a transverse force at this point causes no twist. `None` for sections given by their stiffness.
     pub shear_centre_m: Option<[f64; 2]>,
     /// Mass per length in kg/m.
     pub mass_kg_m: f64,
@@ -47,11 +48,11 @@ pub struct SectionProperties {
     pub centre_of_mass_m: [f64; 2],
     /// Second moments of mass per length about the centre of mass `[∫ρy² dA, ∫ρyz dA, ∫ρz² dA]` in kg·m.
     pub second_moments_kg_m: [f64; 3],
-    /// Box around the outline in m: smallest and largest `y`, smallest and largest `z`; `None` if it is not stated.
+    /// Bounding box of the outline in m: smallest and largest `y`, smallest and largest `z`; `None` if not stated.
     pub outline_m: Option<[[f64; 2]; 2]>,
 }
 
-/// Integrals over the area of a section, about any origin.
+/// Weighted integrals over the area of a section, about any origin.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(in crate::shapes) struct Moments {
     /// `∫w dA`.
@@ -63,7 +64,7 @@ pub(in crate::shapes) struct Moments {
 }
 
 impl Moments {
-    /// Adds a rectangle of weight `w` per area, with its middle, half sides and the direction of the first.
+    /// Adds a rectangle with weight `w` per area, given by its centre, its half sides and the direction of the first side.
     pub fn add_rectangle(&mut self, weight: f64, middle: [f64; 2], half: [f64; 2], along: [f64; 2]) {
         let whole = weight * 4.0 * half[0] * half[1];
         let ([y, z], [a, b]) = (middle, along);
@@ -89,7 +90,7 @@ impl Moments {
     }
 }
 
-/// Properties of a shape about any origin; [`Raw::about_shear_centre`] moves the axis.
+/// Properties of a shape about any origin; [`Raw::about_shear_centre`] converts them to the beam axis.
 #[derive(Debug, Clone)]
 pub(in crate::shapes) struct Raw {
     /// Integrals weighted with Young's modulus.
@@ -104,12 +105,12 @@ pub(in crate::shapes) struct Raw {
     pub shear_centre_m: [f64; 2],
     /// `E C_w` in N·m⁴.
     pub warping_stiffness_n_m4: f64,
-    /// Corners of the box around the outline in m: smallest and largest `y`, smallest and largest `z`.
+    /// Bounding box of the outline in m: smallest and largest `y`, smallest and largest `z`.
     pub reach_m: [[f64; 2]; 2],
 }
 
 impl Raw {
-    /// The mirror image with `y` reversed.
+    /// Returns the mirror image with `y` reversed.
     pub fn mirrored(mut self) -> Self {
         for moments in [&mut self.stiffness, &mut self.mass] {
             moments.first[0] *= -1.0;
@@ -121,7 +122,7 @@ impl Raw {
         self
     }
 
-    /// Properties about the shear centre.
+    /// Returns the properties about the shear centre.
     pub fn about_shear_centre(&self) -> SectionProperties {
         let [y0, z0] = self.shear_centre_m;
         let from_axis = |[y, z]: [f64; 2]| [clean(y - y0, self.size_m()), clean(z - z0, self.size_m())];
@@ -156,13 +157,13 @@ impl Raw {
     }
 }
 
-/// Zero instead of the round-off of a difference of numbers of this size.
+/// Replaces the round-off of a difference of numbers of magnitude `size` by zero.
 fn clean(value: f64, size: f64) -> f64 {
     if value.abs() < 1e-12 * size { 0.0 } else { value }
 }
 
 impl SectionProperties {
-    /// Those of a section by its stiffness and inertia. The tension centre is that with free twist.
+    /// Properties of a section given by its stiffness and inertia. The tension centre is that with free twist.
     pub fn of(section: &Section) -> Self {
         let stiffness = &section.stiffness;
         let twist = stiffness[(TWIST, TWIST)];
@@ -200,7 +201,7 @@ impl SectionProperties {
         }
     }
 
-    /// Stiffness and inertia about the beam axis, NOTATION eqs. (S1), (K7).
+    /// Returns stiffness and inertia about the beam axis, NOTATION eqs. (S1), (K7).
     pub fn section(&self) -> Section {
         let ([y, z], axial) = (self.tension_centre_m, self.axial_stiffness_n);
         let mut stiffness = StrainMatrix::<STRAINS>::zeros();

@@ -1,11 +1,11 @@
-//! Tubes, rectangles and ellipses of one material: closed forms without approximation.
+//! Tubes, rectangles and ellipses of one material, by exact solutions.
 
 use super::materials::Material;
 use super::properties::{Moments, Raw};
 use foldwing_engine::beam::section::{ellipse_torsion_constant_m4, rectangle_torsion_constant_m4};
 use std::f64::consts::PI;
 
-/// A section with two axes of symmetry of one material: area, `∫y² dA`, `∫z² dA`, torsion constant, shear areas.
+/// Section of one material with two axes of symmetry: area, `∫y² dA`, `∫z² dA`, torsion constant, shear areas.
 struct Symmetric {
     area_m2: f64,
     second_m4: [f64; 2],
@@ -33,14 +33,14 @@ impl Symmetric {
     }
 }
 
-/// A round tube by its outer diameter and wall in m. Torsion and bending are exact; shear by the energy of Saint-Venant's flexure of a
-/// ring, NOTATION eq. (S14). A wall of half the diameter is a solid rod.
+/// Round tube with outer diameter and wall thickness in m. Torsion and bending are exact; shear follows from the energy of
+/// Saint-Venant's flexure of a ring, NOTATION eq. (S14). With a wall of half the diameter it is a solid rod.
 pub(in crate::shapes) fn tube(diameter_m: f64, wall_m: f64, material: &Material) -> Raw {
     let (a, b) = (0.5 * diameter_m, 0.5 * diameter_m - wall_m);
     let area_m2 = PI * wall_m * (a + b);
     let second = 0.25 * area_m2 * (a * a + b * b);
     let ratio = material.poisson_ratio();
-    // stresses (P cos θ, Q sin θ) with P = K (r² − s + p/r²), Q = K (s + p/r²) − (1 − 2ν) r²/4; ∫(P² + Q²) r dr, powers of r
+    // shear stresses (P cos θ, Q sin θ) with P = K (r² − s + p/r²), Q = K (s + p/r²) − (1 − 2ν) r²/4; ∫(P² + Q²) r dr by powers of r
     let (k, c) = (0.75 + 0.5 * ratio, 0.25 * (1.0 - 2.0 * ratio));
     let (s, p) = (a * a + b * b, a * a * b * b);
     let power = |n: i32| (a.powi(n) - b.powi(n)) / f64::from(n);
@@ -61,7 +61,7 @@ pub(in crate::shapes) fn tube(diameter_m: f64, wall_m: f64, material: &Material)
     .raw(material)
 }
 
-/// A solid rectangle by its sides along `y` and `z` in m; torsion by NOTATION eq. (S2), shear by eq. (S15).
+/// Solid rectangle with sides along `y` and `z` in m; torsion by NOTATION eq. (S2), shear by eq. (S15).
 pub(in crate::shapes) fn rectangle(width_m: f64, height_m: f64, material: &Material) -> Raw {
     let area_m2 = width_m * height_m;
     let shear = |across: f64, along: f64| rectangle_shear_area_m2(across, along, material.poisson_ratio());
@@ -77,7 +77,7 @@ pub(in crate::shapes) fn rectangle(width_m: f64, height_m: f64, material: &Mater
 
 /// Shear area of a rectangle for a force along the side `along_m`, NOTATION eq. (S15).
 ///
-/// The terms fall with `n⁻⁴`; with 200 of them the error is below 1e-7 of the sum.
+/// The terms decrease with `n⁻⁴`; after 200 terms the error is below 1e-7 of the sum.
 fn rectangle_shear_area_m2(across_m: f64, along_m: f64, poisson_ratio: f64) -> f64 {
     let (b, h) = (across_m, along_m);
     let sum: f64 = (1..=200)
@@ -92,7 +92,7 @@ fn rectangle_shear_area_m2(across_m: f64, along_m: f64, poisson_ratio: f64) -> f
     1.0 / (1.2 / (b * h) + (anticlastic / second).powi(2) * sum)
 }
 
-/// A solid ellipse by its full axes along `y` and `z` in m; torsion by NOTATION eq. (S3), shear by eq. (S16).
+/// Solid ellipse with full axes along `y` and `z` in m; torsion by NOTATION eq. (S3), shear by eq. (S16).
 pub(in crate::shapes) fn ellipse(width_m: f64, height_m: f64, material: &Material) -> Raw {
     let (a, b) = (0.5 * width_m, 0.5 * height_m);
     let area_m2 = PI * a * b;
@@ -107,17 +107,17 @@ pub(in crate::shapes) fn ellipse(width_m: f64, height_m: f64, material: &Materia
     .raw(material)
 }
 
-/// Shear area of an ellipse with half axes in m for a force along the second, NOTATION eq. (S16).
+/// Shear area of an ellipse with half axes in m for a force along the second axis, NOTATION eq. (S16).
 fn ellipse_shear_area_m2(across_m: f64, along_m: f64, poisson_ratio: f64) -> f64 {
     let (a, b, ratio) = (across_m, along_m, poisson_ratio);
     let (a2, b2) = (a * a, b * b);
     let (area, second) = (PI * a * b, 0.25 * PI * a * b * b2);
     let denominator = (1.0 + ratio) * (3.0 * b2 + a2);
-    // along the force: c (b² − z² − e y²), across: −d y z, per force over the second moment
+    // stresses along the force: c (b² − z² − e y²), and perpendicular to it: −d y z, for a force divided by the second moment of area
     let c = (2.0 * (1.0 + ratio) * b2 + a2) / (2.0 * denominator);
     let e = (1.0 - 2.0 * ratio) * b2 / (2.0 * (1.0 + ratio) * b2 + a2);
     let d = ((1.0 + ratio) * b2 + ratio * a2) / denominator;
-    // means over the ellipse: z² b²/4, z⁴ b⁴/8, y² z² a² b²/24
+    // mean values over the ellipse: z² → b²/4, z⁴ → b⁴/8, y² z² → a² b²/24
     let square =
         b2 * b2 - 0.5 * b2 * b2 + b2 * b2 / 8.0 - 0.5 * e * a2 * b2 + e * a2 * b2 / 12.0 + e * e * a2 * a2 / 8.0;
     let mean = c * c * square + d * d * a2 * b2 / 24.0;

@@ -1,4 +1,4 @@
-//! Sections by shape against finite elements (`tests/reference/sections`) and closed forms.
+//! Sections by shape compared with finite elements (`tests/reference/sections`) and closed-form results.
 
 use super::airfoil::{Misfit, Spar, naca, profile};
 use super::framed::{Frame, angle, channel, hollow_box, i_beam};
@@ -24,7 +24,7 @@ fn reference() -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).expect("a file")).expect("JSON")
 }
 
-/// The section of a case of the reference, about its own origin, and its length scale in m.
+/// Section of a case of the reference, about the origin of the case, and its characteristic length in m.
 fn built(case: &Value) -> (Raw, f64) {
     let keys = &case["keys"];
     let number = |key: &str| keys[key].as_f64().unwrap_or_else(|| panic!("{key}"));
@@ -63,7 +63,7 @@ fn built(case: &Value) -> (Raw, f64) {
     }
 }
 
-/// Errors of a case: area, mass and bending; torsion; larger one of the shear stiffnesses; centres over the size; warping.
+/// Errors of a case: area, mass and bending; torsion; the larger one of the shear stiffnesses; centres relative to the size; warping.
 fn errors(case: &Value) -> [f64; 5] {
     let (raw, size_m) = built(case);
     let due = |key: &str| case[key].as_f64().unwrap_or_else(|| panic!("{key}"));
@@ -80,7 +80,7 @@ fn errors(case: &Value) -> [f64; 5] {
     let shear = own.shear_stiffnesses_n.expect("known");
     let centre = |own: [f64; 2], key: &str| (0..2).map(|i| (own[i] - pair(key, i)).abs() / size_m).fold(0.0, f64::max);
     let tension = raw.stiffness.centre();
-    // about the shear centre
+    // positions about the shear centre
     let offset = [0, 1].map(|i| own.tension_centre_m[i] + raw.shear_centre_m[i] - tension[i]);
     assert!(offset.iter().all(|offset| offset.abs() < 1e-12 * size_m), "{offset:?}");
     let shears = [0, 1].map(|i| relative(shear[i], pair("shear_stiffnesses_N", i)));
@@ -89,7 +89,7 @@ fn errors(case: &Value) -> [f64; 5] {
         relative(own.torsional_rigidity_n_m2, due("torsional_rigidity_N_m2")),
         shears[0].max(shears[1]),
         centre(raw.shear_centre_m, "shear_centre_m").max(centre(tension, "tension_centre_m")),
-        // an angle does not warp
+        // an angle has no warping
         match case["shape"].as_str() {
             Some("I" | "C") => relative(own.warping_stiffness_n_m4, due("warping_stiffness_N_m4")),
             _ => 0.0,
@@ -97,10 +97,10 @@ fn errors(case: &Value) -> [f64; 5] {
     ]
 }
 
-/// B-60: sections by shape against finite elements, for walls of 1/120 to 1/5 of the width. The columns of [`errors`]; the bounds are about
-/// 1.5 times the errors found. Tubes, rectangles and ellipses are exact: the polygon of 720 sides in the reference has 2.5e-5 less torsion,
-/// and its meshes 6e-6. Walls count as lines in shear and for the shear centre, so that those errors are of the order of thickness over
-/// width; the profile's are those of its trailing edge, which is solid.
+/// B-60: sections by shape compared with finite elements, for walls of 1/120 to 1/5 of the width. The columns are those of [`errors`]; the
+/// bounds are about 1.5 times the observed errors. Tubes, rectangles and ellipses are exact: the polygon of 720 sides in the reference has
+/// a torsion constant lower by 2.5e-5, and its meshes have errors of 6e-6. Walls are treated as lines for shear and for the shear centre,
+/// so that their errors are of the order of thickness divided by width; the profile's errors are due to its trailing edge, which is solid.
 #[test]
 fn b60_shapes_are_those_of_finite_elements() {
     let bound = |name: &str| match name.split('_').next().expect("a shape") {
@@ -125,7 +125,7 @@ fn b60_shapes_are_those_of_finite_elements() {
         let within = found.iter().zip(bounds).all(|(error, bound)| *error <= bound);
         assert!(within, "{name}: {found:?}, allowed {bounds:?}");
     }
-    // half the thickness, at most about half the error in torsion, of shear and of the centres
+    // half the thickness gives at most about half the errors in torsion, shear and centres
     for (thick, thin) in [
         ("box_0.06_0.04_0.002_0.002", "box_0.06_0.04_0.0005_0.0005"),
         (
@@ -150,10 +150,10 @@ fn plies(angles_deg: &[f64], thickness_m: f64, material: Material) -> Vec<Ply> {
     angles_deg.iter().map(|angle| Ply { angle_rad: angle.to_radians(), thickness_m, material }).collect()
 }
 
-/// B-61: strips of plies against finite elements of the anisotropic section (20 and 30 mm wide, 0.5 to 2 mm thick), whose meshes agree to
-/// 3e-4. Stiffnesses differ by the effects of the edges, which lamination theory does not have: bounds of 1.5 times the errors found over the
-/// geometric mean of the stiffnesses. Shear through the thickness of plies at an angle is coupled with twist, which `GA_z` leaves out: there
-/// it is only an order of magnitude.
+/// B-61: strips of plies compared with finite elements of the anisotropic section (20 and 30 mm wide, 0.5 to 2 mm thick), whose meshes
+/// agree to 3e-4. Stiffnesses differ by edge effects, which lamination theory neglects; the bounds are 1.5 times the observed errors,
+/// relative to the geometric mean of the stiffnesses. Transverse shear of angle plies is coupled with twist, which `GA_z` neglects: for
+/// them it is only an order of magnitude.
 #[test]
 fn b61_laminates_are_those_of_finite_elements() {
     let reference = reference();
@@ -181,14 +181,14 @@ fn b61_laminates_are_those_of_finite_elements() {
         };
         assert!(worst < bounds[0] && shears[0] < bounds[1] && shears[1] < bounds[2], "{name}: {worst} {shears:?}");
     }
-    // bend–twist coupling has the sign of the reference
+    // the sign of the bend–twist coupling is that of the reference
     let strip = laminate(0.03, &plies(&[30.0, 30.0, -30.0, -30.0, -30.0, -30.0, 30.0, 30.0], 0.125e-3, CFRP))
         .expect("balanced");
     let coupling = strip.section().stiffness[(TWIST, FLAP)];
     assert!((coupling / -0.083_998_388 - 1.0).abs() < 0.03, "{coupling}");
 }
 
-/// Couplings with shear in the plane are errors, by their kind.
+/// Couplings with in-plane shear are errors that name the type of coupling.
 #[test]
 fn laminates_that_shear_are_refused() {
     for (angles, due) in [
@@ -201,7 +201,7 @@ fn laminates_that_shear_are_refused() {
     }
 }
 
-/// A tube of half its diameter is a solid rod; one material in all plies is a rectangle, to the shear over the thickness.
+/// A tube with a wall of half its diameter is a solid rod; plies of the same material form a rectangle, except for transverse shear.
 #[test]
 fn shapes_meet_at_their_limits() {
     let material = aluminium();
@@ -222,7 +222,7 @@ fn shapes_meet_at_their_limits() {
     near(&tube(0.02, 0.01, &material).about_shear_centre(), &rod, 1e-12);
     let plate = rectangle(0.03, 0.001, &material).about_shear_centre();
     near(&laminate(0.03, &plies(&[0.0, 0.0], 0.0005, material)).expect("balanced"), &plate, 5e-4);
-    // solids are those of the engine, with shear besides
+    // solid sections agree with those of the engine, which are without shear
     for solid in [Solid::rectangle(0.03, 0.001, engine(&material)), Solid::ellipse(0.02, 0.02, engine(&material))] {
         let own = super::Shape::solid(&solid).expect("a known modulus").section();
         let due = solid.section();
@@ -241,8 +241,8 @@ fn engine(material: &Material) -> foldwing_engine::beam::section::Material {
     }
 }
 
-/// The torsion constant of a thin ring of walls is Bredt's, of one and of two cells; the channel's shear centre and warping and the
-/// I-beam's warping are those of the textbooks (Vlasov), all to round-off.
+/// The torsion constant of a thin closed ring with one or two cells is Bredt's; the channel's shear centre and warping and the I-beam's
+/// warping agree with textbooks (Vlasov), all to round-off.
 #[test]
 fn walls_have_the_closed_forms_of_thin_sections() {
     let material = aluminium();
@@ -255,7 +255,7 @@ fn walls_have_the_closed_forms_of_thin_sections() {
     let near = |own: f64, due: f64| assert!((own / due - 1.0).abs() < 1e-12, "{own} for {due}");
     let outer = 4.0 * (2.0 * a * a).powi(2) / (6.0 * a / t);
     near(walls.flows().expect("a ring").cells_n_m2, material.shear_modulus_pa * outer);
-    // a web in the middle of equal cells carries no flow in torsion; of unequal ones it does: two cells a and 2a wide
+    // a web between equal cells carries no shear flow in torsion; between unequal cells, of widths a and 2a, it does
     walls.wall(nodes[1], nodes[4], 0.3 * t, &material);
     near(walls.flows().expect("two cells").cells_n_m2, material.shear_modulus_pa * outer);
     walls.nodes_m.iter_mut().for_each(|node| {
@@ -263,7 +263,7 @@ fn walls_have_the_closed_forms_of_thin_sections() {
             node[0] = 3.0 * a;
         }
     });
-    // twist of either cell: 2 A G = Σ q l/t: q1 (3 + 1/0.3) − q2/0.3 = 2 a t, q2 (5 + 1/0.3) − q1/0.3 = 4 a t per G and twist
+    // rate of twist of each cell: 2 A G = Σ q l/t: q1 (3 + 1/0.3) − q2/0.3 = 2 a t, q2 (5 + 1/0.3) − q1/0.3 = 4 a t per G and unit twist
     let (c, d, e) = (3.0 + 1.0 / 0.3, 5.0 + 1.0 / 0.3, 1.0 / 0.3);
     let determinant = c * d - e * e;
     let (q1, q2) = ((2.0 * d + 4.0 * e) / determinant, (4.0 * c + 2.0 * e) / determinant);
@@ -293,7 +293,7 @@ fn walls_have_the_closed_forms_of_thin_sections() {
     near(flows.open_n_m2, material.shear_modulus_pa * (4.0 * b + h) * t.powi(3) / 3.0);
 }
 
-/// The strains of a section whose axis is not its tension centre: a force at the tension centre stretches only, NOTATION eq. (K7).
+/// Strains of a section whose beam axis is not at its tension centre: a force at the tension centre causes stretch only, NOTATION eq. (K7).
 #[test]
 fn tension_centres_do_not_bend() {
     let raw = angle(0.04, 0.06, 0.003, &aluminium()).expect("an angle");
@@ -310,14 +310,14 @@ fn tension_centres_do_not_bend() {
     assert!((read.coupling_flap_edge_n_m2 / properties.coupling_flap_edge_n_m2 - 1.0).abs() < 1e-12);
     assert!((read.tension_centre_m[0] - y).hypot(read.tension_centre_m[1] - z) < 1e-15);
     assert!((read.second_moments_kg_m[1] / properties.second_moments_kg_m[1] - 1.0).abs() < 1e-12);
-    // the mirror image of a channel has its centres on the other side
+    // the mirror image of a channel has its centres on the opposite side
     let channel =
         channel(Frame { width_m: 0.04, height_m: 0.08, wall_m: 0.003, web_m: 0.003 }, &aluminium()).expect("a channel");
     let (own, mirrored) = (channel.about_shear_centre(), channel.clone().mirrored().about_shear_centre());
     assert!(own.tension_centre_m[0] > 0.02 && own.tension_centre_m[0] == -mirrored.tension_centre_m[0]);
 }
 
-/// Profiles that are none, by their reason; the bound on the skin is the thickness at which it fails.
+/// Invalid profiles are rejected with the reason; the bound on the skin is the thickness at which it fails.
 #[test]
 fn profiles_that_are_none_are_refused() {
     let material = aluminium();
@@ -351,7 +351,7 @@ fn profiles_that_are_none_are_refused() {
         panic!("a skin thicker than the nose is round")
     };
     assert!(limit_m < 0.02 && with(&outline, 0.9 * limit_m, &[]).is_ok(), "{limit_m}");
-    // an outline given in the other sense is the same section
+    // an outline given in the opposite direction gives the same section
     let reversed: Vec<[f64; 2]> = outline.iter().rev().copied().collect();
     let both =
         [outline, reversed].map(|outline| profile(&outline, 0.3, 0.001, &material, &[], -1.0).expect("a profile"));
@@ -359,8 +359,8 @@ fn profiles_that_are_none_are_refused() {
     assert!(both[0].shear_centre_m[0] > 0.05, "the leading edge is at the origin, the chord towards +y");
 }
 
-/// Names are unique, their figures positive and of solids; quasi-isotropic laminates have the moduli of lamination theory, to the digits
-/// given; a name that is nearly or partly right is found.
+/// Names are unique, and values are positive and plausible for solids; quasi-isotropic laminates have the moduli of lamination theory, to
+/// the given digits; a name that is nearly or partly right is found.
 #[test]
 fn materials_have_names_and_sources() {
     for (index, named) in MATERIALS.iter().enumerate() {

@@ -1,8 +1,9 @@
-//! Sections of thin straight walls, open or closed, of any number of cells and materials: torsion and shear by the warping of the nodes.
+//! Sections of thin straight walls, open or closed, with any number of cells and materials: torsion and shear computed from the warping of
+//! the nodes.
 //!
-//! Walls are lines with a thickness between nodes. The warping displacement of the nodes is the unknown; the flow of shear in a wall follows
-//! from its difference, and flows balance at every node. That is compatibility and equilibrium of Bredt's theory for any number of cells
-//! (NOTATION eqs. (S17), (S18)), without naming the cells.
+//! Walls are lines with a thickness between nodes. The unknowns are the warping displacements of the nodes; the shear flow in a wall
+//! follows from the difference at its ends, and flows are in equilibrium at every node. These are the compatibility and equilibrium
+//! conditions of Bredt's theory for any number of cells (NOTATION eqs. (S17), (S18)), without identifying the cells.
 
 use super::materials::Material;
 use super::properties::Moments;
@@ -11,13 +12,13 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 /// A straight wall.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shapes) struct Wall {
-    /// Nodes at its ends.
+    /// Indices of the nodes at its ends.
     pub ends: [usize; 2],
     /// Thickness in m.
     pub thickness_m: f64,
     /// Material.
     pub material: Material,
-    /// Length in m that the area has less at each end than the line, where it abuts on the middle of another wall.
+    /// Length in m by which the area is shorter at each end than the line, where the wall joins the centre line of another wall.
     pub trim_m: f64,
 }
 
@@ -33,19 +34,19 @@ pub(in crate::shapes) struct Walls {
 /// Torsion and shear of a section of walls.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::shapes) struct Flows {
-    /// Torsional rigidity of the cells in N·m²: Bredt's part, constant shear over the thickness.
+    /// Torsional rigidity of the cells in N·m²: Bredt's part, with shear constant through the thickness.
     pub cells_n_m2: f64,
-    /// Torsional rigidity of the walls in N·m², `∑ G l t³/3`: shear linear over the thickness.
+    /// Torsional rigidity of the walls in N·m², `∑ G l t³/3`, with shear linear through the thickness.
     pub open_n_m2: f64,
     /// `[GA_y, GA_z]` in N.
     pub shear_stiffnesses_n: [f64; 2],
-    /// Shear centre in m, about the origin of the nodes.
+    /// Shear centre in m, relative to the origin of the nodes.
     pub shear_centre_m: [f64; 2],
     /// `E C_w` about the shear centre in N·m⁴.
     pub warping_stiffness_n_m4: f64,
 }
 
-/// A wall prepared: ends, length, direction, `G t` and `E t`, lever of its flow about the origin.
+/// Preprocessed wall: ends, length, direction, `G t` and `E t`, lever arm of its shear flow about the origin.
 struct Line {
     ends: [usize; 2],
     length_m: f64,
@@ -68,7 +69,7 @@ impl Walls {
         self.walls.push(Wall { ends: [from, to], thickness_m, material: *material, trim_m: 0.0 });
     }
 
-    /// Integrals over the walls, as rectangles between the nodes, weighted per area.
+    /// Integrals over the walls, taken as rectangles between the nodes, with a weight per area.
     pub fn moments(&self, weight: impl Fn(&Material) -> f64) -> Moments {
         let mut moments = Moments::default();
         for wall in &self.walls {
@@ -82,20 +83,20 @@ impl Walls {
         moments
     }
 
-    /// Torsion and shear; `None` if the walls are not connected.
+    /// Computes torsion and shear; `None` if the walls are not connected.
     pub fn flows(&self) -> Option<Flows> {
         let lines = self.lines();
         let centre = self.line_centre(&lines);
         let position = |node: usize| [self.nodes_m[node][0] - centre[0], self.nodes_m[node][1] - centre[1]];
         let factor = self.conductance(&lines).cholesky()?;
         let solve = |sources: &[f64]| {
-            // the first node does not warp
+            // the warping of the first node is zero
             let unknown = factor.solve(&DVector::from_column_slice(&sources[1..]));
             let mut warping = vec![0.0];
             warping.extend(unknown.iter());
             warping
         };
-        // axial stress per force: E (a · (1, y, z)) with [∫E ξ ξᵀ] a = (0, V_y, V_z)
+        // axial stress for a unit force: E (a · (1, y, z)) with [∫E ξ ξᵀ] a = (0, V_y, V_z)
         let mut stiffness = Matrix3::zeros();
         for line in &lines {
             let [a, b] = line.ends.map(|end| {
@@ -120,13 +121,13 @@ impl Walls {
                 sources[line.ends[0]] += line.length_m * (2.0 * a + b) / 6.0;
                 sources[line.ends[1]] += line.length_m * (a + 2.0 * b) / 6.0;
             }
-            // the shear centre is that without Poisson's ratio: uncoupled from torsion in the energy
+            // shear centre without the effect of Poisson's ratio, for which shear and torsion are uncoupled in the energy
             let warping = solve(&sources);
             let moment: f64 = lines
                 .iter()
                 .map(|line| line.lever_m * line.shear_n_m * (warping[line.ends[1]] - warping[line.ends[0]]))
                 .sum();
-            // lateral contraction shears the walls of a bending moment that varies along the beam
+            // lateral contraction causes shear of the walls if the bending moment varies along the beam
             let contractions: Vec<f64> = lines
                 .iter()
                 .map(|line| {
@@ -140,7 +141,7 @@ impl Walls {
                 sources[line.ends[1]] -= flow;
             }
             let warping = solve(&sources);
-            // flow at three Gauss points of each wall, with the weight of its square in the energy
+            // shear flow at three Gauss points of each wall, with the weight of its square in the energy
             let energy: f64 = lines
                 .iter()
                 .zip(ends.iter().zip(&contractions))
@@ -197,7 +198,7 @@ impl Walls {
         self.walls.iter().map(prepared).collect()
     }
 
-    /// Centre of the walls as lines, weighted with Young's modulus.
+    /// Centre of the walls, taken as lines, weighted with Young's modulus.
     fn line_centre(&self, lines: &[Line]) -> [f64; 2] {
         let mut sums = [0.0; 3];
         for line in lines {
@@ -210,7 +211,7 @@ impl Walls {
         [sums[1] / sums[0], sums[2] / sums[0]]
     }
 
-    /// Flow out of the nodes per warping, without the first node.
+    /// Matrix that maps the warping of the nodes to the shear flow out of them, without the first node.
     fn conductance(&self, lines: &[Line]) -> DMatrix<f64> {
         let count = self.nodes_m.len() - 1;
         let mut matrix = DMatrix::zeros(count, count);
@@ -230,8 +231,8 @@ impl Walls {
     }
 }
 
-/// Displacement along a straight wall from `a` to `b` by lateral contraction, integrated over it, per Poisson's ratio: axial strains
-/// `g · (1, y, z)` contract by as much in either direction, NOTATION eq. (S18).
+/// Displacement along a straight wall from `a` to `b` due to lateral contraction, integrated over the wall, per unit Poisson's ratio: axial
+/// strains `g · (1, y, z)` cause equal contractions in both transverse directions, NOTATION eq. (S18).
 fn contraction(gradient: &Vector3<f64>, a: [f64; 2], b: [f64; 2]) -> f64 {
     let along = [b[0] - a[0], b[1] - a[1]];
     let at = |share: f64| {
@@ -244,8 +245,8 @@ fn contraction(gradient: &Vector3<f64>, a: [f64; 2], b: [f64; 2]) -> f64 {
     (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0
 }
 
-/// `∫E ω² dA` of the warping per twist about the shear centre, NOTATION eq. (S23): the contributions of rotation about another centre,
-/// stretch and bending are removed by orthogonality.
+/// `∫E ω² dA` of the warping per unit twist about the shear centre, NOTATION eq. (S23): the contributions of rotation about another centre,
+/// of stretch and of bending are removed by orthogonality.
 fn warping_stiffness(
     lines: &[Line],
     warping: &[f64],

@@ -51,7 +51,7 @@ fn start() {
     use signal_hook::low_level::emulate_default_handler;
     use std::sync::Arc;
 
-    // if one of these fails, the command runs without this handling
+    // if one of these calls fails, the command runs without this handling
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
     let ignored = ignored();
     let wanted: Vec<i32> =
@@ -78,6 +78,6 @@ fn ignored() -> u64 {
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
 
-/// On other systems an interrupted command may leave its unfinished file; an existing file is never damaged.
+/// On systems without these signals an interrupted command may leave its unfinished file; an existing file is never damaged.
 #[cfg(not(unix))]
 fn start() {}

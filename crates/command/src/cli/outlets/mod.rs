@@ -215,7 +215,7 @@ fn stranger(shown: &str, mark: &Mark) -> Failure {
     Failure::Files(format!("{shown}: {why}; --force overwrites it"))
 }
 
-/// Returns the file of a path with links resolved; creates a missing folder.
+/// Returns the path with links resolved; creates a missing folder.
 fn resolved(path: &Path) -> io::Result<PathBuf> {
     if let Ok(file) = fs::canonicalize(path) {
         return Ok(file);
@@ -277,7 +277,7 @@ fn unfinished() -> tempfile::Builder<'static, 'static> {
 }
 
 impl Outlet {
-    /// Failure of a write, with the path given by the user.
+    /// Failure for a write error, with the path given by the user.
     pub fn failure(&self, error: &io::Error) -> Failure {
         Failure::writing(&self.place.shown, error)
     }

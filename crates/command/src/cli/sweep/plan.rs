@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::path::Path;
 
-/// Maximum number of variants of a sweep; a larger grid is probably a mistake.
+/// Maximum number of variants of a sweep; a larger grid is probably unintended.
 const MAXIMUM_VARIANTS: usize = 1_000_000;
 /// Prefix of keys of the model file; variable names contain no colon.
 const FILE_PREFIX: &str = "file:";
@@ -86,7 +86,7 @@ impl Plan {
         Ok(Self { file: Ok(name), keys, values: Values::Rows(rows) })
     }
 
-    /// Rows of values given by a program, one per variant; messages begin with `place`.
+    /// Rows of values given by a program, one per variant; messages start with `place`.
     pub fn rows(
         place: &str,
         keys: Vec<String>,
@@ -159,7 +159,7 @@ pub(in crate::cli) fn file_path(key: &str) -> Option<Vec<&str>> {
     key.strip_prefix(FILE_PREFIX).map(|path| path.split('.').collect())
 }
 
-/// Checks that every key is unique, and is the name of a variable or begins with [`FILE_PREFIX`].
+/// Checks that every key is unique, and is the name of a variable or starts with [`FILE_PREFIX`].
 fn check_keys(keys: &[String], place: &str, interface: &Interface) -> Result<(), Failure> {
     let mut seen = HashSet::new();
     for key in keys {

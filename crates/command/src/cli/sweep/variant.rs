@@ -84,7 +84,7 @@ impl Measures {
     }
 }
 
-/// Returns the text of a model file with other values of some keys; messages begin with `place`. Parts of a path may be array indices,
+/// Returns the text of a model file with other values of some keys; messages start with `place`. Parts of a path may be array indices,
 /// which start at 0.
 pub(in crate::cli) fn changed_text(text: &str, place: &str, changes: &[(Vec<&str>, &str)]) -> Result<String, Failure> {
     let mut tree: toml::Table = toml::from_str(text).map_err(|error| Failure::Refused(error.to_string()))?;
@@ -154,7 +154,7 @@ pub(in crate::cli) fn number_in_file(text: &str, path: &[&str]) -> Result<f64, S
     }
 }
 
-/// Returns the machine of a model file, given by its name and text, with other values of some keys; messages begin with `place`.
+/// Returns the machine of a model file, given by its name and text, with other values of some keys; messages start with `place`.
 pub(in crate::cli) fn changed_machine(
     (file, text): (&str, &str),
     place: &str,

@@ -20,7 +20,7 @@ pub trait Canvas {
     /// Transformation from the units of `plotters` to those of the canvas.
     fn place(&self) -> Transform;
 
-    /// Fills a path, transformed to the canvas by `place`.
+    /// Fills a path after transformation to the canvas by `place`.
     fn fill(&mut self, path: &Path, colour: BackendColor, place: Transform);
 
     /// Draws a path in the units of `plotters`, with round joins.

@@ -99,7 +99,7 @@ pub struct Figure {
     pub y_label: String,
     /// Curves, the last on top.
     pub curves: Vec<Curve>,
-    /// Instants marked by a vertical line with a label above the chart.
+    /// Times marked by a vertical line with a label above the chart.
     pub marks: Vec<(f64, String)>,
     /// Equal scales on both axes; names are then in a legend, otherwise at the ends of the curves.
     pub equal: bool,

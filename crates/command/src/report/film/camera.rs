@@ -19,11 +19,11 @@ fn half_view() -> f64 {
 pub enum View {
     /// Isometric.
     Iso,
-    /// Along y: x to the right, z up.
+    /// View along y: x to the right, z up.
     Front,
-    /// Against x: y to the right, z up.
+    /// View against x: y to the right, z up.
     Side,
-    /// From above: x to the right, y up.
+    /// View from above: x to the right, y up.
     Top,
 }
 
@@ -62,7 +62,7 @@ pub(super) struct Seen {
 }
 
 impl Camera {
-    /// Creates a camera at the smallest distance at which the points are in the frame, seen from `view`.
+    /// Creates a camera at the smallest distance at which the points are in the frame, in the direction `view`.
     fn framing(points: &[Vector], view: View, size: [u32; 2]) -> Self {
         let [azimuth, elevation] = view.angles_rad();
         let ((sa, ca), (se, ce)) = (azimuth.sin_cos(), elevation.sin_cos());

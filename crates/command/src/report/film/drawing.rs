@@ -81,7 +81,7 @@ impl Drawing {
         }
     }
 
-    /// Draws everything; `unit` is the number of pixels per unit of width.
+    /// Draws all contents; `unit` is the number of pixels per unit of width.
     pub fn draw(&self, camera: &Camera, unit: f64, raster: &mut Raster) {
         let sun = Vector::from(SUN).normalize();
         for line in &self.grid {

@@ -140,7 +140,7 @@ fn palette(pictures: &[Vec<u8>]) -> Vec<[u8; 3]> {
     for rgb in pictures.iter().flat_map(|picture| picture.chunks_exact(3)) {
         counts[cell([rgb[0], rgb[1], rgb[2]])] += 1;
     }
-    // so that the background does not outweigh what is drawn on it
+    // so that the background does not outweigh the objects in front of it
     let weight = |count: u32| f64::from(count).sqrt();
     let present = counts.iter().enumerate().filter(|(_, count)| **count > 0);
     let all: Vec<([u8; 3], f64)> = present.map(|(cell, count)| (colour_of(cell), weight(*count))).collect();

@@ -17,12 +17,12 @@ pub(super) struct Corner {
     pub rgb: [f32; 3],
 }
 
-/// How a triangle is combined with the pixels behind it.
+/// Rule for combining a triangle with the pixels behind it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Ink {
     /// Covers them.
     Solid,
-    /// Is blended with this opacity, from 0 to 1; does not cover what is drawn later.
+    /// Is blended with this opacity, from 0 to 1; does not cover objects drawn later.
     Glass(f32),
     /// Is blended with this opacity, at most once per picture.
     Shadow(f32),
@@ -202,7 +202,7 @@ impl Raster {
         self.triangle([off(a, -1.0), off(b, 1.0), off(a, 1.0)], ink);
     }
 
-    /// Blends a colour into a pixel; `near` is the inverse distance of what is drawn, infinite if it is in front of everything.
+    /// Blends a colour into a pixel; `near` is the inverse distance of the object, infinite if it is in front of everything.
     pub fn dot(&mut self, [x, y]: [i64; 2], near: f64, rgb: [f32; 3], opacity: f32) {
         let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return };
         if x < self.width && y < self.height {

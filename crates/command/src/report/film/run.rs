@@ -16,7 +16,7 @@ const PER_SECTION: usize = 16;
 /// Number of values of a load station.
 const PER_STATION: usize = 12;
 
-/// Parts of the machine that are constant during the run.
+/// Parts of the machine that do not change during the run.
 #[derive(Debug, Deserialize)]
 pub(super) struct About {
     pub name: String,
@@ -41,7 +41,7 @@ pub(super) struct About {
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Body {
-    /// Points around every section in m: 4 of a rectangle, more of an ellipse.
+    /// Points of the outline of every section in m: 4 for a rectangle, more for an ellipse.
     pub rims: Vec<Vec<[f64; 2]>>,
     pub places: Vec<f64>,
     pub rigid: bool,
@@ -333,7 +333,7 @@ impl State<'_> {
         }
     }
 
-    /// Section of a body in the middle of its length.
+    /// Section at the middle of a body's length.
     pub fn middle_section(&self, body: usize) -> Section {
         self.section(body, self.run.about.bodies[body].rims.len() / 2)
     }

@@ -80,7 +80,7 @@ pub(super) fn number(value: f64, digits: usize) -> String {
     if is_zero { text.replace('-', "") } else { text.replace('-', "\u{2212}") }
 }
 
-/// Number of decimals with which the largest value has the wanted number of digits.
+/// Number of decimals with which the largest value has the requested number of digits.
 fn digits_for(largest: f64, wanted: i32) -> usize {
     let largest = if largest > 0.0 { largest } else { 1.0 };
     usize::try_from((wanted - 1 - largest.log10().floor() as i32).clamp(0, 9)).unwrap_or(0)

@@ -100,7 +100,7 @@ fn below_the_clock(pixels: &[u8]) -> &[u8] {
     &pixels[3 * SIZE[0] as usize * 30..]
 }
 
-/// Pictures of a machine that does not move are bit-identical, with a fixed or moving camera, whatever the buffer contained before.
+/// Pictures of a machine that does not move are bit-identical, with a fixed or moving camera, for any previous contents of the buffer.
 #[test]
 fn a_machine_at_rest_does_not_flicker() {
     for name in ["folding_wing", "folding_wing_in_tunnel", "flying_wing"] {
@@ -126,9 +126,9 @@ fn turned(frame: &mut Frame, angle_rad: f64) {
 }
 
 /// The pictures of a slowly rotating machine change only at its edges, by an amount proportional to the rotation from picture to picture.
-/// Coplanar or intersecting faces, such as those of lattice, body and latch, might flicker over their area whatever the angle. At a 25th
-/// of the angle, the number of pixels that change by more than an eighth of the range is less than a tenth, and at most 2 % of those of
-/// the machine.
+/// Coplanar or intersecting faces, such as those of lattice, body and latch, might flicker over their area at any angle. At a 25th of the
+/// angle, the number of pixels that change by more than an eighth of the range is less than a tenth, and at most 2 % of those of the
+/// machine.
 #[test]
 fn slow_turns_change_pictures_smoothly() {
     for name in ["folding_wing_constant", "flared_wing_tip"] {

@@ -15,7 +15,7 @@ use transform::{
     restored,
 };
 
-/// Code numbers of the coded block pattern of an inter-predicted macroblock (table 9-4), in order.
+/// Coded block patterns of inter-predicted macroblocks (table 9-4), in the order of their code numbers.
 const PATTERNS: [u8; 48] = [
     0, 16, 1, 2, 4, 8, 32, 3, 5, 10, 12, 15, 47, 7, 11, 13, 14, 6, 9, 31, 35, 37, 42, 44, 33, 34, 36, 40, 39, 43, 45,
     46, 17, 18, 20, 24, 19, 21, 26, 28, 23, 27, 29, 30, 22, 25, 38, 41,
