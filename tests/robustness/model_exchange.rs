@@ -191,7 +191,7 @@ impl Outside {
     }
 
     /// Executes one step, or to the first event within it; returns whether there was one.
-    fn step(&mut self, step_s: f64) -> bool {
+    pub fn step(&mut self, step_s: f64) -> bool {
         let mut arrived_s = step_s;
         let crossed = self.crosses(step_s);
         if crossed {
