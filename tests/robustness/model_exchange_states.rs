@@ -104,20 +104,18 @@ fn serialised(fmu: &Fmu) -> Vec<u8> {
     }
 }
 
-/// ME-16. Nominal rates of strains are those of the shortest waves on the mesh: of the folding wing, whose elements' halves have 18.75 mm,
-/// `2c/l` for stretch over 0.01, and the flapwise bending wave's frequency, here to 1 % without the sections' rotary inertia. Hinges keep 10
-/// rad/s.
+/// ME-16. Nominal rates of stretch are those of the shortest wave on the mesh: of the folding wing, whose elements' halves have 18.75 mm, 0.01
+/// times `2c/l`. Curvatures and hinges keep 10 1/s.
 #[test]
-fn me16_nominal_rates_are_those_of_the_shortest_waves() {
+fn me16_nominal_rates_of_stretch_are_those_of_the_shortest_wave() {
     let table = table(WING, kinds(Version::Fmi2, false, false));
     let nominal =
         |name: &str| table.find(name).and_then(|row| row.nominal).unwrap_or_else(|| panic!("no state {name}"));
     let (speed_m_s, length_m) = (f64::sqrt(2.83e9 / 1425.0), 0.15 / 8.0);
-    let gyration_m = 0.002 / f64::sqrt(12.0);
     for (name, expected, allowed) in [
         ("state.inner.element[3].epsilon_x", 1e-2, 1e-15),
         ("state_rate.inner.element[3].epsilon_x", 1e-2 * 2.0 * speed_m_s / length_m, 1e-9),
-        ("state_rate.outer.element[8].kappa_y", speed_m_s * gyration_m * (2.0 / length_m).powi(2), 1e-2),
+        ("state_rate.outer.element[8].kappa_y", 10.0, 1e-15),
         ("state.fold.angle", 1.0, 1e-15),
         ("state_rate.fold.angle", 10.0, 1e-15),
     ] {
