@@ -191,7 +191,7 @@ fn me17_a_limit_lowers_frequencies_by_its_formula() {
         let text = cantilever(element);
         let (free, limited) = (squares(&mut plant(&text, 0.0)), squares(&mut plant(&text, limit_rad_s)));
         assert!(free[0] > 0.0 && free[0].sqrt() < 0.1 * limit_rad_s, "{element}: {}", free[0].sqrt());
-        assert!(free[free.len() - 1].sqrt() > 10.0 * limit_rad_s, "{element}");
+        assert!(free[free.len() - 1].sqrt() > 3.0 * limit_rad_s, "{element}");
         for (free, limited) in free.iter().zip(&limited) {
             let expected = 1.0 / (1.0 / free + limit_rad_s.powi(-2));
             assert!((limited / expected - 1.0).abs() < 1e-6, "{element}: {} of {} rad/s", limited.sqrt(), free.sqrt());
@@ -201,7 +201,7 @@ fn me17_a_limit_lowers_frequencies_by_its_formula() {
 
 /// ME-18. The limit in air, where accelerations and apparent mass are found together: with the inertia `M` of structure and air,
 /// `(M + K/ω_c²) a = M a₀`, so that what the limit takes from accelerations `a₀` is `M⁻¹K a/ω_c²`, the accelerations that strains of
-/// `a/ω_c²` would cause. Air at rest, in which there are no other forces. Tolerance: 1e-4 of the air's own iteration.
+/// `a/ω_c²` would cause. Air at rest, in which there are no other forces. Tolerance: that of the air's own iteration.
 #[test]
 fn me18_the_limit_holds_in_air() {
     let text = GOLAND.replace("wind_m_s = [0.0, -130.0, 0.0]", "wind_m_s = [0.0, 0.0, 0.0]");
@@ -218,7 +218,7 @@ fn me18_the_limit_holds_in_air() {
     let largest = of_strains.iter().fold(0.0, |max: f64, a| max.max(a.abs()));
     for i in 0..n {
         let expected = of_strains[i] + (taken[i] - at_rest[i]);
-        assert!((found[i] - expected).abs() < 1e-4 * largest, "{i}: {} {expected} {}", found[i], of_strains[i]);
+        assert!((found[i] - expected).abs() < 1e-5 * largest, "{i}: {} {expected} {}", found[i], of_strains[i]);
     }
     assert!((0..n).any(|i| (found[i] - of_strains[i]).abs() > 0.1 * largest), "the limit acts");
 }

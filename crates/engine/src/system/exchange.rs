@@ -14,7 +14,7 @@ const DRIFT: f64 = 1e-4;
 /// Accounts that may be states: work of the inputs, energy dissipated.
 const ACCOUNTS: usize = 2;
 
-/// How an external integrator integrates the machine.
+/// Options of an external integrator.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Manner {
     /// The energy accounts are not states.

@@ -68,7 +68,7 @@ pub struct System {
     moving: Vec<usize>,
     /// Quantities that follow from the states set by an external integrator.
     told: exchange::Told,
-    /// How an external integrator integrates the machine.
+    /// Options of an external integrator.
     exchange: exchange::Manner,
     gauges: Vec<GaugePoint>,
     pub(crate) state: State,

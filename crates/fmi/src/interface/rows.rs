@@ -13,7 +13,7 @@ use foldwing_engine::plant::{
 };
 use std::mem::offset_of;
 
-/// Who integrates the machine.
+/// Integrator of the machine, which decides on rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Integrator {
     /// The machine, in steps.
