@@ -25,7 +25,7 @@ from fmpy import simulate_fmu
 MODEL = Path(__file__).resolve().parent / "models/folding_wing.toml"
 TORQUE, GAUGE, ANGLE = "fold.external_torque", "gauge.root.strain", "fold.angle"
 FOLDED_RAD = np.radians(170.0)
-BOUND = 2.5e-3  # largest root strain; without the torque it is 4.2e-3
+BOUND = 2.5e-3  # largest root strain; without the torque it is 4.2e-3 until the latch, 5.3e-3 afterwards
 TORQUE_LIMIT_N_M, SLOPE_LIMIT_N_M_S = 0.15, 2.0
 ARRIVAL_RAD_S = -0.05  # rate at the latch, which needs a crossing to close
 REST_1_M, REST_RATE_1_M_S = 0.1, 10.0  # curvatures and their rates at the latch: 1e-4 of strain, 3 % of the bound
@@ -214,10 +214,10 @@ def draw(optimum, runs, path):
     axes[2].set_ylabel("root strain [10⁻³]")
     axes[2].set_xlabel("time [ms]")
     axes[0].set_title("Fastest unfolding with a bound on the root strain")
-    axes[0].annotate("without torque", (60, 120), color=FAINT)
+    axes[0].annotate("without torque", (15, 60), color=FAINT)
     axes[0].annotate("fastest", (120, 95), color=BLUE)
     axes[2].annotate("collocation points of the optimum", (0.98, 0.03), xycoords="axes fraction", ha="right", color=VERMILION)
-    axes[2].annotate("bound", (1e3 * run["time"][-1], 1e3 * BOUND), ha="right", va="bottom", color=FAINT)
+    axes[2].annotate("bound", (0, 1e3 * BOUND), va="bottom", color=FAINT)
     figure.savefig(path)
 
 
