@@ -8,6 +8,7 @@ TARGET  := $(or $(CARGO_TARGET_DIR),target)
 VENV    ?= $(TARGET)/venv
 PEERS   ?= $(TARGET)/venv-peers
 DASK    ?= $(TARGET)/venv-dask
+CASADI  ?= $(TARGET)/venv-casadi
 SITE    ?= $(TARGET)/venv-site
 RELEASE ?= $(TARGET)/venv-release
 MODELS  := $(wildcard examples/models/*.toml)
@@ -238,6 +239,10 @@ validate: package venv wheel ## Compare with the methods of the paper, sweep on 
 	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
+	@$(PYTHON) tools/create_venv.py $(CASADI) --requirements python/requirements-casadi.txt
+	$(CASADI)/bin/python examples/fastest_unfolding.py --foldwing $(COMMAND) --twice --picture docs/pictures/fastest_unfolding.png
+	$(CASADI)/bin/python studies/casadi_model_exchange.py --foldwing $(COMMAND)
+	$(CASADI)/bin/python studies/model_exchange_integrators.py --foldwing $(COMMAND) --table docs/tables/model_exchange.md
 	$(VENV_PYTHON) studies/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
 	$(MAKE) robust
 	$(MAKE) mutants MUTANTS_ARGUMENTS=--matrix
@@ -328,6 +333,7 @@ python-lock: venv ## Renew the pinned requirements in python/ from the .in files
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-peers.in python/requirements-peers.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/platforms.in python/platforms.txt
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-dask.in python/requirements-dask.txt 3.10
+	$(VENV_PYTHON) tools/lock_python.py python/requirements-casadi.in python/requirements-casadi.txt 3.10
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-site.in python/requirements-site.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-release.in python/requirements-release.txt 3.10
 

@@ -91,7 +91,7 @@ impl Case {
     }
 }
 
-const DAMPING: [Damping; 2] = [Damping { mass_1_s: 2.5, stiffness_s: 0.0 }; 2];
+const DAMPING: [Damping; 2] = [Damping { mass_1_s: 2.5, stiffness_s: 0.0, strain_inertia_s2: 0.0 }; 2];
 
 fn kernels(criterion: &mut Criterion) {
     for (kind, name) in [(ElementKind::Constant, "constant"), (ElementKind::Linear, "linear")] {

@@ -106,7 +106,7 @@ class Model:
         model: Union[None, str, os.PathLike[str]],
         libraries: Sequence[Union[str, os.PathLike[str]]],
         linear: Optional[str],
-        kinds: Tuple[int, bool, bool, bool],
+        kinds: Tuple[int, bool, bool, bool, bool],
         without_reference: bool,
         force: bool,
     ) -> None: ...

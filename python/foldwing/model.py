@@ -602,6 +602,7 @@ class Model(RotorStudies, GradientStudies):
         fmi: int = 2,
         interface: Union[str, Sequence[str]] = "cs",
         scalars: bool = False,
+        accounts: bool = False,
         reference: bool = True,
         libraries: Sequence[Union[str, os.PathLike[str]]] = (),
         force: bool = False,
@@ -614,6 +615,7 @@ class Model(RotorStudies, GradientStudies):
             fmi: version of FMI, 2 or 3; with 3, stations and vectors are arrays, latch closings are events, and reference results are omitted.
             interface: `cs` (co-simulation), `me` (Model Exchange), or both: `("cs", "me")`.
             scalars: with `fmi=3`, scalars under the names of FMI 2.0 instead of arrays.
+            accounts: with `interface="me"`, the work of the inputs and the dissipated energy as continuous states, and as outputs.
             reference: run the default simulation for the reference results in the FMU.
             libraries: shared libraries, one for each platform; default: the one in this package.
             force: overwrite a file that was not written by Foldwing.
@@ -628,7 +630,7 @@ class Model(RotorStudies, GradientStudies):
             model=self.file if os.path.exists(self.file) else None,
             libraries=[os.fspath(path) for path in libraries] or [library()],
             linear=None if linear is None else str(linear),
-            kinds=(int(fmi), "cs" in types, "me" in types, scalars),
+            kinds=(int(fmi), "cs" in types, "me" in types, scalars, accounts),
             without_reference=not reference,
             force=force,
         )

@@ -56,6 +56,7 @@ def test_fmus_of_every_kind_are_those_of_the_command(wing, command, tmp_path):
     kinds = [
         (dict(fmi=3), ["--fmi", "3"]),
         (dict(interface="me"), ["--interface", "me"]),
+        (dict(interface="me", accounts=True), ["--interface", "me", "--accounts"]),
         (dict(interface=("cs", "me"), fmi=3, scalars=True, linear="start"), ["--interface", "cs,me", "--fmi", "3", "--scalars", "--linear=start"]),
     ]
     for number, (given, words) in enumerate(kinds):
@@ -71,6 +72,7 @@ def test_fmus_of_every_kind_are_those_of_the_command(wing, command, tmp_path):
         (dict(interface="sc"), "interface='sc': allowed are"),
         (dict(interface=()), r"interface=\(\): allowed are"),
         (dict(scalars=True), "scalars=True: FMI 2.0 has no other variables; leave it out, or add fmi=3"),
+        (dict(accounts=True), "accounts=True: co-simulation always has them; leave it out, or write interface=me"),
     ]:
         with pytest.raises(fw.UsageError, match=words):
             wing.package(tmp_path / "d.fmu", **given)

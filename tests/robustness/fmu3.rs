@@ -106,7 +106,13 @@ impl Fmu3 {
         Self::of(
             text,
             None,
-            Kinds { version: Version::Fmi3, co_simulation: true, model_exchange: true, scalars: false },
+            Kinds {
+                version: Version::Fmi3,
+                co_simulation: true,
+                model_exchange: true,
+                scalars: false,
+                accounts: false,
+            },
         )
     }
 

@@ -23,6 +23,7 @@ mod machine_refusals;
 mod machines;
 mod model_exchange;
 mod model_exchange_derivatives;
+mod model_exchange_states;
 mod model_file;
 mod model_file_accepted;
 mod model_file_air;

@@ -190,7 +190,7 @@ impl Outside {
     }
 
     /// Takes one step, or a part of it up to the first event; returns whether there was one.
-    fn step(&mut self, step_s: f64) -> bool {
+    pub fn step(&mut self, step_s: f64) -> bool {
         let mut arrived_s = step_s;
         let crossed = self.crosses(step_s);
         if crossed {

@@ -254,7 +254,11 @@ impl State {
                 angular_acceleration_rad_s2: random.vector() * 3.0,
             },
             damping: (0..bodies)
-                .map(|_| Damping { mass_1_s: 2.0 + random.symmetric(), stiffness_s: 0.02 * (1.5 + random.symmetric()) })
+                .map(|_| Damping {
+                    mass_1_s: 2.0 + random.symmetric(),
+                    stiffness_s: 0.02 * (1.5 + random.symmetric()),
+                    ..Damping::default()
+                })
                 .collect(),
             loads: case
                 .model

@@ -385,7 +385,7 @@ impl Model {
         cli::text_with_values(&self.shared.text, &values).map_err(|failure| refusal::command(&failure))
     }
 
-    /// Writes an FMU; `kinds` are the version of FMI, co-simulation, Model Exchange, and scalars instead of arrays.
+    /// Writes an FMU; `kinds` are the version of FMI, co-simulation, Model Exchange, scalars instead of arrays, and energy accounts.
     #[pyo3(signature = (output, *, model, libraries, linear, kinds, without_reference, force))]
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
     fn package(
@@ -395,12 +395,12 @@ impl Model {
         model: Option<PathBuf>,
         libraries: Vec<PathBuf>,
         linear: Option<String>,
-        kinds: (u8, bool, bool, bool),
+        kinds: (u8, bool, bool, bool, bool),
         without_reference: bool,
         force: bool,
     ) -> PyResult<()> {
-        let (fmi, co_simulation, model_exchange, scalars) = kinds;
-        let kinds = cli::kinds(fmi, co_simulation, model_exchange, scalars);
+        let (fmi, co_simulation, model_exchange, scalars, accounts) = kinds;
+        let kinds = cli::kinds(fmi, [co_simulation, model_exchange], scalars, accounts);
         let packaging = Packaging { output, model, libraries, linear, kinds, without_reference, force };
         py.detach(|| cli::package(&self.shared.machine, &self.shared.text, &packaging))
             .map_err(|failure| refusal::command(&failure))

@@ -16,7 +16,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 /// Options of the command whose keyword in Python is not the option's name followed by `=`.
-const KEYWORDS: [(&str, &str); 13] = [
+const KEYWORDS: [(&str, &str); 14] = [
     ("--video", "output="),
     ("--from", "start="),
     ("--to", "stop="),
@@ -27,6 +27,7 @@ const KEYWORDS: [(&str, &str); 13] = [
     ("--no-reference", "reference=False"),
     ("--force", "force=True"),
     ("--scalars", "scalars=True"),
+    ("--accounts", "accounts=True"),
     ("--lattice", "lattice=True"),
     ("--paired", "paired=True"),
     ("`foldwing check` lists the names", "Model.variables has the names"),

@@ -62,6 +62,7 @@ fn variables() -> BTreeSet<String> {
             co_simulation: true,
             model_exchange: machine.air.is_none(),
             scalars: false,
+            accounts: false,
         };
         names.extend(kinds.interface(&machine).arrays().iter().map(|array| array.name.clone()));
         for row in Interface::new(&machine).variables() {

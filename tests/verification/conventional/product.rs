@@ -198,7 +198,7 @@ fn c41_accelerations_equal_the_dense_ones() {
             let (zero, mut x) = (vec![0.0; q.len()], vec![0.0; q.len()]);
             let gravity_m_s2 = Vector3::new(0.0, -GRAVITY_M_S2, 0.0);
             let root = RootMotion { gravity_m_s2, ..RootMotion::default() };
-            let damping = [Damping { mass_1_s: 0.0, stiffness_s: 0.0 }; 2];
+            let damping = [Damping::default(); 2];
             let environment = Environment { root: &root, damping: &damping, stations: &[] };
             let motion = kinematics::Motion { q: q.as_slice(), v: v.as_slice(), a: &zero };
             residual(&model, &mut work, motion, environment, &mut x);

@@ -135,10 +135,10 @@ pub struct Packaging {
     pub force: bool,
 }
 
-/// Returns the FMI version (2 or 3), interface types and form of the variables of an FMU.
-pub fn kinds(fmi: u8, co_simulation: bool, model_exchange: bool, scalars: bool) -> Kinds {
+/// Version of FMI (2 or 3), interface types, form of the variables and energy accounts of an FMU.
+pub fn kinds(fmi: u8, [co_simulation, model_exchange]: [bool; 2], scalars: bool, accounts: bool) -> Kinds {
     let version = if fmi == 3 { Version::Fmi3 } else { Version::Fmi2 };
-    Kinds { version, co_simulation, model_exchange, scalars }
+    Kinds { version, co_simulation, model_exchange, scalars, accounts }
 }
 
 /// Writes the same FMU as `foldwing package`, byte for byte.

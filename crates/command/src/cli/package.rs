@@ -37,6 +37,10 @@ pub struct Arguments {
     /// With --fmi 3, use scalar variables with the names of FMI 2.0 instead of arrays, for importers that do not support arrays
     #[arg(long)]
     scalars: bool,
+    /// With --interface me, the work of the inputs and the dissipated energy as continuous states, and as outputs. They are
+    /// integrals: without them SciPy's BDF and other integrators that difference every state work too
+    #[arg(long)]
+    accounts: bool,
     /// Add the linear model about a state: `start`, a time in s, or `equilibrium`, which is used if no state is given
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
@@ -72,8 +76,13 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     let (machine, text) = read_model(&arguments.model)?;
     let has = |kind| arguments.kinds.contains(&kind);
     let version = if arguments.fmi == "3" { Version::Fmi3 } else { Version::Fmi2 };
-    let kinds =
-        Kinds { version, co_simulation: has(Kind::Cs), model_exchange: has(Kind::Me), scalars: arguments.scalars };
+    let kinds = Kinds {
+        version,
+        co_simulation: has(Kind::Cs),
+        model_exchange: has(Kind::Me),
+        scalars: arguments.scalars,
+        accounts: arguments.accounts,
+    };
     check_kinds(kinds, &machine)?;
     if arguments.cross_check.is_some() && !kinds.co_simulation {
         let cause = "--cross-check: its files are for co-simulation; add cs to --interface";
@@ -134,6 +143,10 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
 pub(super) fn check_kinds(kinds: Kinds, machine: &Machine) -> Result<(), Failure> {
     if kinds.scalars && kinds.version == Version::Fmi2 {
         let cause = "--scalars: FMI 2.0 has no other variables; leave it out, or add --fmi 3";
+        return Err(Failure::Usage(cause.to_owned()));
+    }
+    if kinds.accounts && !kinds.model_exchange {
+        let cause = "--accounts: co-simulation always has them; leave it out, or write --interface me";
         return Err(Failure::Usage(cause.to_owned()));
     }
     kinds.check(machine).map_err(|error| Failure::Refused(format!("--interface me: {error}")))

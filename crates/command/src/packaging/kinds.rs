@@ -19,11 +19,13 @@ pub struct Kinds {
     pub model_exchange: bool,
     /// Whether an FMI 3.0 FMU has scalars instead of arrays.
     pub scalars: bool,
+    /// In Model Exchange alone, the energy accounts as continuous states; with co-simulation they always are.
+    pub accounts: bool,
 }
 
 impl Default for Kinds {
     fn default() -> Self {
-        Self { version: Version::Fmi2, co_simulation: true, model_exchange: false, scalars: false }
+        Self { version: Version::Fmi2, co_simulation: true, model_exchange: false, scalars: false, accounts: false }
     }
 }
 
@@ -50,8 +52,14 @@ impl Kinds {
         if self.scalars { arrays.in_scalars() } else { arrays }
     }
 
+    /// Whether the table has the energy accounts. One table serves both interface types, and co-simulation has them.
+    pub fn keeps_accounts(self) -> bool {
+        self.co_simulation || self.accounts
+    }
+
     fn with_states(self, machine: &Machine) -> Interface {
         let mut plant = Plant::new(Arc::new(machine.clone()));
+        plant.system_mut().keep_exchange_accounts(self.keeps_accounts());
         let mut interface = match self.version {
             Version::Fmi2 => Interface::with_states(machine, &plant),
             Version::Fmi3 => Interface::with_states_and_indicators(machine, &plant),

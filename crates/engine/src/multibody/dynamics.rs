@@ -22,6 +22,8 @@ pub struct Damping {
     pub mass_1_s: f64,
     /// Stiffness-proportional, `β` in s.
     pub stiffness_s: f64,
+    /// Inertia of the strains over their stiffness, `1/ω_c²` in s², eq. (D21): no frequency of the beams exceeds `ω_c`. 0 without a limit.
+    pub strain_inertia_s2: f64,
 }
 
 /// External actions on the tree.
@@ -325,20 +327,26 @@ fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Da
             modal.own_forces(motion, residual);
         }
         match body.sheared {
-            false => body_elastic_forces::<STRAINS>(model, body, damping.stiffness_s, motion, residual),
-            true => body_elastic_forces::<SHEARED>(model, body, damping.stiffness_s, motion, residual),
+            false => body_elastic_forces::<STRAINS>(model, body, damping, motion, residual),
+            true => body_elastic_forces::<SHEARED>(model, body, damping, motion, residual),
         }
     }
 }
 
 /// Elastic and damping forces of the strains of one body.
 #[inline(always)]
-fn body_elastic_forces<const N: usize>(model: &Model, body: &Body, beta: f64, motion: Motion, residual: &mut [f64])
-where
+fn body_elastic_forces<const N: usize>(
+    model: &Model,
+    body: &Body,
+    damping: &Damping,
+    motion: Motion,
+    residual: &mut [f64],
+) where
     Element: Strained<N>,
 {
-    if let (Some(roots), true) = (&body.damping_roots, beta != 0.0) {
-        shared_elastic_forces::<N>(model, body, (beta, &roots.fixed_rows::<N>(0).into_owned()), motion, residual);
+    if let (Some(roots), true) = (&body.damping_roots, damping.stiffness_s != 0.0) {
+        let roots = &roots.fixed_rows::<N>(0).into_owned();
+        shared_elastic_forces::<N>(model, body, (damping, roots), motion, residual);
         return;
     }
     let mut write = |element: &Element, force: Strain<N>| {
@@ -348,12 +356,12 @@ where
     match body.kind {
         ElementKind::Constant => {
             for element in elements {
-                write(element, element.elastic().stiffness * excess_strain(element, motion, beta));
+                write(element, element.elastic().stiffness * resisted_strain(element, motion, damping));
             }
         }
         ElementKind::Linear => {
             for pair in elements.chunks_exact(2) {
-                let [inner, outer] = [&pair[0], &pair[1]].map(|half| excess_strain(half, motion, beta));
+                let [inner, outer] = [&pair[0], &pair[1]].map(|half| resisted_strain(half, motion, damping));
                 let [a, b] = [pair[0].elastic(), pair[1].elastic()];
                 write(&pair[0], a.stiffness * inner + a.coupling * outer);
                 write(&pair[1], b.stiffness * outer + b.coupling * inner);
@@ -366,27 +374,41 @@ where
 fn shared_elastic_forces<const N: usize>(
     model: &Model,
     body: &Body,
-    (beta, roots): (f64, &Strain<N>),
+    (damping, roots): (&Damping, &Strain<N>),
     motion: Motion,
     residual: &mut [f64],
 ) where
     Element: Strained<N>,
 {
     let elements = &model.elements[body.first_element..body.first_element + body.elements];
+    let undamped = Damping { stiffness_s: 0.0, ..*damping };
     for (i, element) in elements.iter().enumerate() {
         let mut force = Strain::<N>::zeros();
         let mut damped = Strain::<N>::zeros();
         let mut add = |block: &StrainMatrix<N>, of: &Element| {
-            force += block * excess_strain(of, motion, 0.0);
+            force += block * resisted_strain(of, motion, &undamped);
             damped += block * roots.component_mul(&Strain::from(of.strains(motion.v)));
         };
         add(&element.elastic().stiffness, element);
         if body.kind == ElementKind::Linear {
             add(&element.elastic().coupling, &elements[i ^ 1]);
         }
-        force += roots.component_mul(&damped) * beta;
+        force += roots.component_mul(&damped) * damping.stiffness_s;
         residual[element.range_of::<N>()].copy_from_slice(force.as_slice());
     }
+}
+
+/// `ε − ε₀ + β ε̇ + ε̈/ω_c²`, which the stiffness multiplies, eqs. (D8) and (D21).
+#[inline]
+fn resisted_strain<const N: usize>(element: &Element, motion: Motion, damping: &Damping) -> Strain<N>
+where
+    Element: Strained<N>,
+{
+    let mut strain = excess_strain(element, motion, damping.stiffness_s);
+    if damping.strain_inertia_s2 != 0.0 {
+        strain += Strain::from(element.strains(motion.a)) * damping.strain_inertia_s2;
+    }
+    strain
 }
 
 /// Strain for the elastic and viscous forces, `ε − ε₀ + β ε̇`.

@@ -99,14 +99,15 @@ fn factorize_tree(
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let scale = weights.mass + weights.damping * damping[index].mass_1_s;
         let viscous = weights.damping * damping[index].stiffness_s;
+        let elastic = weights.stiffness + weights.mass * damping[index].strain_inertia_s2;
         if let (Some(modal), Some(scratch)) = (&body.modal, &mut work.modal[index]) {
             let outer = &work.inertia[body.last_node()];
             let inertia = modal.eliminate(scratch, &work.nodes[body.first_node], outer, weights)?;
             work.inertia[body.first_node].add(&inertia);
         }
         match body.sheared {
-            false => factorize_body::<STRAINS>(model, work, body, scale, (weights.stiffness, viscous))?,
-            true => factorize_body::<SHEARED>(model, work, body, scale, (weights.stiffness, viscous))?,
+            false => factorize_body::<STRAINS>(model, work, body, scale, (elastic, viscous))?,
+            true => factorize_body::<SHEARED>(model, work, body, scale, (elastic, viscous))?,
         }
         let inertia = work.inertia[body.first_node];
         let passed = body.joint.eliminate(&mut work.joints[index], &inertia, weights, &tangents[index])?;

@@ -68,6 +68,8 @@ pub struct SolverParameters {
     pub max_step_s: f64,
     /// Smallest internal step in s.
     pub min_step_s: f64,
+    /// Frequency in rad/s that no vibration of beams exceeds under an external integrator; 0 without a limit.
+    pub frequency_limit_rad_s: f64,
 }
 
 /// Layout of [`Parameters::values`].
@@ -158,6 +160,7 @@ impl Parameters {
             tolerance: solver.tolerance,
             max_step_s: solver.max_step_s,
             min_step_s: solver.min_step_s,
+            frequency_limit_rad_s: 0.0,
         };
         parameters
     }
@@ -207,8 +210,12 @@ impl Parameters {
 
     /// Checks that all values are valid in a run: finite, and such that equations and steps exist.
     pub(crate) fn check(&self) -> Result<(), &'static str> {
-        let SolverParameters { tolerance, max_step_s, min_step_s } = *self.solver();
-        if !(tolerance > 0.0 && min_step_s > 0.0 && are_finite(&[tolerance, max_step_s, min_step_s])) {
+        let SolverParameters { tolerance, max_step_s, min_step_s, frequency_limit_rad_s } = *self.solver();
+        if !(tolerance > 0.0
+            && min_step_s > 0.0
+            && frequency_limit_rad_s >= 0.0
+            && are_finite(&[tolerance, max_step_s, min_step_s, frequency_limit_rad_s]))
+        {
             return Err("solver parameters");
         }
         let factor = |value: f64| (FACTOR_RANGE.0..=FACTOR_RANGE.1).contains(&value);

@@ -48,7 +48,11 @@ impl System {
             *damping = match body.modal {
                 // modal damping ratios apply instead
                 Some(_) => Damping::default(),
-                None => Damping { mass_1_s: parameters.mass_damping_1_s, stiffness_s: parameters.stiffness_damping_s },
+                None => Damping {
+                    mass_1_s: parameters.mass_damping_1_s,
+                    stiffness_s: parameters.stiffness_damping_s,
+                    strain_inertia_s2: self.exchange.strain_inertia_s2,
+                },
             };
         }
         joint_forces::set(&mut equations.forces, inputs, parameters);

@@ -4,6 +4,7 @@
 use crate::machine::Travel;
 use crate::math::strain::{CURVATURES, NAMES};
 use crate::system::hybrid::NotHybrid;
+use crate::system::nominal::{self, OF_JOINTS};
 use crate::system::{PlantError, System};
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +13,15 @@ use serde::{Deserialize, Serialize};
 const DRIFT: f64 = 1e-4;
 /// Number of energy accounts that are states: work of the inputs, dissipated energy.
 const ACCOUNTS: usize = 2;
+
+/// Options of an external integrator.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Manner {
+    /// The energy accounts are not states.
+    without_accounts: bool,
+    /// `1/ω_c²` of the frequency limit in s², eq. (D21); 0 without a limit, and while the machine takes steps of its own.
+    pub(super) strain_inertia_s2: f64,
+}
 
 /// Values set by an external integrator.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
@@ -99,31 +109,51 @@ pub enum CoordinateQuantity {
     Curvature,
 }
 
-/// Nominal magnitudes of coordinates, and ratio in 1/s of the nominal rates to them, for the error weights of integrators.
-const NOMINAL: f64 = 1.0;
-const NOMINAL_STRAIN: f64 = 1e-2;
-const NOMINAL_RATE_1_S: f64 = 10.0;
-
 impl System {
     /// Passes control of the initialised machine to an external integrator, which starts in event mode. Returns an error with a lattice or
     /// a rotor.
     pub fn begin_exchange(&mut self) -> Result<(), NotHybrid> {
+        let accounts = self.account_count();
         let hybrid = self.hybrid()?;
         let moved = hybrid.states();
-        let mut states = vec![0.0; moved + ACCOUNTS];
+        let mut states = vec![0.0; moved + accounts];
         hybrid.read(&mut states[..moved]);
-        states[moved..].copy_from_slice(&hybrid.accounts_j());
+        states[moved..].copy_from_slice(&hybrid.accounts_j()[..accounts]);
         self.state.outside = Some(Outside { time_s: self.state.now.time_s, states, entered: true });
+        self.limit_frequencies();
+        self.configure();
         self.told.forget();
-        self.told.make_room(moved + ACCOUNTS, self.exchange_indicator_count());
+        self.told.make_room(moved + accounts, self.exchange_indicator_count());
         // for rolling back a failed event
         self.begin.clone_from(&self.state);
         Ok(())
     }
 
-    /// Number of continuous states: moving coordinates, their rates, lag states of strips, work and dissipation.
+    /// Makes the energy accounts, work of the inputs and energy dissipated, states of an external integrator, or not: without them the
+    /// accounts are not known while it integrates. To be called before [`System::begin_exchange`]; they are states by default.
+    pub fn keep_exchange_accounts(&mut self, kept: bool) {
+        self.exchange.without_accounts = !kept;
+    }
+
+    /// Whether the energy accounts are states of an external integrator.
+    pub fn keeps_exchange_accounts(&self) -> bool {
+        !self.exchange.without_accounts
+    }
+
+    fn account_count(&self) -> usize {
+        if self.exchange.without_accounts { 0 } else { ACCOUNTS }
+    }
+
+    /// Takes the limit of frequencies from the parameters while an external integrator integrates.
+    pub(super) fn limit_frequencies(&mut self) {
+        let limit_rad_s = self.state.parameters.solver().frequency_limit_rad_s;
+        let limited = self.state.outside.is_some() && limit_rad_s > 0.0;
+        self.exchange.strain_inertia_s2 = if limited { limit_rad_s.powi(-2) } else { 0.0 };
+    }
+
+    /// Number of continuous states: coordinates that move, their rates, lag states of strips and, if they are kept, work and dissipation.
     pub fn exchange_state_count(&self) -> usize {
-        2 * self.moving.len() + self.lag_count() + ACCOUNTS
+        2 * self.moving.len() + self.lag_count() + self.account_count()
     }
 
     /// Names of the lag states, in the order of the states.
@@ -143,36 +173,36 @@ impl System {
         let model = &self.equations.model;
         let mut names: Vec<Option<CoordinateName>> = vec![None; model.coordinates];
         for (index, (body, described)) in model.bodies.iter().zip(&self.machine.bodies).enumerate() {
-            let mut name = |c: usize, name: String, quantity, nominal: f64| {
-                let nominal = [nominal, NOMINAL_RATE_1_S * nominal];
+            let mut name = |c: usize, name: String, quantity, nominal: [f64; 2]| {
                 names[c] = Some(CoordinateName { name, body: index, quantity, nominal });
             };
             let (kind, joint) = (body.joint.kind, &described.joint.name);
             let first = body.joint.coordinate;
             let shifts = if kind.is_redundant() { kind.translations() } else { 0 };
             for (k, axis) in ["x", "y", "z"].iter().enumerate().take(shifts) {
-                name(first + k, format!("{joint}.position.{axis}"), CoordinateQuantity::Position, NOMINAL);
+                name(first + k, format!("{joint}.position.{axis}"), CoordinateQuantity::Position, OF_JOINTS);
             }
             for k in shifts..if kind.is_redundant() { kind.coordinates() } else { 0 } {
                 let parameter = format!("{joint}.parameter[{}]", k - shifts + 1);
-                name(first + k, parameter, CoordinateQuantity::Parameter, NOMINAL);
+                name(first + k, parameter, CoordinateQuantity::Parameter, OF_JOINTS);
             }
             if let Some((travel, _)) = described.joint.kind.one_freedom() {
                 let quantity = match travel {
                     Travel::Rotation => CoordinateQuantity::Angle,
                     Travel::Translation => CoordinateQuantity::Position,
                 };
-                name(first, format!("{joint}.{}", travel.coordinate()), quantity, NOMINAL);
+                name(first, format!("{joint}.{}", travel.coordinate()), quantity, OF_JOINTS);
             }
             for (i, c) in body.modal.iter().flat_map(|modal| modal.range()).enumerate() {
-                name(c, format!("{}.mode[{}]", described.name, i + 1), CoordinateQuantity::Position, NOMINAL);
+                name(c, format!("{}.mode[{}]", described.name, i + 1), CoordinateQuantity::Position, OF_JOINTS);
             }
             for (i, element) in model.elements[body.first_element..][..body.elements].iter().enumerate() {
                 for ((k, strain), c) in NAMES.iter().enumerate().zip(element.range()) {
-                    let (quantity, nominal) = match CURVATURES.contains(&k) {
-                        true => (CoordinateQuantity::Curvature, NOMINAL),
-                        false => (CoordinateQuantity::Strain, NOMINAL_STRAIN),
+                    let quantity = match CURVATURES.contains(&k) {
+                        true => CoordinateQuantity::Curvature,
+                        false => CoordinateQuantity::Strain,
                     };
+                    let nominal = nominal::of_strain(described, element, k);
                     name(c, format!("{}.element[{}].{}", described.name, i + 1, strain.name), quantity, nominal);
                 }
             }
@@ -181,7 +211,7 @@ impl System {
             name: format!("coordinate[{}]", c + 1),
             body: 0,
             quantity: CoordinateQuantity::Parameter,
-            nominal: [NOMINAL, NOMINAL_RATE_1_S],
+            nominal: OF_JOINTS,
         };
         self.moving.iter().map(|&c| names[c].take().unwrap_or_else(|| unnamed(c))).collect()
     }
@@ -264,9 +294,11 @@ impl System {
         let mut told = std::mem::take(&mut self.told);
         told.make_room(outside.states.len(), indicators);
         let mut hybrid = self.as_hybrid();
-        let (moved, accounts) = outside.states.split_at(outside.states.len() - ACCOUNTS);
+        let (moved, accounts) = outside.states.split_at(hybrid.states());
         told.drift = hybrid.set(outside.time_s, moved);
-        hybrid.set_accounts_j([accounts[0], accounts[1]]);
+        if let &[work_j, dissipated_j] = accounts {
+            hybrid.set_accounts_j([work_j, dissipated_j]);
+        }
         // during an event, they are applied by its transition
         if !outside.entered {
             hybrid.follow_inputs();
@@ -277,7 +309,7 @@ impl System {
             None => hybrid.derivatives(of_moved),
         };
         if let Ok(rates) = &rates {
-            of_accounts.copy_from_slice(&[rates.work_w, rates.dissipated_w]);
+            of_accounts.copy_from_slice(&[rates.work_w, rates.dissipated_w][..of_accounts.len()]);
         }
         let (of_forces, of_motors) = told.indicators.split_at_mut(hybrid.indicators());
         hybrid.read_indicators(of_forces);
@@ -342,9 +374,9 @@ impl System {
         let mut before = std::mem::take(&mut self.told.derivatives);
         before.copy_from_slice(&outside.states);
         let hybrid = self.as_hybrid();
-        let (moved, accounts) = outside.states.split_at_mut(before.len() - ACCOUNTS);
+        let (moved, accounts) = outside.states.split_at_mut(hybrid.states());
         hybrid.read(moved);
-        accounts.copy_from_slice(&hybrid.accounts_j());
+        accounts.copy_from_slice(&hybrid.accounts_j()[..accounts.len()]);
         let sound = outside.states.iter().all(|state| state.is_finite());
         if !sound {
             outside.states.copy_from_slice(&before);

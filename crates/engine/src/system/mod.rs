@@ -16,6 +16,7 @@ pub(crate) mod freedoms;
 mod hybrid;
 mod joint_forces;
 pub(crate) mod magnitude;
+mod nominal;
 mod not_finite;
 pub(crate) mod outputs;
 pub(crate) mod place;
@@ -67,6 +68,8 @@ pub struct System {
     moving: Vec<usize>,
     /// Quantities that follow from the states set by an external integrator.
     told: exchange::Told,
+    /// Options of an external integrator.
+    exchange: exchange::Manner,
     gauges: Vec<GaugePoint>,
     pub(crate) state: State,
     /// State to roll back to if the current step or transition fails.
@@ -108,6 +111,7 @@ impl System {
             gauges,
             moving: Self::moving_coordinates(&equations),
             told: exchange::Told::default(),
+            exchange: exchange::Manner::default(),
             begin: state.clone(),
             built_with: state.parameters.clone(),
             state,
@@ -271,6 +275,7 @@ impl System {
     /// Updates equations and outputs to a newly set state.
     fn adopt_state(&mut self) {
         self.rebuild();
+        self.limit_frequencies();
         if self.state.initialized {
             self.configure();
             self.forget_outputs();

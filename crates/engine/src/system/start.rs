@@ -99,6 +99,7 @@ impl System {
         for (forces, memory) in self.equations.forces.joints().iter().zip(&mut state.joints) {
             forces.begin(&state.now, memory);
         }
+        self.limit_frequencies();
         self.configure();
     }
 

@@ -208,7 +208,9 @@ impl Instance {
 
     /// Resets the instance to its state after instantiation; saved states and log categories are kept.
     pub fn reset(&mut self) {
+        let accounts = self.plant.keeps_exchange_accounts();
         self.plant = unwatched(&self.machine);
+        self.plant.system_mut().keep_exchange_accounts(accounts);
         self.experiment = default_experiment(&self.machine);
         self.phase = Phase::Instantiated;
         self.stale = true;
@@ -311,27 +313,36 @@ impl Model {
         }
         let (text, path) = resource::read_model(request.resource_location)?;
         let machine = Arc::new(config::parse(&text, &path.to_string_lossy())?);
-        let plant = unwatched(&machine);
+        let mut plant = unwatched(&machine);
         let token = |interface: &Interface| match request.version {
             Version::Fmi2 => guid(&text, interface.variables()),
             Version::Fmi3 => interface.instantiation_token(&text),
         };
         let given = request.guid.unwrap_or("(null)");
         let plain = || Interface::new(&machine);
-        let tables: &[&dyn Fn() -> Interface] = match request.version {
-            Version::Fmi2 => &[&plain, &|| Interface::with_states(&machine, &plant)],
-            Version::Fmi3 => &[
-                &plain,
-                &|| Interface::with_states_and_indicators(&machine, &plant),
-                &|| plain().in_scalars(),
-                &|| Interface::with_states_and_indicators(&machine, &plant).in_scalars(),
-            ],
+        let exchanged = |plant: &mut Plant, accounts: bool| {
+            plant.system_mut().keep_exchange_accounts(accounts);
+            match request.version {
+                Version::Fmi2 => Interface::with_states(&machine, plant),
+                Version::Fmi3 => Interface::with_states_and_indicators(&machine, plant),
+            }
         };
-        let found = tables.iter().find_map(|table| {
-            let interface = table();
-            let guid = token(&interface);
-            (given == guid).then_some((interface, guid))
-        });
+        let scalars: &[bool] = match request.version {
+            Version::Fmi2 => &[false],
+            Version::Fmi3 => &[false, true],
+        };
+        let mut found = None;
+        'tables: for accounts in [None, Some(false), Some(true)] {
+            for &scalars in scalars {
+                let arrays = accounts.map_or_else(plain, |accounts| exchanged(&mut plant, accounts));
+                let interface = if scalars { arrays.in_scalars() } else { arrays };
+                let guid = token(&interface);
+                if given == guid {
+                    found = Some((interface, guid));
+                    break 'tables;
+                }
+            }
+        }
         match found {
             Some((interface, guid)) => Ok(Self { machine, plant, interface, guid }),
             None => Err(InstantiationError::Guid { given: given.to_owned(), own: token(&plain()) }),

@@ -10,7 +10,7 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 /// First bytes of a serialised state.
 const MAGIC: [u8; 8] = *b"FOLDWING";
 /// Version of the serialised form: to be increased with every change of [`SavedState`] or its contents.
-const VERSION: u16 = 8;
+const VERSION: u16 = 9;
 /// Length of a GUID with its braces.
 const GUID_LENGTH: usize = 38;
 /// Magic, version, GUID, length of the payload, CRC-32 of all but the checksum itself.

@@ -37,6 +37,7 @@ use cause::Depends;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{OutputSet, Outputs, Plant};
 use known::Known;
+use rows::Integrator;
 use std::collections::HashMap;
 use table::{Bound, Place};
 
@@ -166,19 +167,21 @@ pub struct Interface {
 impl Interface {
     /// The table of a machine. Row 0 is `time`.
     pub fn new(machine: &Machine) -> Self {
-        Self::of(rows::build(machine), machine, Vec::new())
+        Self::of(rows::build(machine, Integrator::Own), machine, Vec::new())
     }
 
-    /// The table with the continuous states and their derivatives at its end, for Model Exchange. `plant` is a plant of the machine.
+    /// The table with the continuous states and their derivatives at its end, for Model Exchange. `plant` is a plant of the machine; the
+    /// energy accounts are in the table if they are states of it
+    /// ([`keep_exchange_accounts`](foldwing_engine::plant::System::keep_exchange_accounts)).
     pub fn with_states(machine: &Machine, plant: &Plant) -> Self {
-        let mut table = rows::build(machine);
+        let mut table = rows::build(machine, Integrator::Importer { accounts: plant.keeps_exchange_accounts() });
         let coordinates = states::add(&mut table, plant);
         Self::of(table, machine, coordinates)
     }
 
     /// The table of [`Self::with_states`] with the event indicators after the states, for Model Exchange of FMI 3.0.
     pub fn with_states_and_indicators(machine: &Machine, plant: &Plant) -> Self {
-        let mut table = rows::build(machine);
+        let mut table = rows::build(machine, Integrator::Importer { accounts: plant.keeps_exchange_accounts() });
         let coordinates = states::add(&mut table, plant);
         states::add_indicators(&mut table, plant);
         Self::of(table, machine, coordinates)

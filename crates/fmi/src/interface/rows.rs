@@ -13,13 +13,28 @@ use foldwing_engine::plant::{
 };
 use std::mem::offset_of;
 
+/// Integrator of the machine, which decides on rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Integrator {
+    /// The machine, in steps.
+    Own,
+    /// The importer, in Model Exchange.
+    Importer {
+        /// It integrates the energy accounts too.
+        accounts: bool,
+    },
+}
+
 /// The table of a machine, rows in the order of their value references.
-pub(super) fn build(machine: &Machine) -> Table {
+pub(super) fn build(machine: &Machine, integrator: Integrator) -> Table {
     let topology = Topology::new(machine);
     let mut table = Table::new(machine);
     inputs(&mut table, &topology);
-    outputs(&mut table, &topology);
+    outputs(&mut table, &topology, integrator);
     parameters(&mut table, &topology);
+    if let Integrator::Importer { .. } = integrator {
+        frequency_limit(&mut table);
+    }
     counters::locals(&mut table, machine);
     table
 }
@@ -97,7 +112,7 @@ fn inputs(table: &mut Table, topology: &Topology) {
     air::flap_inputs(table, topology);
 }
 
-fn outputs(table: &mut Table, topology: &Topology) {
+fn outputs(table: &mut Table, topology: &Topology, integrator: Integrator) {
     let layout = table.outputs;
     for joint in 0..topology.revolutes.len() {
         joints::revolute_outputs(table, topology, joint);
@@ -177,7 +192,7 @@ fn outputs(table: &mut Table, topology: &Topology) {
             field.add(table, topology, (at, body), [&group, &of], Some([&groups, &of_all]));
         }
     }
-    energies(table, topology);
+    energies(table, topology, integrator != Integrator::Importer { accounts: false });
     air::outputs(table, topology);
     for (index, failure) in topology.machine.failures.iter().enumerate() {
         failure_outputs(table, index, &failure.name);
@@ -315,7 +330,7 @@ impl PointRow {
     }
 }
 
-fn energies(table: &mut Table, topology: &Topology) {
+fn energies(table: &mut Table, topology: &Topology, accounts: bool) {
     let layout = table.outputs;
     let joints = || 0..topology.revolutes.len();
     let closures = || 0..topology.machine.closures.len();
@@ -350,10 +365,16 @@ fn energies(table: &mut Table, topology: &Topology) {
     add("gravity", offset_of!(EnergyOutputs, gravity), now, gravity, meaning);
     let meaning = "potential energy of the motors' stiffness and constant torques within their limits";
     add("motor", offset_of!(EnergyOutputs, motor), now, drive, meaning);
-    add("work", offset_of!(EnergyOutputs, work), booked, work, "work done by the inputs since the start");
-    let meaning = "energy dissipated since the start by damping, opening of latches and impulsive stopping of joints";
-    add("dissipated", offset_of!(EnergyOutputs, dissipated), booked, Depends::new([], []), meaning);
-    let meaning = "kinetic + elastic + gravity + motor; total - work + dissipated is constant";
+    if accounts {
+        add("work", offset_of!(EnergyOutputs, work), booked, work, "work done by the inputs since the start");
+        let meaning =
+            "energy dissipated since the start by damping, opening of latches and impulsive stopping of joints";
+        add("dissipated", offset_of!(EnergyOutputs, dissipated), booked, Depends::new([], []), meaning);
+    }
+    let meaning = match accounts {
+        true => "kinetic + elastic + gravity + motor; total - work + dissipated is constant",
+        false => "kinetic + elastic + gravity + motor",
+    };
     add("total", offset_of!(EnergyOutputs, total), now, total, meaning);
 }
 
@@ -427,6 +448,14 @@ const SOLVER_PARAMETERS: &[ParameterRow<()>] = {
         ),
     ]
 };
+
+/// The parameter of Model Exchange alone.
+fn frequency_limit(table: &mut Table) {
+    let at = table.parameters.layout().solver.place(0, offset_of!(SolverParameters, frequency_limit_rad_s));
+    let meaning = "in Model Exchange, vibrations of beams at w take w/sqrt(1 + (w/limit)^2); 0: as they are";
+    let text = Text::new("solver.frequency_limit", meaning);
+    table.parameter(Parameter::Solver, at, Variability::Fixed, "AngularVelocity", NON_NEGATIVE, text);
+}
 
 fn parameters(table: &mut Table, topology: &Topology) {
     let layout = *table.parameters.layout();

@@ -22,6 +22,9 @@ const NOMINAL_TIME_S: f64 = 1e-2;
 /// of them, so that a large step adds no truncation error.
 const NOMINAL_INPUT: f64 = 10.0;
 
+/// Rate of a coordinate over its magnitude in 1/s, for the step.
+const RATE_1_S: f64 = 10.0;
+
 /// A known with its present value and its seed.
 struct Seeded {
     row: usize,
@@ -185,6 +188,10 @@ impl Interface {
             }
         };
         let nominal = match slot.place {
+            // the nominal magnitudes of rates are those of short waves: too long a step for loads of the air, which are not quadratic
+            Place::State(state) if (self.coordinates.len()..2 * self.coordinates.len()).contains(&state) => {
+                RATE_1_S * self.nominals[state - self.coordinates.len()]
+            }
             Place::Time => NOMINAL_TIME_S,
             Place::Input(_) => NOMINAL_INPUT,
             Place::Parameter(_) if value != 0.0 => value.abs(),

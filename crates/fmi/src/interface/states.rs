@@ -48,7 +48,7 @@ pub(super) fn add(table: &mut Table, plant: &Plant) -> Vec<usize> {
         let meaning = format!("aerodynamic lag state {name}");
         add(table, format!("state.{name}"), ["Velocity", "Acceleration"], NOMINAL_LAG_M_S, &meaning);
     }
-    for (name, meaning) in ACCOUNTS {
+    for (name, meaning) in ACCOUNTS.into_iter().filter(|_| plant.keeps_exchange_accounts()) {
         add(table, format!("state.energy.{name}"), ["Energy", "Power"], NOMINAL_ENERGY_J, meaning);
     }
     for (state, (name, declared)) in rates.into_iter().enumerate() {

@@ -86,7 +86,7 @@ impl Case {
         let damping = model
             .bodies
             .iter()
-            .map(|_| Damping { mass_1_s: 2.0 * random.f64(), stiffness_s: 0.01 * random.f64() })
+            .map(|_| Damping { mass_1_s: 2.0 * random.f64(), stiffness_s: 0.01 * random.f64(), ..Damping::default() })
             .collect();
         let mut wrench = || Wrench { force_n: vector(&mut random, 2.0), moment_n_m: vector(&mut random, 0.5) };
         let loads = model.stations.iter().map(|_| wrench()).collect();
