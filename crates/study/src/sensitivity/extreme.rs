@@ -79,7 +79,7 @@ impl Samples {
         let (start_s, spacing_s) = (self.times_s[0], self.times_s[1] - self.times_s[0]);
         // of the size; positive before the largest value and negative behind it
         let sign = if kind.size(1.0) * values[best] < 0.0 && kind == Extreme::Peak { -1.0 } else { kind.size(1.0) };
-        let jumps_s: Vec<f64> = tape.inputs().jumps_s().chain(tape.crossings_s()).collect();
+        let jumps_s: Vec<f64> = tape.jumps_s().collect();
         let mut rate = |time_s: f64| -> Result<f64, GradientError> {
             let time = plant.request(tape, time_s)?;
             Ok(sign * Gradient::new(plant, tape, Vec::new())?.rate(index, time)?)
