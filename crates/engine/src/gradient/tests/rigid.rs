@@ -7,7 +7,7 @@ use crate::signal::JointInputs;
 use crate::system::JointOutputs;
 use std::mem::offset_of;
 
-/// The fold joint's latch made rigid, and the iteration closer: stiff motions that the impulse starts enter reactions with what it leaves.
+/// The fold joint's latch made rigid, and the iteration closer: stiff motions that the impulse starts enter reactions with its remainder.
 pub(super) fn hardened(mut machine: Machine) -> Machine {
     if let JointKind::Revolute(fold) = &mut machine.bodies[1].joint.kind
         && let Some(latch) = &mut fold.latch
@@ -45,10 +45,10 @@ fn results(plant: &Plant, latches: &[usize]) -> Vec<RunResult> {
     outputs.chain(latches.iter().map(|joint| RunResult::LatchTime { joint: *joint })).collect()
 }
 
-fn agree(compared: &Compared, words: &str) {
+fn agree(compared: &Compared, allowed: f64) {
     let Compared { forward_and_adjoint, differences, .. } = compared;
-    assert!(*forward_and_adjoint < 1e-10, "{words}: {forward_and_adjoint:.1e}");
-    assert!(*differences < 1e-6, "{words}: {differences:.1e}");
+    assert!(*forward_and_adjoint < 1e-10, "{forward_and_adjoint:.1e}");
+    assert!(*differences < allowed, "{differences:.1e}");
 }
 
 /// GR-33: the wing of GR-01 with a rigid latch: strains, motions, loads of a section, the latch's reaction and the root's behind the latch,
@@ -58,7 +58,7 @@ fn gradients_pass_through_a_rigid_latch() {
     let machine = |numbers: Numbers| build(numbers.builder(true)).map(hardened);
     let compared = compare_results(machine, &InputRows::default(), &places(), |plant| results(plant, &[1]));
     assert_eq!(compared.events, 1);
-    agree(&compared, "wing");
+    agree(&compared, 1e-6);
 }
 
 /// A beam, a rigid arm and another one in a row, with a rigid latch between each two; the outermost joint starts on an end stop, to which a
@@ -130,7 +130,8 @@ fn gradients_pass_through_two_rigid_latches_and_stops() {
     assert!(tape.steps.windows(2).any(leaves), "no latch changes a contact");
     let places: Vec<Place> = PLACES.into_iter().filter(|place| place.0 != "latch_stiffness").collect();
     let compared = compare_results(chain, &InputRows::default(), &places, |plant| results(plant, &[1, 2]));
-    agree(&compared, "chain");
+    // as for GR-16: five crossings, each located to 1e-10 s
+    agree(&compared, 3e-6);
 }
 
 /// GR-35: a parallelogram of beams that a loop closes and a rigid latch at its crank stops: ideal joints in the impulse.
@@ -164,10 +165,11 @@ fn gradients_pass_through_a_rigid_latch_of_a_closed_loop() {
     };
     let known = ["damping", "torque", "latch_angle", "start_angle", "length", "thickness", "density", "mass", "beta"];
     let places: Vec<Place> = PLACES.into_iter().filter(|place| known.contains(&place.0)).collect();
-    // loads of sections and reactions of a loop are differences of large forces: without a latch, too, they keep 1e-8
+    // loads of sections, strains recovered from them and reactions in a loop are differences of large forces: without a latch, too, they
+    // keep 4e-8
     let motions = |plant: &Plant| {
         let layout = *plant.outputs().layout();
-        let loads = [layout.internal_loads.range(), layout.root.range()];
+        let loads = [layout.gauges.range(), layout.internal_loads.range(), layout.root.range()];
         let is_load = |index: usize| loads.iter().any(|range| range.contains(&index));
         let mut results = results(plant, &[2]);
         results.retain(|result| !matches!(result, RunResult::Output { index, .. } if is_load(*index)));
@@ -202,7 +204,7 @@ fn gradients_pass_through_locks_that_close() {
     let places = places();
     let compared = compare_results(machine, &inputs, &places, |plant| results(plant, &[1]));
     assert_eq!(compared.events, 1);
-    agree(&compared, "locks");
+    agree(&compared, 1e-6);
 }
 
 /// GR-37: an arm that turns freely and one that unfolds from its end, without any torque: angular momentum and energy are constant until a
