@@ -327,7 +327,15 @@ fn gradients_in_air_by_a_prescribed_motion() {
 /// start, which converges to 1e-9 of the loads, included.
 #[test]
 fn gradients_in_a_gust_start_in_an_equilibrium() {
-    let kind = Kind { latched: false, rigid: false, driven: false, unsteady: true, established: true, full: true, gusty: true };
+    let kind = Kind {
+        latched: false,
+        rigid: false,
+        driven: false,
+        unsteady: true,
+        established: true,
+        full: true,
+        gusty: true,
+    };
     let times_s = [0.032, 0.064];
     let own: [AirPlace; 2] = [("gust", |n| &mut n.gust), ("flap", |n| &mut n.flap)];
     let places = [&AIR_PLACES[..6], &own].concat();
