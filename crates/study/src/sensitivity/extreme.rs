@@ -76,6 +76,10 @@ impl Samples {
         if best == 0 || best == last || range == 0.0 {
             return Ok(Ok(self.times_s[best]));
         }
+        // it stays to the end, as the angle of a joint behind its rigid latch
+        if values[best] == values[last] {
+            return Ok(Ok(self.times_s[last]));
+        }
         let (start_s, spacing_s) = (self.times_s[0], self.times_s[1] - self.times_s[0]);
         // of the size; positive before the largest value and negative behind it
         let sign = if kind.size(1.0) * values[best] < 0.0 && kind == Extreme::Peak { -1.0 } else { kind.size(1.0) };
