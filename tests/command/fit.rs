@@ -11,7 +11,11 @@ const MODULUS: &str = "file:section.plate.youngs_modulus_Pa";
 
 /// The wing with the true modulus, its deployment with the true damping to 0.16 s, and its latch time.
 fn measured(folder: &Path) -> (PathBuf, f64) {
-    let text = std::fs::read_to_string(WING).unwrap();
+    measured_of(folder, &std::fs::read_to_string(WING).unwrap())
+}
+
+/// The same of a wing in a model file.
+fn measured_of(folder: &Path, text: &str) -> (PathBuf, f64) {
     let line = text.lines().find(|line| line.starts_with("youngs_modulus_Pa")).unwrap();
     let model = folder.join("true.toml");
     std::fs::write(&model, text.replacen(line, &format!("youngs_modulus_Pa = {TRUE_MODULUS:e}"), 1)).unwrap();
@@ -95,6 +99,30 @@ fn numbers_are_identified_and_the_model_is_written() {
     let data_as_output = [&words[..9], &["-o", data.to_str().unwrap()]].concat();
     let (code, text) = failure(&data_as_output);
     assert!(code == 2 && text.contains("refusing to overwrite an input"), "{text}");
+}
+
+/// GR-43. The same two numbers through a rigid latch, of angle, strain and latch time, with five instants behind its impulse.
+#[test]
+fn numbers_are_identified_through_a_rigid_latch() {
+    let folder = tempfile::tempdir().unwrap();
+    let elastic = "[joint.fold.latch]\nangle_deg = 0.0\nstiffness_ratio = 1e4\n";
+    let rigid = "[joint.fold.latch]\nkind = \"rigid\"\nangle_deg = 0.0\n";
+    let text = std::fs::read_to_string(WING).unwrap();
+    assert!(text.contains(elastic));
+    let text = text.replacen(elastic, rigid, 1);
+    let model = folder.path().join("rigid.toml");
+    std::fs::write(&model, &text).unwrap();
+    let (data, latch_s) = measured_of(folder.path(), &text);
+    assert!((0.11..0.13).contains(&latch_s), "{latch_s}");
+    let (latch, by) = (format!("fold.latch_time={latch_s:?}"), format!("{DAMPING},{MODULUS}"));
+    let start = format!("{DAMPING}=1.5e-3");
+    let (model, data) = (model.to_str().unwrap(), data.to_str().unwrap());
+    let words = ["fit", model, data, "--by", &by, "--start", &start, "--value", &latch, "--stop", "0.3", "--json"];
+    let found: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&words))).unwrap();
+    assert_eq!(found["converged"], true, "{found}");
+    for (number, due) in found["numbers"].as_array().unwrap().iter().zip([TRUE_DAMPING, TRUE_MODULUS]) {
+        assert!((number["value"].as_f64().unwrap() / due - 1.0).abs() < 1e-6, "{found}");
+    }
 }
 
 /// GR-27. A bound reached on the way is kept, the text gives the directions that are not determined, and without convergence there is a

@@ -266,3 +266,50 @@ fn the_figure_has_relative_slopes() {
     assert_eq!(refused.status.code(), Some(4));
     assert_eq!(std::fs::read_to_string(folder.path().join("gradient.svg")).unwrap(), "mine");
 }
+
+/// GR-44: a mass on a spring upon a support that moves by a polynomial or through a table: its way by a coefficient is
+/// `−2 (1 − cos ωt)/ω²`, by all rows of the table together that of a shift, none. The time of a row is refused by name.
+#[test]
+fn coefficients_and_rows_of_a_prescribed_motion_are_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = |name: &str, motion: &str| {
+        let body = |name: &str| {
+            format!("[rigid_body.{name}]\nmass_kg = 0.8\ninertia_kg_m2 = [0.01, 0.01, 0.01, 0.0, 0.0, 0.0]\n")
+        };
+        let joint = |name: &str, parent: &str, child: &str| {
+            format!(
+                "[joint.{name}]\ntype = \"prismatic\"\nparent = \"{parent}\"\nchild = \"{child}\"\naxis = [0.0, 0.0, 1.0]\n"
+            )
+        };
+        let text = format!(
+            "name = \"Shaker\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n{}{}{}motion = \"prescribed\"\n{motion}\n{}[joint.slide.spring]\n\
+             stiffness_N_m = 30.0\n[solver]\ntolerance = 1e-10\n",
+            body("support"),
+            body("mass"),
+            joint("track", "root", "support"),
+            joint("slide", "support", "mass"),
+        );
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let slopes = |model: &str, by: &str| -> Vec<f64> {
+        let words = ["gradient", model, "--of", "slide.position@0.2", "--by", by, "--stop", "0.3", "--json"];
+        let found: serde_json::Value = serde_json::from_str(&succeeds(&foldwing(&words))).unwrap();
+        found["of"][0]["derivatives"].as_array().unwrap().iter().map(|slope| slope.as_f64().unwrap()).collect()
+    };
+    let polynomial = model("polynomial.toml", "polynomial_m = [0.1, 0.2, 1.5, -0.7]");
+    let found = slopes(&polynomial, "file:joint.track.polynomial_m.0,file:joint.track.polynomial_m.2");
+    let omega = (30.0f64 / 0.8).sqrt();
+    let due = -2.0 * (1.0 - (0.2 * omega).cos()) / (omega * omega);
+    assert!(found[0].abs() < 1e-9 && (found[1] - due).abs() < 1e-7 * due.abs(), "{found:?} and {due}");
+    let table = model("table.toml", "table_s_m = [[0.0, 0.1], [0.11, 0.2], [0.3, 0.15]]");
+    let rows: Vec<String> = (0..3).map(|row| format!("file:joint.track.table_s_m.{row}.1")).collect();
+    let found = slopes(&table, &rows.join(","));
+    let largest = found.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
+    assert!(largest > 0.1 && found.iter().sum::<f64>().abs() < 1e-8 * largest, "{found:?}");
+    let words = ["gradient", &table, "--of", "slide.position@0.2", "--by", "file:joint.track.table_s_m.1.0"];
+    let output = foldwing(&words);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && text.contains("changes the times of a prescribed motion"), "{text}");
+}

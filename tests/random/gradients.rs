@@ -122,8 +122,6 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         "failures" => remove(&format!("failure.{place}")),
         "universal, ball and free joints" => Some(clamped(model, place)),
         "generators" => of_joint("generator"),
-        "prescribed motions" => of_joint("motion"),
-        "rigid latches, which stop a joint by an impulse" => of_joint("latch"),
         "rotors of geared motors that turn with their carrier" | "commands subject to a rate limit" => {
             of_joint("motor")
         }

@@ -70,6 +70,40 @@ impl Law {
         }
     }
 
+    /// Slopes by the time of angle (rad/s), rate (rad/s²) and acceleration (rad/s³) at `time_s`, on the piece given by `branch_s`.
+    pub fn by_time(&self, time_s: f64, branch_s: f64) -> [f64; 3] {
+        let piece = |knots: &[[f64; 3]]| {
+            let after = knots.partition_point(|knot| knot[0] <= branch_s);
+            (after > 0 && after < knots.len()).then(|| {
+                let ([t0, y0, m0], [t1, y1, m1]) = (knots[after - 1], knots[after]);
+                [(y1 - y0) / (t1 - t0), (m1 - m0) / (t1 - t0)]
+            })
+        };
+        let [_, rate, acceleration] = self.at_on(time_s, branch_s);
+        match self {
+            Self::Polynomial(coefficients) => {
+                let third = |(i, c): (usize, &f64)| {
+                    let i = i as i32;
+                    if i < 3 { 0.0 } else { f64::from(i * (i - 1) * (i - 2)) * c * time_s.powi(i - 3) }
+                };
+                [rate, acceleration, coefficients.iter().enumerate().map(third).sum()]
+            }
+            Self::Spline(knots) | Self::Onward(knots) => {
+                [rate, acceleration, piece(knots).map_or(0.0, |[_, curvature]| curvature)]
+            }
+            Self::QuasiStatic(knots) => [piece(knots).map_or(0.0, |[slope, _]| slope), 0.0, 0.0],
+        }
+    }
+
+    /// Times of its knots in s; none of a polynomial.
+    pub fn knots_s(&self) -> impl Iterator<Item = f64> + '_ {
+        let knots: &[[f64; 3]] = match self {
+            Self::Polynomial(_) => &[],
+            Self::Spline(knots) | Self::Onward(knots) | Self::QuasiStatic(knots) => knots,
+        };
+        knots.iter().map(|knot| knot[0])
+    }
+
     /// Whether a knot is exactly at `time_s`.
     pub fn has_knot_at(&self, time_s: f64) -> bool {
         matches!(self, Self::Spline(knots) | Self::Onward(knots) | Self::QuasiStatic(knots) if knots.iter().any(|knot| knot[0] == time_s))
@@ -168,6 +202,10 @@ mod tests {
                 let ([below, rate_below, _], [above, rate_above, _]) = (law.at(time - step), law.at(time + step));
                 assert!(((above - below) / (2.0 * step) - rate).abs() < 1e-8);
                 assert!(((rate_above - rate_below) / (2.0 * step) - acceleration).abs() < 1e-7);
+                let ends = [law.at(time - step), law.at(time + step)];
+                for (part, slope) in law.by_time(time, time).iter().enumerate() {
+                    assert!(((ends[1][part] - ends[0][part]) / (2.0 * step) - slope).abs() < 1e-6, "{time}: {part}");
+                }
             }
             let (left, right) = (law.at(0.5 - 1e-9), law.at(0.5 + 1e-9));
             assert!((left[2] - right[2]).abs() < 1e-6, "acceleration jumps by {}", left[2] - right[2]);
@@ -201,6 +239,15 @@ mod tests {
         for (time, angle) in [(0.0, 0.2), (1.0, 0.2), (1.25, 0.4), (2.0, 1.0), (3.0, 0.75), (4.0, 0.5), (9.0, 0.5)] {
             let [found, rate, acceleration] = law.at(time);
             assert!((found - angle).abs() < 1e-15 && rate == 0.0 && acceleration == 0.0, "{time}: {found}");
+            let slope = if (1.0..2.0).contains(&time) {
+                0.8
+            } else if (2.0..4.0).contains(&time) {
+                -0.25
+            } else {
+                0.0
+            };
+            let by_time = law.by_time(time, time);
+            assert!((by_time[0] - slope).abs() < 1e-15 && by_time[1..] == [0.0; 2], "{time}: {by_time:?}");
         }
         assert!(law.has_knot_at(2.0));
         assert_eq!((law.next_knot_s(1.0), law.next_knot_s(4.0)), (2.0, f64::INFINITY));

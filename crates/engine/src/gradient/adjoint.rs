@@ -77,16 +77,26 @@ impl Gradient<'_> {
             }
             if step.renewed {
                 let (on, shift) = &mut multipliers;
+                let laws = self.laws(step.start.time_s, step.start.time_s);
                 let by_time = self.time_slope(&step.start, step.length_s());
                 self.linearize(&step.start);
                 self.factorize(&step.start, 0.0)?;
                 let [w, by_q, by_v] = self.solve_transposed(&step.start, 0.0, &on.a)?;
                 add(&mut on.q, -1.0, &by_q);
                 add(&mut on.v, -1.0, &by_v);
+                if !laws.is_empty() {
+                    add(&mut on.a, -1.0, &self.momentum(&w));
+                    let at = (&laws[..], step.start.time_s);
+                    *shift += self.through_laws(at, [&on.q, &on.v, &on.a], sums.gradient.as_mut());
+                    laws.iter().for_each(|law| on.q[law.coordinate] = 0.0);
+                }
                 on.a.fill(0.0);
                 self.system.equations.clear_held(&mut on.v);
                 *shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
                 self.subtract_forcings(&step.start, &w, sums);
+                if let Some(jump) = self.jump(index) {
+                    self.jump_back(&jump, &mut multipliers.0, sums)?;
+                }
             }
         }
         Ok(multipliers)
@@ -148,6 +158,7 @@ impl Gradient<'_> {
         on[stages - 1] = end;
         for stage in (1..stages).rev() {
             let at = points[stage];
+            let laws = self.laws(at.time_s, step.middle_s());
             let by_time = self.time_slope(at, h);
             self.linearize(at);
             if stage == stages - 1 || self.directions.added() > MANY_DIRECTIONS {
@@ -156,9 +167,16 @@ impl Gradient<'_> {
             let Variation { q: b_q, v: b_v, a: b_a } = on[stage].clone();
             let right: Vec<f64> = (0..n).map(|i| b_a[i] + gain * (b_v[i] + gain * b_q[i])).collect();
             let [w, by_q, by_v] = self.solve_transposed(at, gain, &right)?;
-            let e_q: Vec<f64> = (0..n).map(|i| b_q[i] - by_q[i]).collect();
+            let mut e_q: Vec<f64> = (0..n).map(|i| b_q[i] - by_q[i]).collect();
             let mut e_v: Vec<f64> = (0..n).map(|i| b_v[i] + gain * (b_q[i] - by_q[i]) - by_v[i]).collect();
             self.system.equations.clear_held(&mut e_v);
+            if !laws.is_empty() {
+                let by_a = self.momentum(&w);
+                let [on_v, on_a] = [(&b_v, &by_v), (&b_a, &by_a)]
+                    .map(|(on, by)| on.iter().zip(by).map(|(on, by)| on - by).collect::<Vec<f64>>());
+                shift += self.through_laws((&laws, at.time_s), [&e_q, &on_v, &on_a], sums.gradient.as_mut());
+                laws.iter().for_each(|law| e_q[law.coordinate] = 0.0);
+            }
             shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
             self.subtract_forcings(at, &w, sums);
             for (weight, earlier) in self.tableau.rows[stage - 1].iter().zip(&mut on) {
@@ -169,6 +187,13 @@ impl Gradient<'_> {
             add(&mut on[0].v, 1.0, &e_v);
         }
         Ok((on.swap_remove(0), shift))
+    }
+
+    /// `Mᵀw` at the linearised point.
+    fn momentum(&mut self, w: &[f64]) -> Vec<f64> {
+        let [mut by_q, mut by_v, mut by_a] = [0, 1, 2].map(|_| vec![0.0; w.len()]);
+        self.system.equations.residual_transposed(&mut self.derivative, w, [&mut by_q, &mut by_v, &mut by_a]);
+        by_a
     }
 
     fn subtract_forcings(&mut self, at: &Point, w: &[f64], sums: &mut Sums) {

@@ -45,7 +45,7 @@ impl Gradient<'_> {
             for index in span.clone() {
                 let step = &tape.steps[index];
                 let causes = Causes { parameters: true, loads: &loads };
-                self.renew(step, &mut front, causes)?;
+                self.renew(index, &mut front, causes)?;
                 self.write_outputs(results, (index, &front, &loads), &mut table)?;
                 if ends_at(index) {
                     return Ok(table);
@@ -76,18 +76,31 @@ impl Gradient<'_> {
         causes: Causes,
     ) -> Result<(), GradientError> {
         let tape = self.tape;
-        for step in &tape.steps[span.clone()] {
-            self.renew(step, front, causes)?;
-            self.pass(step, front, causes)?;
+        for index in span.clone() {
+            self.renew(index, front, causes)?;
+            self.pass(&tape.steps[index], front, causes)?;
         }
         Ok(())
     }
 
-    /// Variations of the accelerations at the start of a step where they follow from the equations there, eq. (X8).
-    fn renew(&mut self, step: &Step, front: &mut Front, causes: Causes) -> Result<(), GradientError> {
+    /// Variations behind an event at the start of a step: of the rates, if they jump, eq. (X17), and of the accelerations, which follow from
+    /// the equations there, eq. (X8).
+    fn renew(&mut self, index: usize, front: &mut Front, causes: Causes) -> Result<(), GradientError> {
+        let tape = self.tape;
+        let step = &tape.steps[index];
         self.adopt(step);
         if !step.renewed {
             return Ok(());
+        }
+        if let Some(jump) = self.jump(index) {
+            self.jump_forward(&jump, front, causes)?;
+        }
+        let time_s = step.start.time_s;
+        let laws = self.laws(time_s, time_s);
+        let shares = self.shares(time_s);
+        for (direction, variation) in front.variations.iter_mut().enumerate() {
+            let number = self.number_of(direction, &shares, causes);
+            laws.iter().for_each(|law| law.set(number, front.shifts_s[direction], 0.0, variation));
         }
         let by_time = self.time_slope(&step.start, step.length_s());
         self.linearize(&step.start);

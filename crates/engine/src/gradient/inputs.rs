@@ -84,9 +84,11 @@ impl InputRows {
         self.columns.get(column).is_some_and(|column| !column.held && rows.all(|row| *row < self.times_s.len()))
     }
 
-    /// Times of two rows each in s, at which inputs may jump.
+    /// Times in s at which inputs jump: of two rows each, and of rows at which a switch changes.
     pub fn jumps_s(&self) -> impl Iterator<Item = f64> + '_ {
-        self.times_s.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0])
+        let switched = |row: usize| self.columns.iter().any(|own| own.held && own.values[row] != own.values[row - 1]);
+        let jumps = move |row: &usize| self.times_s[*row] == self.times_s[row - 1] || switched(*row);
+        (1..self.times_s.len()).filter(jumps).map(|row| self.times_s[row])
     }
 
     /// Sets the inputs of a plant to their values at a time, before it is initialised there.

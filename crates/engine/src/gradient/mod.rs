@@ -1,4 +1,4 @@
-//! Derivatives of whole runs by parameters, through latches and end stops, also with strip theory, NOTATION eqs. (X6)–(X13).
+//! Derivatives of whole runs by parameters, through latches and end stops, also with strip theory, NOTATION eqs. (X6)–(X13), (X17)–(X19).
 //!
 //! [`Plant::run_on_tape`] keeps the steps of a run on a [`Tape`]. [`Gradient`] differentiates the discrete run along it, whose step lengths
 //! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and steps to given times, those of rows of the
@@ -12,8 +12,10 @@ mod block;
 mod directions;
 mod forward;
 mod inputs;
+mod jump;
 mod outputs;
 mod parameter;
+mod prescribed;
 mod run;
 mod sections;
 mod slopes;

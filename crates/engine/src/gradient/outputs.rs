@@ -165,8 +165,8 @@ impl<'a> Gradient<'a> {
             by_loads[i] = slope[0];
             unit[i] = 0.0;
         }
-        for held in self.system.equations.held() {
-            (state.v[held], state.a[held]) = (0.0, 0.0);
+        for resting in self.system.equations.resting() {
+            (state.v[resting], state.a[resting]) = (0.0, 0.0);
         }
         let by_neighbours = self.neighbours.iter_mut().map(|beside| beside.slope(|system| values(system, &at)[index]));
         let by_neighbours: Vec<f64> = by_neighbours.collect();

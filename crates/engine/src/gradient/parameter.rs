@@ -2,6 +2,7 @@
 
 use crate::gradient::GradientError;
 use crate::gradient::inputs::{InputRows, Offset};
+use crate::gradient::jump::Jump;
 use crate::gradient::tape::{Step, Tape};
 use crate::multibody::Model;
 use crate::multibody::block_slopes::BlockSlopes;
@@ -155,6 +156,12 @@ impl Neighbours {
                 return Err(refuse("the number of coordinates or outputs"));
             }
             system.refuse_gradient()?;
+            let knots = |system: &System| -> Vec<Option<Vec<f64>>> {
+                system.equations.forces.joints().iter().map(|joint| Some(joint.law()?.knots_s().collect())).collect()
+            };
+            if knots(system) != knots(own) {
+                return Err(refuse("the times of a prescribed motion"));
+            }
             if let Some(first) = tape.steps.first() {
                 let held = system.state.joints.iter().zip(&first.joints);
                 if held.clone().count() != first.joints.len()
@@ -211,6 +218,18 @@ impl Neighbours {
                 Difference::Any => equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch),
             }
             super::add(slope, *weight, &self.scratch);
+        }
+    }
+
+    /// Adds the slope of the momenta of a jump of the rates to `slope`.
+    pub fn momentum_slope(&mut self, jump: &Jump, slope: &mut [f64]) {
+        match self.difference {
+            // the masses are those of the present machine
+            Difference::Joints => return,
+            Difference::Blocks(_) | Difference::Any => {}
+        }
+        for Beside { weight, plant, .. } in &mut self.plants {
+            jump.momentum(plant.system_mut(), &mut self.scratch, *weight, slope);
         }
     }
 

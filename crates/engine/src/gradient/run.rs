@@ -10,8 +10,8 @@ use crate::gradient::{GradientError, Tape, parameter};
 use crate::run::Plant;
 use crate::solve::continuation::Taken;
 use crate::solve::point::Point;
+use crate::system::PlantError;
 use crate::system::state::State;
-use crate::system::{PlantError, System};
 use nalgebra::UnitQuaternion;
 use std::sync::Arc;
 
@@ -160,14 +160,9 @@ impl Plant {
         if !system.inputs_changed() {
             return Ok(false);
         }
-        let held = |system: &System| -> Vec<bool> { system.state.joints.iter().map(|joint| !joint.released).collect() };
-        let before = held(system);
         system.apply_inputs()?;
         system.state.rates.clear();
         let name = |joint: usize| system.joint_name(joint).to_owned();
-        if let Some(joint) = held(system).iter().zip(&before).position(|(now, before)| *now && !before) {
-            return Err(GradientError::NotCovered { part: "locks that close during the run", place: name(joint) });
-        }
         let lags = |memory: &JointMemory| {
             let slew = memory.slew;
             !slew.follows_at_once() && (slew.from_rad != slew.target_rad || slew.target_rate_rad_s != 0.0)
@@ -228,7 +223,12 @@ impl Plant {
         let events = self.system.state.statistics.events;
         self.system.apply_events()?;
         let begins = self.begin_air_step_on_tape(tape)?;
-        let renewed = starts || begins || tape.steps.is_empty() || self.system.state.statistics.events != events;
+        let kink = |plant: &Self, time_s: f64| plant.system.equations.forces.kink_at(time_s);
+        let time_s = self.system.state.start.time_s;
+        let knot = kink(self, time_s);
+        tape.knots_s.extend(knot.then_some(time_s));
+        let events = self.system.state.statistics.events != events;
+        let renewed = starts || begins || knot || events || tape.steps.is_empty();
         let joints = self.system.state.joints.clone();
         advance(self)?;
         self.loosen_bound_after_jump();
@@ -257,7 +257,17 @@ impl Plant {
             let place = self.machine().bodies[joint.body].joint.name.clone();
             return Err(GradientError::NotCovered { part: "motors that reach their torque limit", place });
         }
-        let ending = self.ending_in_air(tape, first)?;
+        let mut ending = self.ending_in_air(tape, first)?;
+        if kink(self, self.system.state.ahead.time_s) {
+            ending = Ending::Given;
+            if let Some(first) = first {
+                let first = self.joint_name(first.joint).to_owned();
+                let (second, time_s) = ("knot of a prescribed motion".into(), self.system.state.ahead.time_s);
+                return Err(GradientError::Simultaneous { first, second, time_s });
+            }
+        }
+        let State { start, stages, ahead, .. } = &self.system.state;
+        let forces = &self.system.equations.forces;
         let step = Step {
             start: start.clone(),
             stages: stages.clone(),

@@ -89,6 +89,19 @@ impl Equations {
         }
     }
 
+    /// The entries of joints that rest do not vary: sets them to zero.
+    pub(super) fn clear_resting(&self, values: &mut [f64]) {
+        for resting in self.resting() {
+            values[resting] = 0.0;
+        }
+    }
+
+    /// Coordinates of the joints that are held at rest, by a lock or a rigid latch, not by a prescribed motion.
+    pub(super) fn resting(&self) -> impl Iterator<Item = usize> {
+        let resting = self.forces.joints().iter().filter(|joint| joint.held && joint.law().is_none());
+        resting.map(|joint| joint.coordinate)
+    }
+
     /// Coordinates of the joints that are held.
     pub(super) fn held(&self) -> impl Iterator<Item = usize> {
         self.forces.joints().iter().filter(|joint| joint.held).map(|joint| joint.coordinate)
@@ -134,12 +147,6 @@ impl System {
             let law = |part| refuse(part, name);
             if joint.generator().is_some() {
                 return law("generators");
-            }
-            if joint.law().is_some() {
-                return law("prescribed motions");
-            }
-            if joint.has_rigid_latch() {
-                return law("rigid latches, which stop a joint by an impulse");
             }
             if self.equations.model.bodies[joint.body].joint.drive_carried != 0.0 {
                 return law("rotors of geared motors that turn with their carrier");

@@ -98,8 +98,8 @@ impl Gradient<'_> {
         let equations = &mut system.equations;
         let n = variation.q.len();
         let Variation { q, v, a } = variation;
-        equations.clear_held(v);
-        equations.clear_held(a);
+        equations.clear_resting(v);
+        equations.clear_resting(a);
         let others = directions.size(v).max(directions.size(q));
         let mut along_v: Vec<f64> = (0..n).map(|i| v[i] + gain * a[i]).collect();
         let mut along_q: Vec<f64> = (0..n).map(|i| q[i] + gain * along_v[i]).collect();
@@ -242,6 +242,8 @@ impl Gradient<'_> {
         let points: Vec<&Point> = std::iter::once(&step.start).chain(step.later()).collect();
         for stage in 1..self.tableau.stages() {
             let (at, row) = (points[stage], self.tableau.rows[stage - 1]);
+            let laws = self.laws(at.time_s, step.middle_s());
+            let shares = self.shares(at.time_s);
             let by_time = self.time_slope(at, h);
             self.linearize(at);
             if stage == 1 || self.directions.added() > MANY_DIRECTIONS {
@@ -252,10 +254,8 @@ impl Gradient<'_> {
                 false => self.forcings(at, shifts_s, by_time.as_deref(), causes),
             };
             // of the share of the step at which the stage is
-            let of_length_only = by_time.map(|by_time| {
-                let share = (at.time_s - step.start.time_s) / h;
-                by_time.iter().map(|slope| share * slope).collect::<Vec<f64>>()
-            });
+            let share = (at.time_s - step.start.time_s) / h;
+            let of_length_only = by_time.map(|by_time| by_time.iter().map(|slope| share * slope).collect::<Vec<f64>>());
             for (direction, before) in taken.iter_mut().enumerate() {
                 let guess = before[stage - 1].a.clone();
                 let mut variation = Variation { q: before[0].q.clone(), v: before[0].v.clone(), a: guess };
@@ -268,6 +268,15 @@ impl Gradient<'_> {
                     for (weight, point) in row.iter().chain([&self.tableau.gamma]).zip(&points) {
                         add(&mut variation.q, *weight, &point.v);
                         add(&mut variation.v, *weight, &point.a);
+                    }
+                }
+                for law in &laws {
+                    match of_length {
+                        true => law.set(None, share, gain, &mut variation),
+                        false => {
+                            let number = self.number_of(direction, &shares, causes);
+                            law.set(number, shifts_s[direction], gain, &mut variation);
+                        }
                     }
                 }
                 let forcing = if of_length { of_length_only.as_ref() } else { forcings.get(direction) };

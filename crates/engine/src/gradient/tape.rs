@@ -21,7 +21,7 @@ pub(crate) const AT_END: f64 = 1e-9;
 pub(crate) enum Ending {
     /// Its length is that of the run.
     Chosen,
-    /// A given time: requested, or of a row of the inputs.
+    /// A given time: requested, of a row of the inputs, or of a knot of a prescribed motion.
     Given,
     /// An indicator falls through zero.
     Crossing(Indicator),
@@ -70,6 +70,11 @@ impl Step {
     pub fn length_s(&self) -> f64 {
         self.end.time_s - self.start.time_s
     }
+
+    /// Time within it whose branch of prescribed motions holds, in s.
+    pub fn middle_s(&self) -> f64 {
+        self.start.time_s + 0.5 * self.length_s()
+    }
 }
 
 /// A requested time.
@@ -89,6 +94,8 @@ pub struct Tape {
     pub(crate) steps: Vec<Step>,
     /// The requested times.
     pub(crate) marks: Vec<Mark>,
+    /// Times in s of the knots of prescribed motions, at which accelerations may jump.
+    pub(crate) knots_s: Vec<f64>,
     /// Per joint the largest rate so far.
     largest: Vec<f64>,
     /// The air in the present aerodynamic step.
@@ -135,6 +142,11 @@ impl Tape {
     pub(crate) fn is_whole(&self) -> bool {
         let end_s = |air: &Arc<AirHistory>| air.loads.end_s;
         self.steps.last().is_none_or(|step| step.air.as_ref().is_none_or(|air| step.ends_at(end_s(air))))
+    }
+
+    /// Times in s at which outputs may jump: of crossings of latches and stops, of jumps of the inputs and of knots of prescribed motions.
+    pub fn jumps_s(&self) -> impl Iterator<Item = f64> {
+        self.inputs.jumps_s().chain(self.crossings_s()).chain(self.knots_s.iter().copied())
     }
 
     /// Times in s of the crossings of latches and stops.

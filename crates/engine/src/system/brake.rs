@@ -17,7 +17,7 @@ pub(crate) struct Stop {
 }
 
 /// Factor in 1/s by which a jump of the rates is converted to accelerations, which are then far above the actual ones.
-const JUMP_1_S: f64 = 1e6;
+pub(crate) const JUMP_1_S: f64 = 1e6;
 /// Inertia of a loop's penalty in an impulse, relative to the machine's mass: the rate of its gap jumps by a millionth of the other rates,
 /// and its impulse is accurate to 1e-10.
 const LOOP_INERTIA: f64 = 1e6;
@@ -70,7 +70,7 @@ impl System {
     }
 
     /// Replaces loops by ideal joints for an impulse, during which the springs of their penalties have no effect.
-    fn join_loops(&mut self) {
+    pub(crate) fn join_loops(&mut self) {
         if !self.equations.model.closures.is_empty() {
             let inertia_kg = LOOP_INERTIA * self.mass_kg();
             // open loops have no stiffness
@@ -83,7 +83,7 @@ impl System {
     }
 
     /// Restores the penalties of the loops.
-    fn part_loops(&mut self) {
+    pub(crate) fn part_loops(&mut self) {
         for (closure, described) in self.equations.model.closures.iter_mut().zip(&self.machine.closures) {
             closure.penalty.inertia_kg = described.inertia_kg;
         }

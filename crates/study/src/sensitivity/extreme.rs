@@ -77,10 +77,14 @@ impl Samples {
         if best == 0 || best == last || range == 0.0 {
             return Ok(Ok(self.times_s[best]));
         }
+        // it stays to the end, as the angle of a joint behind its rigid latch
+        if values[best] == values[last] {
+            return Ok(Ok(self.times_s[last]));
+        }
         let (start_s, spacing_s) = (self.times_s[0], self.times_s[1] - self.times_s[0]);
         // sign of the rate of the size, which is positive before the largest value and negative after it
         let sign = if kind.size(1.0) * values[best] < 0.0 && kind == Extreme::Peak { -1.0 } else { kind.size(1.0) };
-        let jumps_s: Vec<f64> = tape.inputs().jumps_s().chain(tape.crossings_s()).collect();
+        let jumps_s: Vec<f64> = tape.jumps_s().collect();
         let mut rate = |time_s: f64| -> Result<f64, GradientError> {
             let time = plant.request(tape, time_s)?;
             Ok(sign * Gradient::new(plant, tape, Vec::new())?.rate(index, time)?)

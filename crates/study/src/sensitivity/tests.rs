@@ -15,6 +15,7 @@ struct Arm {
     start_angle: f64,
     start_rate: f64,
     latch_angle: Option<f64>,
+    rigid: bool,
     end_stop: Option<f64>,
 }
 
@@ -25,6 +26,7 @@ const SWING: Arm = Arm {
     start_angle: 0.3,
     start_rate: 0.8,
     latch_angle: None,
+    rigid: false,
     end_stop: None,
 };
 
@@ -38,7 +40,8 @@ impl Arm {
             .start_angle_rad(self.start_angle)
             .start_rate_rad_s(self.start_rate);
         if let Some(angle_rad) = self.latch_angle {
-            hinge = hinge.latch(Latch::with_stiffness_n_m_rad(400.0).angle_rad(angle_rad).capture_rad(0.01));
+            let latch = if self.rigid { Latch::rigid() } else { Latch::with_stiffness_n_m_rad(400.0) };
+            hinge = hinge.latch(latch.angle_rad(angle_rad).capture_rad(0.01));
         }
         if let Some(upper_rad) = self.end_stop {
             let (stiffness_n_m_rad, damping_n_m_s_rad) = (400.0, 40.0);
@@ -180,6 +183,48 @@ fn a_corner_has_no_slope() {
     let plant = driven.plant().unwrap_or_else(|error| panic!("{error}"));
     let values = differentiate(plant, Vec::new(), &options).unwrap_or_else(|error| panic!("{error}"));
     assert!(values.of.iter().all(|own| own.derivatives.is_empty()) && values.of[0].value == found.of[0].value);
+}
+
+/// GR-42: behind a rigid latch an arm rests at the edge of the range: its largest angle has the slope of the latch's angle, none by the
+/// torque. Its largest rate, where the impulse stops it, is a corner, and so is that at a lock which an input closes.
+#[test]
+fn an_impulse_is_a_corner_of_the_rate() {
+    let driven = Arm { stiffness: 0.0, torque: -1.0, start_angle: 0.0, start_rate: 0.0, ..SWING };
+    let latched = Arm { latch_angle: Some(0.5), rigid: true, ..driven };
+    let numbers = || {
+        let torque = latched.number("torque", |arm| &mut arm.torque);
+        [torque, latched.number("latch angle", |arm| arm.latch_angle.get_or_insert(0.5))]
+    };
+    let differentiate_rigid = |of: &str| {
+        let options = Options { of: vec![of.to_owned()], stop_s: Some(1.3), ..Options::default() };
+        let plant = latched.plant().unwrap_or_else(|error| panic!("{error}"));
+        differentiate(plant, numbers().into(), &options)
+    };
+    let is_corner = |outcome: &Result<Gradients, GradientsError>| {
+        matches!(outcome, Err(GradientsError::Quantity { error: QuantityError::Corner { .. }, .. }))
+    };
+    let outcome = differentiate_rigid("max(hinge.angular_velocity)");
+    assert!(is_corner(&outcome), "{outcome:?}");
+    let found = differentiate_rigid("max(hinge.angle), hinge.latch_time").unwrap_or_else(|error| panic!("{error}"));
+    close(found.of[0].value, 0.49, "largest angle");
+    assert!(found.of[0].derivatives[0].abs() < 1e-9, "{:?}", found.of[0]);
+    close(found.of[0].derivatives[1], 1.0, "by the latch's angle");
+    // θ = −T t²/2 reaches 0.49 rad
+    let latch_s = 0.98f64.sqrt();
+    close(found.of[1].derivatives[0], 0.5 * latch_s, "by the torque");
+    close(found.of[1].derivatives[1], 1.0 / latch_s, "by the latch's angle");
+    let locked = |of: &str| {
+        let plant = driven.plant().unwrap_or_else(|error| panic!("{error}"));
+        let index = plant.inputs().layout().joints.place(0, std::mem::offset_of!(JointInputs, release));
+        let column = InputColumn { index, held: true, values: vec![1.0, 0.0] };
+        let inputs = InputRows::new(vec![0.0, 0.5], vec![column]).unwrap_or_else(|error| panic!("{error}"));
+        let options = Options { of: vec![of.to_owned()], stop_s: Some(1.1), inputs, ..Options::default() };
+        differentiate(plant, vec![driven.number("torque", |arm| &mut arm.torque)], &options)
+    };
+    let outcome = locked("max(hinge.angular_velocity)");
+    assert!(is_corner(&outcome), "{outcome:?}");
+    let found = locked("hinge.angle").unwrap_or_else(|error| panic!("{error}"));
+    close(found.of[0].derivatives[0], -0.125, "angle at the lock");
 }
 
 /// Names, times and stop times that do not fit give errors that name them.

@@ -27,6 +27,10 @@ struct InAir {
 #[derive(Clone, Copy)]
 struct Kind {
     latched: bool,
+    /// With a rigid latch.
+    rigid: bool,
+    /// On a root joint that follows a table.
+    driven: bool,
     unsteady: bool,
     established: bool,
     /// With apparent mass, leading-edge suction, profile drag and compressibility.
@@ -71,7 +75,14 @@ impl InAir {
         let wing = if kind.gusty { Numbers { stop: -2.0, ..self.wing } } else { self.wing };
         let builder = wing.builder(kind.latched).air(air).surface(surface("inner")).surface(surface("outer"));
         if !kind.gusty {
-            return builder.build().map_err(|refused| refused.to_string());
+            let mut machine = builder.build().map_err(|refused| refused.to_string())?;
+            if kind.driven
+                && let JointKind::Revolute(flap) = &mut machine.bodies[0].joint.kind
+            {
+                let knots = vec![(0.0, 0.0), (0.016, 0.3 * self.wing.stop), (0.05, -0.04), (0.132, 0.08), (0.3, 0.0)];
+                flap.motion = JointMotion::Prescribed(Motion::Table(knots));
+            }
+            return Ok(if kind.rigid { rigid::hardened(machine) } else { machine });
         }
         let gust = GustBuilder::new("bump", GustShape::OneMinusCosine { length_m: 0.5 }, [0.1, 0.2, self.gust])
             .direction([0.0, -1.0, 0.0])
@@ -113,14 +124,14 @@ fn air_size(place: AirPlace) -> f64 {
     *(place.1)(&mut { InAir::USUAL })
 }
 
-/// Results: gauge, tip, energy, angle, the force of the air and the reaction of the root, at both times.
-fn air_results(plant: &Plant) -> Vec<RunResult> {
+/// Results: gauge, tip, energy, angle of the fold or, where it is latched rigidly, another coordinate of the tip, the force of the air and the reaction of the root, at both times.
+fn air_results(plant: &Plant, rigid: bool) -> Vec<RunResult> {
     let layout = *plant.outputs().layout();
     let indices = [
         layout.gauges.place(0, 0),
         layout.tips.place(0, 0) + 2,
         layout.energy.place(0, 0),
-        layout.joints.place(1, 0),
+        if rigid { layout.tips.place(0, 0) } else { layout.joints.place(1, 0) },
         layout.air_total.place(0, 0) + 2,
         layout.root.place(0, 0) + 3,
     ];
@@ -223,7 +234,7 @@ fn compare_in_air(
     let mut plant = started(machine(InAir::USUAL));
     let tape = plant.run_on_tape(times_s).unwrap_or_else(|error| panic!("{error}"));
     let events = tape.crossings_s().count();
-    let mut results = air_results(&plant);
+    let mut results = air_results(&plant, kind.rigid);
     if events > 0 && kind.latched {
         results.push(RunResult::LatchTime { joint: 1 });
     }
@@ -285,7 +296,7 @@ fn simulated(times_s: &[f64], machine: Machine, results: &[RunResult]) -> Vec<f6
 #[test]
 fn gradients_in_air_are_those_of_simulations() {
     for (unsteady, established, full) in [(false, true, false), (true, true, true), (true, false, false)] {
-        let kind = Kind { latched: true, unsteady, established, full, gusty: false };
+        let kind = Kind { latched: true, rigid: false, driven: false, unsteady, established, full, gusty: false };
         let times_s = [0.032, 0.064];
         let places = if full { &AIR_PLACES[..] } else { &AIR_PLACES[..4] };
         let (both, differences, events) =
@@ -296,11 +307,35 @@ fn gradients_in_air_are_those_of_simulations() {
     }
 }
 
+/// GR-45: of a wing on a joint that follows a table, one knot within an aerodynamic step, by an angle of the table and numbers of air and
+/// structure: both ways, and by fourth-order differences of simulations.
+#[test]
+fn gradients_in_air_by_a_prescribed_motion() {
+    let kind =
+        Kind { latched: true, rigid: false, driven: true, unsteady: true, established: true, full: true, gusty: false };
+    let times_s = [0.032, 0.064];
+    let knot: AirPlace = ("knot", |n| &mut n.wing.stop);
+    let places = [&AIR_PLACES[..4], &AIR_PLACES[9..11], &[knot]].concat();
+    let (both, differences, events) =
+        compare_in_air(kind, (&times_s, &places), |_, machine, results| simulated(&times_s, machine, results));
+    assert_eq!(events, 0);
+    assert!(both < 1e-10, "{both:.1e}");
+    assert!(differences < 1e-6, "{differences:.1e}");
+}
+
 /// GR-24: of a wing that starts in its equilibrium in air and meets a gust, with a control surface at an angle: the slopes of the
 /// start, which converges to 1e-9 of the loads, included.
 #[test]
 fn gradients_in_a_gust_start_in_an_equilibrium() {
-    let kind = Kind { latched: false, unsteady: true, established: true, full: true, gusty: true };
+    let kind = Kind {
+        latched: false,
+        rigid: false,
+        driven: false,
+        unsteady: true,
+        established: true,
+        full: true,
+        gusty: true,
+    };
     let times_s = [0.032, 0.064];
     let own: [AirPlace; 2] = [("gust", |n| &mut n.gust), ("flap", |n| &mut n.flap)];
     let places = [&AIR_PLACES[..6], &own].concat();
@@ -311,19 +346,21 @@ fn gradients_in_a_gust_start_in_an_equilibrium() {
     assert!(differences < 1e-6, "{differences:.1e}");
 }
 
-/// GR-23: the same through a latch and onto a stop within an aerodynamic step, and at times within steps, by differences of runs with the
+/// GR-23: the same through a latch, elastic or rigid with a prescribed root joint, and onto a stop within an aerodynamic step, and at times within steps, by differences of runs with the
 /// same steps.
 #[test]
 fn gradients_in_air_pass_through_events() {
-    for latched in [true, false] {
-        let kind = Kind { latched, unsteady: true, established: true, full: true, gusty: false };
+    for (latched, rigid) in [(true, false), (true, true), (false, false)] {
+        let kind = Kind { latched, rigid, driven: rigid, unsteady: true, established: true, full: true, gusty: false };
         let times_s = [0.1213, 0.159];
-        let places = [0, 2, 5, 7, 9, 11].map(|place| AIR_PLACES[place]);
+        let knot: AirPlace = ("knot", |n| &mut n.wing.stop);
+        let mut places = [0, 2, 5, 7, 9, 11].map(|place| AIR_PLACES[place]).to_vec();
+        places.extend(rigid.then_some(knot));
         let (both, differences, events) = compare_in_air(kind, (&times_s, &places), |tape, machine, results| {
             retraced_in_air(tape, &times_s, machine, results)
         });
         assert!(events > 0, "no event");
-        assert!(both < 1e-10, "{latched}: {both:.1e}");
-        assert!(differences < 1e-6, "{latched}: {differences:.1e}");
+        assert!(both < 1e-10, "{latched} {rigid}: {both:.1e}");
+        assert!(differences < 1e-6, "{latched} {rigid}: {differences:.1e}");
     }
 }

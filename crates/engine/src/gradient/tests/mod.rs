@@ -16,7 +16,9 @@ use std::sync::Arc;
 mod air;
 mod inputs;
 mod motor;
+mod prescribed;
 mod refusals;
+mod rigid;
 
 fn solver() -> Solver {
     // Newton's iteration to 1e-12: the tape's points then fulfil the equations that are differentiated
@@ -156,6 +158,8 @@ fn started(machine: Machine) -> Plant {
 }
 
 const TIMES_S: [f64; 2] = [0.26, 0.4];
+/// Step of the differences of runs as a share of a number: their truncation is that of stiff motions behind an impulse.
+const DIFFERENCE: f64 = 5e-4;
 
 /// Takes a step of a tape again: a chosen length stays, a given end is reached, and a crossing that moves has room.
 fn retrace(plant: &mut Plant, step: &Step) -> Result<(), PlantError> {
@@ -249,17 +253,33 @@ fn compare(latched: bool, places: &[Place]) -> Compared {
 }
 
 fn compare_machines(latched: bool, machine: impl Fn(Numbers) -> Result<Machine, String>, places: &[Place]) -> Compared {
-    let mut plant = started(machine(Numbers::USUAL).unwrap_or_else(|error| panic!("{error}")));
-    let tape = plant.run_on_tape(&TIMES_S).unwrap_or_else(|error| panic!("{error}"));
-    let layout = *plant.outputs().layout();
-    let [gauge, tip, energy, angle] =
-        [layout.gauges.place(0, 0), layout.tips.place(0, 0), layout.energy.place(0, 0), layout.joints.place(0, 0)];
-    let output = |index: usize, time: usize| RunResult::Output { index, time };
-    let mut results = vec![output(gauge, 0), output(tip + 2, 0), output(energy, 1), output(angle, 1), output(gauge, 1)];
+    compare_results(machine, &InputRows::default(), places, |plant| {
+        let layout = *plant.outputs().layout();
+        let [gauge, tip, energy, angle] =
+            [layout.gauges.place(0, 0), layout.tips.place(0, 0), layout.energy.place(0, 0), layout.joints.place(0, 0)];
+        let output = |index: usize, time: usize| RunResult::Output { index, time };
+        let mut results =
+            vec![output(gauge, 0), output(tip + 2, 0), output(energy, 1), output(angle, 1), output(gauge, 1)];
+        if latched {
+            results.push(RunResult::LatchTime { joint: 1 });
+        }
+        results
+    })
+}
+
+/// The same for results that a function gives, with inputs over time.
+fn compare_results(
+    machine: impl Fn(Numbers) -> Result<Machine, String>,
+    inputs: &InputRows,
+    places: &[Place],
+    results: impl Fn(&Plant) -> Vec<RunResult>,
+) -> Compared {
+    let mut plant = Plant::new(Arc::new(machine(Numbers::USUAL).unwrap_or_else(|error| panic!("{error}"))));
+    inputs.set(&mut plant, 0.0);
+    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+    let tape = plant.run_on_tape_with(inputs, &TIMES_S).unwrap_or_else(|error| panic!("{error}"));
+    let results = results(&plant);
     let events = tape.steps.iter().filter(|step| matches!(step.ending, Ending::Crossing(_))).count();
-    if latched {
-        results.push(RunResult::LatchTime { joint: 1 });
-    }
     let parameters: Vec<Parameter> = places
         .iter()
         .map(|place| {
@@ -279,7 +299,7 @@ fn compare_machines(latched: bool, machine: impl Fn(Numbers) -> Result<Machine, 
     }
     let mut known = vec![vec![0.0; places.len()]; results.len()];
     for (column, place) in places.iter().enumerate() {
-        let step = 1e-3 * size(*place);
+        let step = DIFFERENCE * size(*place);
         for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
             let there = machine(beside(*place, steps * step)).unwrap_or_else(|error| panic!("{error}"));
             for (row, value) in known.iter_mut().zip(retraced(&tape, there, &results)) {

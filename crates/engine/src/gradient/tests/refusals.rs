@@ -29,7 +29,7 @@ fn fold(machine: &mut Machine) -> &mut OneFreedom {
 #[test]
 fn what_is_not_covered_is_refused_by_name() {
     type Case = (&'static str, fn(&mut Machine));
-    let cases: [Case; 8] = [
+    let cases: [Case; 6] = [
         ("failures (snap)", |machine| {
             let effect = Effect::DriveDies { body: 1 };
             let name = "snap".to_owned();
@@ -45,16 +45,8 @@ fn what_is_not_covered_is_refused_by_name() {
                 connected: true,
             });
         }),
-        ("prescribed motions (fold)", |machine| {
-            fold(machine).motion = JointMotion::Prescribed(Motion::Polynomial(vec![1.2]));
-        }),
         ("real-time mode", |machine| machine.solver.most_iterations = Some(2)),
         ("methods without stages", |machine| machine.solver.method = Method::GeneralizedAlpha),
-        ("rigid latches, which stop a joint by an impulse (fold)", |machine| {
-            if let Some(latch) = &mut fold(machine).latch {
-                (latch.kind, latch.stiffness_n_m_rad) = (LatchKind::Rigid, 0.0);
-            }
-        }),
         ("rotors of geared motors that turn with their carrier (fold)", |machine| {
             fold(machine).motor.gear_ratio = Some(5.0);
         }),

@@ -1,0 +1,192 @@
+//! Impulses that stop joints, those of rigid latches and locks: the rates jump at one configuration, eqs. (X17) and (X18).
+
+use crate::gradient::air::Sums;
+use crate::gradient::forward::Front;
+use crate::gradient::step::{Causes, Variation};
+use crate::gradient::{Gradient, GradientError, add, dot};
+use crate::multibody::kinematics::Motion;
+use crate::solve::EquationsOfMotion;
+use crate::solve::point::Point;
+use crate::system::System;
+use crate::system::brake::JUMP_1_S;
+
+/// Corrections by the momenta that are left: masses of loops, a million times those of the machine, multiply round-off of a solution.
+const REFINEMENTS: usize = 2;
+
+/// Jump of the rates between two steps.
+#[derive(Debug, Clone)]
+pub(super) struct Jump {
+    /// Configuration at which it happens, at rest, with the jump times [`JUMP_1_S`] as accelerations.
+    at: Point,
+    /// The same without accelerations.
+    still: Point,
+    /// Coordinates of the joints that it stops.
+    stopped: Vec<usize>,
+}
+
+impl Jump {
+    /// Slope of the residual of a system with the jump as accelerations, less that without it: of `M Δv`.
+    pub fn momentum(&self, system: &mut System, scratch: &mut [f64], factor: f64, sum: &mut [f64]) {
+        system.join_loops();
+        for (point, sign) in [(&self.at, 1.0), (&self.still, -1.0)] {
+            system.equations.residual(point.time_s, &point.q, &point.v, &point.a, scratch);
+            add(sum, sign * factor / JUMP_1_S, scratch);
+        }
+        system.part_loops();
+    }
+}
+
+impl Gradient<'_> {
+    /// The jump of the rates at the start of a step, whose states of the joints are adopted; `None` if no joint is stopped there.
+    pub(super) fn jump(&self, index: usize) -> Option<Jump> {
+        let steps = &self.tape.steps;
+        let (step, before) = (&steps[index], &steps[index.checked_sub(1)?]);
+        let joints = self.system.equations.forces.joints();
+        let stops = joints.iter().zip(&before.joints).filter(|(joint, memory)| joint.held && !joint.is_held_in(memory));
+        let stopped: Vec<usize> = stops.map(|(joint, _)| joint.coordinate).collect();
+        if stopped.is_empty() {
+            return None;
+        }
+        let mut still = before.end.clone();
+        still.v.fill(0.0);
+        still.a.fill(0.0);
+        let mut at = still.clone();
+        add(&mut at.a, JUMP_1_S, &step.start.v);
+        add(&mut at.a, -JUMP_1_S, &before.end.v);
+        for joint in joints.iter().filter(|joint| joint.held && !stopped.contains(&joint.coordinate)) {
+            at.a[joint.coordinate] = 0.0;
+        }
+        Some(Jump { at, still, stopped })
+    }
+
+    /// Variations behind a jump from those before it.
+    pub(super) fn jump_forward(&mut self, jump: &Jump, front: &mut Front, causes: Causes) -> Result<(), GradientError> {
+        let slopes = if causes.parameters { self.momentum_slopes(jump) } else { Vec::new() };
+        self.system.join_loops();
+        let outcome = self.jumped(jump, front, (&slopes, causes));
+        self.system.part_loops();
+        outcome
+    }
+
+    fn jumped(
+        &mut self,
+        jump: &Jump,
+        front: &mut Front,
+        (slopes, causes): (&[Vec<f64>], Causes),
+    ) -> Result<(), GradientError> {
+        let shares = self.shares(jump.at.time_s);
+        let n = self.system.coordinates();
+        let zeros = vec![0.0; n];
+        let along = |own: &mut Self, q: &[f64], a: &[f64]| {
+            let mut rows = vec![0.0; n];
+            own.system.equations.residual_along(&mut own.derivative, Motion { q, v: &zeros, a }, &mut rows);
+            rows
+        };
+        self.linearize(&jump.still);
+        let without: Vec<Vec<f64>> =
+            front.variations.iter().map(|variation| along(self, &variation.q, &zeros)).collect();
+        self.linearize(&jump.at);
+        self.factorize(&jump.at, 0.0)?;
+        for (direction, (variation, without)) in front.variations.iter_mut().zip(&without).enumerate() {
+            let slope = self.number_of(direction, &shares, causes);
+            // momenta along the variation and a change of the jump; masses of loops act on the sum of both alone
+            let left = |own: &mut Self, change: &[f64]| {
+                let a: Vec<f64> = change.iter().map(|change| JUMP_1_S * change).collect();
+                let mut left = along(own, &variation.q, &a);
+                add(&mut left, -1.0, without);
+                left.iter_mut().for_each(|left| *left /= -JUMP_1_S);
+                if let Some((beside, share)) = slope {
+                    add(&mut left, -share, &slopes[beside]);
+                }
+                left
+            };
+            let mut change = zeros.clone();
+            for c in &jump.stopped {
+                change[*c] = -variation.v[*c];
+            }
+            let first = left(self, &change);
+            self.solve_masses(&jump.at, first, &variation.v, &mut change)?;
+            for _ in 0..REFINEMENTS {
+                let mut left = left(self, &change);
+                self.system.equations.clear_held(&mut left);
+                self.system.equations.solve(&mut left);
+                add(&mut change, 1.0, &left);
+            }
+            add(&mut variation.v, 1.0, &change);
+        }
+        Ok(())
+    }
+
+    /// Adds the solution of `M x = left` for the free coordinates at the linearised point to `change`; `size` has the size of other terms.
+    fn solve_masses(
+        &mut self,
+        at: &Point,
+        mut left: Vec<f64>,
+        size: &[f64],
+        change: &mut [f64],
+    ) -> Result<(), GradientError> {
+        let Self { system, derivative, directions, .. } = self;
+        let equations = &mut system.equations;
+        let zeros = vec![0.0; left.len()];
+        equations.clear_held(&mut left);
+        equations.solve(&mut left);
+        let others = directions.size(size);
+        let solution = directions.solve(left, &zeros, (1, others), |direction, _, image| {
+            equations.residual_along(derivative, Motion { q: &zeros, v: &zeros, a: direction }, image);
+            equations.solve(image);
+        });
+        add(change, 1.0, solution.map_err(|left| GradientError::NotSolved { time_s: at.time_s, left })?);
+        Ok(())
+    }
+
+    /// Multipliers before a jump from those behind it.
+    pub(super) fn jump_back(&mut self, jump: &Jump, on: &mut Variation, sums: &mut Sums) -> Result<(), GradientError> {
+        self.system.join_loops();
+        let outcome = self.jumped_back(jump, on);
+        self.system.part_loops();
+        let w = outcome?;
+        if let Some(gradient) = &mut sums.gradient {
+            let slopes = self.momentum_slopes(jump);
+            let by_neighbours: Vec<f64> = slopes.iter().map(|slope| dot(slope, &w)).collect();
+            add(gradient, -1.0, &self.by_parameters(jump.at.time_s, &by_neighbours));
+        }
+        Ok(())
+    }
+
+    fn jumped_back(&mut self, jump: &Jump, on: &mut Variation) -> Result<Vec<f64>, GradientError> {
+        let zeros = vec![0.0; on.v.len()];
+        let [mut by_q, mut by_v, mut by_a] = [zeros.clone(), zeros.clone(), zeros];
+        self.linearize(&jump.at);
+        self.factorize(&jump.at, 0.0)?;
+        let [mut w, _, _] = self.solve_transposed(&jump.at, 0.0, &on.v)?;
+        for _ in 0..REFINEMENTS {
+            let equations = &mut self.system.equations;
+            equations.residual_transposed(&mut self.derivative, &w, [&mut by_q, &mut by_v, &mut by_a]);
+            let mut left: Vec<f64> = on.v.iter().zip(&by_a).map(|(own, found)| own - found).collect();
+            equations.clear_held(&mut left);
+            equations.solve(&mut left);
+            add(&mut w, 1.0, &left);
+        }
+        for (point, sign) in [(&jump.at, -1.0), (&jump.still, 1.0)] {
+            self.linearize(point);
+            let equations = &self.system.equations;
+            equations.residual_transposed(&mut self.derivative, &w, [&mut by_q, &mut by_v, &mut by_a]);
+            add(&mut on.q, sign / JUMP_1_S, &by_q);
+        }
+        for c in &jump.stopped {
+            on.v[*c] = by_a[*c];
+        }
+        Ok(w)
+    }
+
+    /// Slopes of `M Δv` by the numbers of all machines beside the present one.
+    fn momentum_slopes(&mut self, jump: &Jump) -> Vec<Vec<f64>> {
+        let n = self.system.coordinates();
+        let each = self.neighbours.iter_mut().map(|neighbours| {
+            let mut slope = vec![0.0; n];
+            neighbours.momentum_slope(jump, &mut slope);
+            slope
+        });
+        each.collect()
+    }
+}
