@@ -39,7 +39,8 @@ fn agree(compared: &Compared, words: &str) {
 #[test]
 fn gradients_by_the_knots_of_a_prescribed_motion() {
     // knots at which the latch closes well within a step
-    let kinds: [(fn(Vec<(f64, f64)>) -> Motion, bool, f64); 3] =
+    type Case = (fn(Vec<(f64, f64)>) -> Motion, bool, f64);
+    let kinds: [Case; 3] =
         [(Motion::Table, true, 0.07), (Motion::Onward, false, 0.07), (Motion::QuasiStatic, true, 0.0715)];
     for (motion, rigid, second_s) in kinds {
         let machine = |numbers: Numbers| {
