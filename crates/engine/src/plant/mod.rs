@@ -2,7 +2,6 @@
 //! [`crate::gradient`].
 
 pub use crate::gradient::{Gradient, GradientError, InputColumn, InputRows, Parameter, RunResult, Tape};
-pub use crate::multibody::internal_load::SectionPlace;
 pub use crate::run::{
     Floquet, FloquetMode, Harmonic, Latency, NearbyMotion, Pauses, PeriodicMotion, Plant, Reached, SAMPLES, Seen,
     Settled, Turn,
@@ -21,6 +20,6 @@ pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FlapOutputs,
     FlightMode, Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs,
     ModalOutputs, ModeShape, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs,
-    RotorLoads, SHEAR_SHARE, SectionChange, SectionShape, SectionState, SectionStrain, Snapshot, SpatialOutputs,
-    Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare, energy_share_names,
+    RotorLoads, SHEAR_SHARE, SectionChange, SectionPlace, SectionShape, SectionState, SectionStrain, Snapshot,
+    SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare, energy_share_names,
 };

@@ -41,8 +41,8 @@ pub use outputs::{
 };
 pub(crate) use shape::ENERGY_SHARES;
 pub use shape::{
-    FlightMode, ModeShape, NodeMotion, SHEAR_SHARE, SectionChange, SectionShape, SectionState, WhirlShare,
-    energy_share_names,
+    FlightMode, ModeShape, NodeMotion, SHEAR_SHARE, SectionChange, SectionPlace, SectionShape, SectionState,
+    WhirlShare, energy_share_names,
 };
 pub use state::Snapshot;
 pub use statistics::{JointStatus, Statistics};

@@ -5,7 +5,7 @@ use crate::beam::recovery::axial_row;
 use crate::load::{LoadFrame, Wrench};
 use crate::math::so3::rotation_vector;
 use crate::math::strain::{NAMES, STRAINS, Strain};
-use crate::multibody::internal_load::SectionPlace;
+pub use crate::multibody::internal_load::SectionPlace;
 use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::{Body, Station};
 use crate::multibody::tangent::Tangent;
