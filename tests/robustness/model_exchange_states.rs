@@ -234,9 +234,9 @@ fn me19_the_limit_is_a_parameter_of_model_exchange() {
         derivatives
     };
     let started = |limit_rad_s: f64| {
-        let fmu = exchanged(WING, false);
-        fmu.ok(fmu.try_set("solver.frequency_limit", limit_rad_s));
-        Outside::new(fmu).in_phase(Phase::Continuous)
+        let outside = Outside::new(exchanged(WING, false));
+        outside.fmu.ok(outside.fmu.try_set("solver.frequency_limit", limit_rad_s));
+        outside.in_phase(Phase::Continuous)
     };
     let (free, limited) = (started(0.0), started(2000.0));
     assert_ne!(acceleration(&free), acceleration(&limited));
