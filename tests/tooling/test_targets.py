@@ -39,6 +39,7 @@ SHORT = {
 
 # The same for `tests/fmi`: the number of words WHOLE and whole, apart from their import.
 SHORT_IN_PYTHON = {
+    "test_casadi.py": 1,
     "test_failures.py": 1,
     "test_fmi3.py": 2,
     "test_live.py": 2,
@@ -80,9 +81,9 @@ LONG = {
 # Scripts that no target runs, with the reason.
 RUN_OTHERWISE = {
     "blade_frequencies.py": "by hand: the figures of one section of docs/validation",
-    "casadi_model_exchange.py": "by hand: needs CasADi; row CA-01",
     "cost_report.py": "imported by other studies",
     "plot_aircraft.py": "imported by aircraft_study.py",
+    "rigid_latch_gradient.py": "by hand: needs JAX and diffrax; row GR-41",
     "ptera_uvlm.py": "run by compare_lattice.py and plot_lattice_cost.py",
     "soft_blade.py": "by hand: the figures of one section of docs/validation",
     "wind_tunnel_cases.py": "imported by the studies of the wind tunnel",
