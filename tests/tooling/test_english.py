@@ -52,9 +52,9 @@ PHRASES = [
 ]
 # folders of Rust files whose comments are checked, and the phrases forbidden in them in addition to those above
 SOURCES = sorted(path for path in (ROOT / "crates/engine/src").iterdir() if path.is_dir()) + [
-    ROOT / f"crates/{name}/src" for name in ("file", "fmi", "fmu", "python", "recording", "study", "web")]
+    ROOT / f"crates/{name}/src" for name in ("command", "file", "fmi", "fmu", "python", "recording", "study", "web")]
 # terms of FMI, in the crates of its interface
-_OF_FMI = {"fmi": r"\bexperiments?\b", "fmu": r"\bexperiments?\b"}
+_OF_FMI = {"command": r"\bexperiments?\b", "fmi": r"\bexperiments?\b", "fmu": r"\bexperiments?\b"}
 COMMENT_PHRASES = PHRASES + [
     # a field, type or constant is described by a noun phrase, a function by a verb in the third person
     r"(^|[.;:] )(what|who|whose|whom|whoever|whatever|where|how|why)\b",

@@ -109,7 +109,7 @@ pub struct Figure {
     pub panels: Vec<Figure>,
     /// Number of columns of `panels`; 0 for one.
     pub columns: u32,
-    /// Width and height in user units of a sheet with a size of its own, whatever is asked for.
+    /// Fixed width and height of the sheet in user units, which override the requested size.
     pub own_size: Option<[u32; 2]>,
 }
 
@@ -163,8 +163,8 @@ impl Figure {
         Ok(pixels.png())
     }
 
-    /// The sheet of this figure where another is asked for: panels below each other are two thirds as high as a figure, in a column as
-    /// high.
+    /// Sheet of this figure for a requested sheet: panels one below the other are two thirds as high as a single figure, and as high in a
+    /// column layout.
     fn sheet(&self, asked: Sheet) -> Sheet {
         let rows = (self.panels.len() as u32).div_ceil(self.columns.max(1)).max(1);
         let [width, height] = asked.size;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::path::Path;
 use tiny_skia::{IntSize, Pixmap};
 
-/// Number of frames from which the colours of a GIF are selected.
+/// Number of frames from which the colour table of the GIF is selected.
 const SAMPLED: usize = 7;
 
 /// Format of a film.
