@@ -308,8 +308,8 @@ fn me13_dependencies_have_no_false_zero_and_end_at_the_tree() {
     }
 }
 
-/// ME-14. Next to the limit of a motor, whose torque has a kink there, the derivative is that of the present side: 1e-5 rad before the
-/// limit the derivative of the torque with respect to the command is the stiffness, 1e-5 rad beyond it zero.
+/// ME-14. The torque of a motor has a kink at its limit. Close to it, the derivative of the torque with respect to the command is that of the
+/// branch on which the command lies: the stiffness of the motor 1e-5 rad before the limit, and zero 1e-5 rad beyond it.
 #[test]
 fn me14_derivatives_end_at_the_limit_of_a_motor() {
     let limited = WING.replace("constant_torque_N_m = 0.043", "torque_limit_N_m = 0.02");

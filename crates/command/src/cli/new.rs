@@ -52,7 +52,7 @@ pub struct Arguments {
     no_schema: bool,
     #[command(flatten)]
     quiet: Quiet,
-    /// Print the written files as JSON for programs
+    /// Print the name of the model and the paths of the written files as JSON, for programs
     #[arg(long)]
     json: bool,
 }

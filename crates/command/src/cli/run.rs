@@ -140,8 +140,8 @@ fn show_messages(everything: bool, model_name: &str) {
         };
         eprintln!("{instance}: {word}: {text}");
     });
-    // `Slave::call` returns an error for a status on which the crate panics; suppress the message of the panic, which
-    // would confuse
+    // the crate that imports FMUs panics on an undefined status; `Slave::call` catches the panic and returns an error, so that the message
+    // of the panic is suppressed
     let default = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
         let payload = info.payload();

@@ -55,7 +55,7 @@ pub struct Session {
     sent_events: usize,
     /// Error of the last step, if any.
     failure: Option<String>,
-    /// Whether anything changed since the last picture.
+    /// Whether anything has changed since the last frame was sent to the pages.
     changed: bool,
     summary: Summary,
 }

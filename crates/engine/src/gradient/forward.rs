@@ -140,7 +140,7 @@ impl Gradient<'_> {
         Ok(())
     }
 
-    /// Variations of the start.
+    /// Derivatives of the initial state with respect to each parameter.
     fn start_variations(&self) -> Vec<Variation> {
         let time_s = self.tape.steps.first().map_or(0.0, |step| step.start.time_s);
         let of = |(entry, share): (&Entry, f64)| {

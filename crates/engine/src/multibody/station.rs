@@ -44,7 +44,7 @@ impl Step {
         (Reached { arm_m: link.arm_m, rotation: link.rotation }, rates)
     }
 
-    /// Pose, rates, and the same linear map applied to the second rates, since velocities are linear in the rates.
+    /// Pose, rates, and the same linear map applied to the second time derivatives, since velocities are linear in the rates.
     #[inline]
     fn accelerated<const N: usize>(
         &self,

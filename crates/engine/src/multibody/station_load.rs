@@ -112,7 +112,7 @@ fn sheared(model: &Model, stations: &Waiting) -> bool {
 /// Forces on the strains of one link of each station's path, with the weights of the strains of the element and of the other half.
 type Exerted<const N: usize> = [([f64; 2], [f64; N]); LANES];
 
-/// Links of several stations that come at the same position in the stations' paths.
+/// One link of each of several stations, at the same position in the list of links between the station and the root.
 struct Way<const N: usize> {
     length_m: Lanes,
     weights: [[f64; 2]; LANES],

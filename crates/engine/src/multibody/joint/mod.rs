@@ -378,7 +378,7 @@ impl Joint {
         }
     }
 
-    /// Projects redundant coordinates with their first and second rates onto the constraints, eq. (J6).
+    /// Projects redundant coordinates with their first and second time derivatives onto the constraints, eq. (J6).
     pub fn restore(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         if self.kind.is_redundant() {
             let range = self.range();

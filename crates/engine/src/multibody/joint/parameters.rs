@@ -133,7 +133,7 @@ impl JointPose {
         }
     }
 
-    /// Angular velocity and, at the given second rates, angular acceleration of the body, parent's frame, eq. (J3).
+    /// Angular velocity and, at the given second time derivatives of the parameters, angular acceleration of the body, parent's frame, eq. (J3).
     pub fn spin(&self, kind: &JointKind, rates: &[f64], second: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
         let spin = apply(&self.spin_map, rates);
         let mut spin_rate = apply(&self.spin_map, second);
@@ -145,7 +145,8 @@ impl JointPose {
         (spin, spin_rate)
     }
 
-    /// Constraints at the level of accelerations: zero if the second rates keep the parameters consistent with them, eq. (J4).
+    /// Residual of the constraints at the level of accelerations, eq. (J4): zero if the second time derivatives of the parameters satisfy
+    /// them.
     pub fn constraint_residual(&self, kind: &JointKind, rates: &[f64], second: &[f64], residual: &mut [f64]) {
         let JointKind::Universal { parent_axis, body_axis, .. } = kind else {
             let start = kind.quaternion_start();
@@ -214,7 +215,7 @@ fn symmetric(constraint: &[f64]) -> Matrix3<f64> {
     matrix
 }
 
-/// Projects parameters with their first and second rates onto the constraints, eq. (J6): the attitude to the nearest attitude that the
+/// Projects parameters with their first and second time derivatives onto the constraints, eq. (J6): the attitude to the nearest attitude that the
 /// joint allows, angular velocity and acceleration to their allowed components.
 pub fn project(kind: &JointKind, eta: &mut [f64], rates: &mut [f64], second: &mut [f64]) {
     if let JointKind::Universal { .. } = kind {
