@@ -79,6 +79,12 @@ fn variables() -> BTreeSet<String> {
 
 /// Words in code that look like names of variables or keys but belong to other software.
 const FOREIGN: &[&str] = &[
+    // CasADi
+    "adj2_xf",
+    "adj_xf",
+    "dae.create",
+    "dae.set",
+    "quad_err_con",
     "attitude.roll",
     "attitude.pitch",
     "attitude.yaw",
