@@ -9,7 +9,8 @@ use crate::aero::rotor::dynamic_inflow::time_constant_s;
 use crate::aero::rotor::dynamic_stall::SEPARATED;
 use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::rotor::states::RotorLag;
-use crate::aero::strip::continuous::{Answer, Instant, LOAD_ROWS, Variable, displace, kinds_of_loads};
+use crate::aero::strip::continuous::{Answer, LOAD_ROWS, Variable, displace, kinds_of_loads};
+use crate::aero::strip::instant::Instant;
 use crate::load::SectionMotion;
 use std::mem::offset_of;
 

@@ -5,13 +5,14 @@
 //! (W8) is proportional to the accelerations of the sections at the instant.
 
 use crate::aero::corners::slope_off_corners;
-use crate::aero::flap::{Deflection, HingeMoment};
+use crate::aero::flap::HingeMoment;
 use crate::aero::flow::{Flow, Gust, GustShape};
 use crate::aero::strip::flap::MassRates;
 use crate::aero::strip::indicial::Lag;
+use crate::aero::strip::instant::Instant;
 use crate::aero::strip::section::{Cut, Strip};
 use crate::aero::strip::{Inflow, StripState, Strips};
-use crate::load::{SectionMotion, Wrench};
+use crate::load::Wrench;
 use nalgebra::{Rotation3, Vector3};
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -37,49 +38,6 @@ pub(crate) fn kinds_of_loads(sections: usize) -> Vec<usize> {
 
 /// Distance in m of the front of a gust that fills all space.
 const FAR_M: f64 = 1e12;
-
-/// Acceleration and angular acceleration of a section relative to the root frame, resolved in it, m/s² and rad/s².
-pub type SectionAcceleration = [Vector3<f64>; 2];
-
-/// Sections and air at one instant.
-#[derive(Debug, Clone)]
-pub struct Instant<'a> {
-    /// Motion of all sections.
-    pub motions: Cow<'a, [SectionMotion]>,
-    /// Their accelerations.
-    pub accelerations: Cow<'a, [SectionAcceleration]>,
-    /// The air.
-    pub flow: Flow<'a>,
-    /// A uniform gust in addition to those of the flow, root frame, m/s.
-    pub gust_m_s: Vector3<f64>,
-    /// Lag states: of strips in m/s, [`Strips::lags`]; of rotors in their own units, [`Rotor::lags`](crate::aero::rotor::bem::Rotor::lags).
-    pub lags: Cow<'a, [f64]>,
-    /// Angles and rates of the control surfaces.
-    pub flaps: Cow<'a, [Deflection]>,
-    /// Rates of these rates in rad/s².
-    pub flap_rad_s2: Cow<'a, [f64]>,
-}
-
-impl Instant<'_> {
-    /// The same places without motion, accelerations, wind and lags: only the apparent mass responds to an acceleration there.
-    fn still(&self) -> Self {
-        let still = |motion: &SectionMotion| SectionMotion {
-            velocity_m_s: Vector3::zeros(),
-            spin_rad_s: Vector3::zeros(),
-            ..motion.clone()
-        };
-        let flow = Flow { wind_m_s: Vector3::zeros(), spin_rad_s: Vector3::zeros(), gusts: &[], ..self.flow };
-        Self {
-            motions: self.motions.iter().map(still).collect(),
-            accelerations: vec![[Vector3::zeros(); 2]; self.accelerations.len()].into(),
-            flow,
-            gust_m_s: Vector3::zeros(),
-            lags: vec![0.0; self.lags.len()].into(),
-            flaps: self.flaps.clone(),
-            flap_rad_s2: vec![0.0; self.flap_rad_s2.len()].into(),
-        }
-    }
-}
 
 /// Loads of all sections in their own frames, six rows each, then rates of the lag states in m/s², then circulations of the strips in m²/s,
 /// then hinge moments of the control surfaces in N·m.

@@ -8,6 +8,7 @@ mod compressible;
 pub mod continuous;
 pub mod flap;
 pub mod indicial;
+pub mod instant;
 pub mod lifting_line;
 pub mod section;
 pub mod slopes;

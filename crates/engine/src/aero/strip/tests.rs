@@ -1,6 +1,7 @@
 use super::*;
 use crate::aero::polar::{Polar, PolarRow};
-use crate::aero::strip::continuous::{Instant, Variable};
+use crate::aero::strip::continuous::Variable;
+use crate::aero::strip::instant::Instant;
 use crate::aero::surface::ChordLine;
 use nalgebra::Rotation3;
 

@@ -3,7 +3,8 @@
 
 use crate::aero::near_sheets::NoCirculation;
 use crate::aero::strip::Strips;
-use crate::aero::strip::continuous::{Instant, LOAD_ROWS, SectionAcceleration};
+use crate::aero::strip::continuous::LOAD_ROWS;
+use crate::aero::strip::instant::{Instant, SectionAcceleration};
 use crate::aero::{AirModel, AirState};
 use crate::load::Wrench;
 use crate::multibody::kinematics::Motion;

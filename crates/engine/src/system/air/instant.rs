@@ -2,7 +2,8 @@
 //! and inputs, instead of the values interpolated over the steps.
 
 use crate::aero::rotor::loads::RotorLoads;
-use crate::aero::strip::continuous::{Instant, LOAD_ROWS};
+use crate::aero::strip::continuous::LOAD_ROWS;
+use crate::aero::strip::instant::Instant;
 use crate::aero::{AirModel, AirState};
 use crate::load::Wrench;
 use crate::multibody::kinematics::Motion;

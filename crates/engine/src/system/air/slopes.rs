@@ -5,9 +5,8 @@ use crate::aero::near_sheets::NoCirculation;
 use crate::aero::rotor::bem::Rotor;
 use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::strip::Strips;
-use crate::aero::strip::continuous::{
-    AIR_VARIABLES, Instant, LOAD_ROWS, LagPlace, MOTION_VARIABLES, SectionAcceleration, Variable,
-};
+use crate::aero::strip::continuous::{AIR_VARIABLES, LOAD_ROWS, LagPlace, MOTION_VARIABLES, Variable};
+use crate::aero::strip::instant::{Instant, SectionAcceleration};
 use crate::aero::{AirModel, AirState};
 use crate::load::SectionMotion;
 use crate::machine;

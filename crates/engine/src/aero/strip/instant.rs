@@ -1,0 +1,51 @@
+//! Sections and flow at one instant, NOTATION eq. (W13).
+
+use crate::aero::flap::Deflection;
+use crate::aero::flow::Flow;
+use crate::load::SectionMotion;
+use nalgebra::Vector3;
+use std::borrow::Cow;
+
+/// Acceleration and angular acceleration of a section relative to the root frame, resolved in it, m/s² and rad/s².
+pub type SectionAcceleration = [Vector3<f64>; 2];
+
+/// Motion of the sections and flow at one instant.
+#[derive(Debug, Clone)]
+pub struct Instant<'a> {
+    /// Motion of all sections.
+    pub motions: Cow<'a, [SectionMotion]>,
+    /// Their accelerations.
+    pub accelerations: Cow<'a, [SectionAcceleration]>,
+    /// Flow.
+    pub flow: Flow<'a>,
+    /// A uniform gust in addition to those of the flow, root frame, m/s.
+    pub gust_m_s: Vector3<f64>,
+    /// Lag states: of strips in m/s, [`Strips::lags`](crate::aero::strip::Strips::lags); of rotors in their own units, [`Rotor::lags`](crate::aero::rotor::bem::Rotor::lags).
+    pub lags: Cow<'a, [f64]>,
+    /// Angles and rates of the control surfaces.
+    pub flaps: Cow<'a, [Deflection]>,
+    /// Rates of these rates in rad/s².
+    pub flap_rad_s2: Cow<'a, [f64]>,
+}
+
+impl Instant<'_> {
+    /// Sections at the same positions without motion, accelerations, wind and lags, where only the apparent mass responds to an
+    /// acceleration.
+    pub(super) fn still(&self) -> Self {
+        let still = |motion: &SectionMotion| SectionMotion {
+            velocity_m_s: Vector3::zeros(),
+            spin_rad_s: Vector3::zeros(),
+            ..*motion
+        };
+        let flow = Flow { wind_m_s: Vector3::zeros(), spin_rad_s: Vector3::zeros(), gusts: &[], ..self.flow };
+        Self {
+            motions: self.motions.iter().map(still).collect(),
+            accelerations: vec![[Vector3::zeros(); 2]; self.accelerations.len()].into(),
+            flow,
+            gust_m_s: Vector3::zeros(),
+            lags: vec![0.0; self.lags.len()].into(),
+            flaps: self.flaps.clone(),
+            flap_rad_s2: vec![0.0; self.flap_rad_s2.len()].into(),
+        }
+    }
+}
