@@ -111,7 +111,7 @@ def test_a_body_without_load_input_says_so(foldwing, browser):
         mouse(browser, "mousePressed", x, y, button="left", clickCount=1)
         said = browser.value("get('said').textContent")
         mouse(browser, "mouseReleased", x, y, button="left", clickCount=1)
-        assert said == "blade1 has no load input to pull at; these bodies have: nacelle, generator, hub"
+        assert said == "blade1 has no load station to pull on; bodies with load stations: nacelle, generator, hub"
         leave(browser)
 
 

@@ -86,8 +86,8 @@ def test_f301_the_wing_latches_as_in_co_simulation(exchanged, elements):
 
 @pytest.mark.parametrize("model", sorted(STRIPS))
 def test_f332_strips_are_part_of_the_equations(model, exchanged):
-    """F-332. Machines with strip theory: FMPy finds no problem in the FMU and integrates it with CVode at 1e-6; tips and angles agree with
-    co-simulation, whose aerodynamic steps are of second order, within 1 % of their motion. HY-02 is the comparison with refined steps in
+    """F-332. Machines with strip theory: FMPy finds no problem in the FMU and integrates it with CVode at 1e-7, as one of the
+    joints moves by 7e-5 rad only; tips and angles agree with co-simulation, whose aerodynamic steps are of second order, within 1 % of their motion. HY-02 is the comparison with refined steps in
     the engine."""
     fmu = exchanged(model)
     assert validate_fmu(fmu.path) == []
@@ -96,7 +96,7 @@ def test_f332_strips_are_part_of_the_equations(model, exchanged):
     stop_s = 0.1
     names = [v.name for v in fmu.outputs if v.type == "Real" and v.name.endswith((".angle", ".position.z"))]
     arguments = {"stop_time": stop_s, "output_interval": stop_s / 1000, "output": names, "record_events": False}
-    found = fmu.simulate(fmi_type="ModelExchange", relative_tolerance=1e-6, **arguments)
+    found = fmu.simulate(fmi_type="ModelExchange", relative_tolerance=1e-7, **arguments)
     expected = fmu.simulate(fmi_type="CoSimulation", start_values={"solver.tolerance": 1e-8}, **arguments)
     for name in names:
         moved = np.ptp(expected[name])

@@ -70,9 +70,9 @@ def test_f180_figures_show_the_columns(still_air):
 
 
 def test_f181_figures_say_what_they_show(still_air):
-    """F-181. All eight figures exist, with units on both axes and names; the latch instant is that of the CSV."""
+    """F-181. All eight figures and the overview exist, the figures with units on both axes and names; the latch instant is that of the CSV."""
     folder, columns = still_air
-    assert {path.stem for path in (folder / "plots").glob("*.svg")} == FIGURES
+    assert {path.stem for path in (folder / "plots").glob("*.svg")} == FIGURES | {"overview"}
     latch_s = columns["fold.latch_time"][-1]
     for stem in FIGURES:
         texts = [text.text.strip() for text in etree.parse(folder / f"plots/{stem}.svg").getroot().iter(f"{SVG}text")]
@@ -102,7 +102,7 @@ def test_f183_chosen_outputs_are_drawn_by_unit(foldwing, tmp_path):
     for folder in "ab":
         command = [foldwing, "simulate", MODEL, "--quiet", "--plot", tmp_path / folder]
         subprocess.run([*command, *(f"--variables={name}" for name in names)], check=True)
-    stems = {path.stem for path in (tmp_path / "a").glob("*.svg")} - FIGURES
+    stems = {path.stem for path in (tmp_path / "a").glob("*.svg")} - FIGURES - {"overview"}
     assert stems == {"outputs_1", "outputs_2", "outputs_3"}
     texts = [text.text.strip() for text in etree.parse(tmp_path / "a/outputs_1.svg").getroot().iter(f"{SVG}text")]
     assert "fold.angle (rad)" in texts and "fold.angle" in texts
