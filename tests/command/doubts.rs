@@ -228,7 +228,7 @@ fn joints_that_are_elsewhere_have_a_warning() {
     // a failed trim reports the joint angles of its last equilibrium
     let without = ["trim", "--solve-for", "gravity.y", "--target", "root.force.x=1"];
     let (text, code) = failing(&pendulum(20.0, latch), &without);
-    let place = "last equilibrium: the latch of hinge, at 120 deg, is open in this equilibrium (at 90 deg)";
+    let place = "last equilibrium: the latch of joint hinge at 120 deg is open in this equilibrium";
     assert!(code == 3 && text.contains("error: no trim:") && text.contains(place), "{code}: {text}");
     for setting in ["hinge.release=0", "hinge.latch_enable=0", "hinge.start_angle=2.0943951023931953"] {
         let (told, _) = warnings(&pendulum(20.0, latch), &["static", "--set", setting]);

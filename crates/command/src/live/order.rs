@@ -116,19 +116,19 @@ mod tests {
         let set = Order::Set { name: "a".to_owned(), value: Given::Switch(true) };
         assert_eq!(Order::read(r#"{"do":"set","name":"a","value":true}"#), Ok(set));
         for (text, needed) in [
-            ("", "a message is not an order"),
-            ("[1]", "a message is not an order"),
+            ("", "a message is not a command"),
+            ("[1]", "a message is not a command"),
             (r#"{"do":"fly"}"#, "unknown variant `fly`"),
             (r#"{"do":"run","now":1}"#, "unknown field `now`"),
             (r#"{"do":"set","name":"a"}"#, "missing field `value`"),
-            (r#"{"do":"set","name":"a","value":"x"}"#, "a message is not an order"),
+            (r#"{"do":"set","name":"a","value":"x"}"#, "a message is not a command"),
             (r#"{"do":"set","name":"a","value":1e999}"#, "number out of range"),
             (r#"{"do":"speed","value":0}"#, "the speed cannot be 0: it must be from 0.001 to 100"),
             (r#"{"do":"speed","value":-1}"#, "the speed cannot be -1"),
             (r#"{"do":"rollback","time_s":1e300}"#, "the rollback time cannot be"),
             (r#"{"do":"pull","station":0,"target_m":[0,0,2e6],"stiffness_n_m":1}"#, "the end of the spring cannot be"),
             (r#"{"do":"pull","station":0,"target_m":[0,0,0],"stiffness_n_m":-1}"#, "from 0.000000001 to"),
-            (r#"{"do":"pull","station":-1,"target_m":[0,0,0],"stiffness_n_m":1}"#, "a message is not an order"),
+            (r#"{"do":"pull","station":-1,"target_m":[0,0,0],"stiffness_n_m":1}"#, "a message is not a command"),
         ] {
             let message = Order::read(text).unwrap_err();
             assert!(message.contains(needed), "{text}: {message}");
