@@ -171,5 +171,5 @@ def test_equilibria_have_the_warnings_of_the_command(tmp_path):
     pendulum = fw.load(path)
     trim = pendulum.trim("hinge.external_torque", {"hinge.angle": np.pi / 2.0})
     for doubts in (pendulum.static().doubts, trim.doubts):
-        assert len(doubts) == 1 and doubts[0].startswith("the latch of hinge, at 120 deg, is open"), doubts
+        assert len(doubts) == 1 and doubts[0].startswith("the latch of joint hinge at 120 deg is open"), doubts
     assert pendulum.static(settings={"hinge.latch_enable": False}).doubts == []
