@@ -253,7 +253,7 @@ mod tests {
             (csv("0,1,NaN,0\n"), 2, "cd is \"NaN\""),
             (csv("0,1,inf,0\n"), 2, "cd is \"inf\""),
             (csv("0,1,0.1,0\n0,1,0.1,0\n"), 3, "must ascend"),
-            (csv("5,1,0.1,0\n2,1,0.1,0\n"), 3, "an angle of 2 deg behind 5"),
+            (csv("5,1,0.1,0\n2,1,0.1,0\n"), 3, "an angle of 2 deg after 5"),
             (csv("190,1,0.1,0\n"), 2, "190 deg"),
             (AERODYN.replace("0.0 0.5 0.01 -0.1", "0.0 0.5 0.01"), 17, "3 columns where 4"),
             (AERODYN.replace("0.0 0.5 0.01 -0.1\n", ""), 17, "ends before|columns"),

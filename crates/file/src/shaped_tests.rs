@@ -121,7 +121,7 @@ fn impossible_sections_are_refused() {
         (TUBE.replace("tube", "tub"), &["did you mean \"tube\"?"]),
         (frame.replace("0.001", "0.01"), &["spar.wall_m", "< 0.01 m, half of height_m", "\"rectangle\""]),
         (format!("{frame}\nweb_wall_m = 0.02"), &["spar.web_wall_m", "0.02", "< 0.015 m, half of width_m"]),
-        (profile.replace("naca2412", "e387"), &["spar.aerofoil", "NACA aerofoil of four digits", "outline"]),
+        (profile.replace("naca2412", "e387"), &["spar.aerofoil", "four-digit NACA aerofoil", "outline"]),
         (profile.replace("0.0004", "0.02"), &["spar.skin_wall_m", "0.02", "a skin < "]),
         (
             profile.replace("aerofoil = \"naca2412\"", "outline = [[1, 0.1], [0.5, 0.1], [0, 0], [0.5, -0.1], [1, 0]]"),

@@ -484,7 +484,7 @@ mod tests {
         for (text, expected) in [
             ("", "line 1: a table without rows"),
             ("0 8 0 0 0 0.2 0\n", "line 1: 7 columns"),
-            ("0 8 0 0 0 0.2 0 0\n0 8 0 0 0 0.2 0 0\n", "line 2: the time 0 s behind 0 s"),
+            ("0 8 0 0 0 0.2 0 0\n0 8 0 0 0 0.2 0 0\n", "line 2: the time 0 s after 0 s"),
             ("0 8 0 0 0 nan 0 0\n", "line 1: \"nan\" is not"),
             ("0 8 0 0 0 0.2 0 0 3\n", "line 1: an upflow angle of 3 deg"),
         ] {

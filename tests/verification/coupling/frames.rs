@@ -264,7 +264,7 @@ fn q55_rows_that_are_too_long_are_told() {
         approx::assert_relative_eq!(statistics.longest_row_panels, panels, max_relative = 1e-9);
         let advice = statistics.advice_on_rows(5e-3);
         assert_eq!(advice.is_some(), panels > 2.0);
-        assert!(advice.is_none_or(|advice| advice.contains("up to 3.0 panels") && advice.contains("3.3e-3 s")));
+        assert!(advice.is_none_or(|advice| advice.contains("up to 3.0 panel chords") && advice.contains("3.3e-3 s")));
     }
 }
 
@@ -272,7 +272,9 @@ fn q55_rows_that_are_too_long_are_told() {
 /// within the bound.
 #[test]
 fn q55_advice_on_rows_is_told_to_the_digit_that_matters() {
-    for (panels, told) in [(2.0031, "up to 2.003 panels"), (2.01, "up to 2.01 panels"), (2.16, "up to 2.2 panels")] {
+    for (panels, told) in
+        [(2.0031, "up to 2.003 panel chords"), (2.01, "up to 2.01 panel chords"), (2.16, "up to 2.2 panel chords")]
+    {
         let statistics = Statistics { longest_row_panels: panels, ..Statistics::default() };
         let advice = statistics.advice_on_rows(1.27e-3).expect("rows are too long");
         assert!(advice.contains(told), "{panels}: {advice}");

@@ -26,7 +26,7 @@ fn q59_wind_from_behind_is_named_where_nothing_agrees() {
         plant.step(5e-3).expect_err("two iterations do not agree to 1e-12").to_string()
     };
     let (behind, ahead) = (stopped(10.0), stopped(-10.0));
-    assert!(behind.contains("the air reaches the trailing edge of inner first"), "{behind}");
+    assert!(behind.contains("the relative flow reaches inner at its trailing edge"), "{behind}");
     assert!(ahead.contains("after 2 iterations") && !ahead.contains("trailing edge"), "{ahead}");
 }
 

@@ -181,7 +181,7 @@ fn p118_a_motion_that_is_lost_is_an_error() {
             Ok(()) => ended += 1,
             Err(error) => {
                 let error: PlantError = error;
-                assert!(error.to_string().contains("in real time"), "chain {seed}: {error}");
+                assert!(error.to_string().contains("in real-time mode"), "chain {seed}: {error}");
                 lost += 1;
             }
         }

@@ -397,7 +397,12 @@ fn sh37_lists_and_faults() {
     std::fs::remove_dir_all(&folder).expect("gone");
     for (text, found, due, reason) in [
         (VABS, "5.8914232909E-04\n", "x\n", "line 10: \"x\" in the mass matrix; a finite number is needed"),
-        (VABS, "8.2268007860E-04    0.0", "9.2268007860E-04    0.0", "line 5: the inertia is not that of a section"),
+        (
+            VABS,
+            "8.2268007860E-04    0.0",
+            "9.2268007860E-04    0.0",
+            "line 5: the matrix is not the inertia matrix of a section",
+        ),
         (
             VABS,
             "-4.6503679602E-05    4.0888291602E+04",

@@ -184,7 +184,7 @@ fn wt74_a_spinner_is_no_blade() {
     let uneven = rotor.text().replacen("mount_rotation_deg = [120.0", "mount_rotation_deg = [110.0", 1);
     let uneven = config::parse(&uneven, "uneven.toml").expect("a machine");
     let told = find(&uneven, 15.0, 720, 4).floquet.unseen.expect("a cause");
-    assert!(told.contains("spaced evenly"), "{told}");
+    assert!(told.contains("evenly spaced"), "{told}");
 }
 
 /// WT-75. A blade without restraint about its hinge on the shaft's axis: both its multipliers are 1 to the square root of the products'

@@ -198,7 +198,7 @@ fn wt20_rotors_that_are_not_isotropic_are_refused() {
     refusal(whirls(&parse(&softer), None, 10.0, 6), &["not isotropic", "stiffness", "lag"]);
     // one blade at a wrong azimuth
     let off = changed(&three.text(), "mount_rotation_deg = [120", "mount_rotation_deg = [121");
-    refusal(whirls(&parse(&off), None, 10.0, 6), &["blade1 is 121", "blade0", "spaced evenly"]);
+    refusal(whirls(&parse(&off), None, 10.0, 6), &["blade1 is 121", "blade0", "evenly spaced"]);
     // one blade of four missing
     let four = Resonance::of(4).text();
     let (kept, _) = four.split_once("[rigid_body.blade3]").expect("a fourth blade");

@@ -66,7 +66,7 @@ fn wt39_wind_from_files() {
     std::fs::write(folder.join("bad.wnd"), "0 8 0 0 0 0.2 0 0\n10 12 5\n").expect("a file");
     for (line, words) in [
         ("reference_length_m = 126.0\ntable_file = \"bad.wnd\"", ["wind.table_file", "bad.wnd", "line 2: 3 columns"]),
-        ("field_file = \"none.bts\"", ["wind.field_file", "none.bts", "a full field of TurbSim or Bladed"]),
+        ("field_file = \"none.bts\"", ["wind.field_file", "none.bts", "a readable wind field of TurbSim or Bladed"]),
         ("field_file = \"hub.wnd\"", ["wind.field_file", "hub.wnd", "identifier"]),
         ("field = \"AAAA\"", ["wind.field", "identifier is 0", "a complete file of TurbSim"]),
         (
