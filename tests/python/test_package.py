@@ -72,7 +72,7 @@ def test_fmus_of_every_kind_are_those_of_the_command(wing, command, tmp_path):
         (dict(interface="sc"), "interface='sc': allowed are"),
         (dict(interface=()), r"interface=\(\): allowed are"),
         (dict(scalars=True), "scalars=True: FMI 2.0 has no other variables; leave it out, or add fmi=3"),
-        (dict(accounts=True), "accounts=True: co-simulation always has them; leave it out, or write interface=me"),
+        (dict(accounts=True), "accounts=True: co-simulation always has them; omit the option, or package Model Exchange alone"),
     ]:
         with pytest.raises(fw.UsageError, match=words):
             wing.package(tmp_path / "d.fmu", **given)

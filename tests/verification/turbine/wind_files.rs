@@ -73,7 +73,7 @@ fn wt39_wind_from_files() {
             "field_from = \"port\"\nfield_file = \"wind.bts\"",
             ["wind.field_from", "a field of TurbSim contains this value", ""],
         ),
-        ("field_centre_height_m = 80.0", ["wind.field_centre_height_m", "a field of Bladed", ""]),
+        ("field_centre_height_m = 80.0", ["wind.field_centre_height_m", "a wind field of Bladed", ""]),
         ("field = \"A*AA\"", ["wind.field", "base64", "field_file"]),
         ("shear_exponent = 0.2\nfield_file = \"wind.bts\"", ["wind.field", "one of shear_exponent", "turbulence"]),
         ("field = \"AAAA\"\nfield_file = \"wind.bts\"", ["field", "", ""]),

@@ -146,7 +146,7 @@ pub(super) fn check_kinds(kinds: Kinds, machine: &Machine) -> Result<(), Failure
         return Err(Failure::Usage(cause.to_owned()));
     }
     if kinds.accounts && !kinds.model_exchange {
-        let cause = "--accounts: co-simulation always has them; leave it out, or write --interface me";
+        let cause = "--accounts: co-simulation always has them; omit the option, or package Model Exchange alone";
         return Err(Failure::Usage(cause.to_owned()));
     }
     kinds.check(machine).map_err(|error| Failure::Refused(format!("--interface me: {error}")))
