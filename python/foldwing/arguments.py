@@ -64,11 +64,12 @@ def checked(function: F) -> F:
 
 def _mismatch(text: str, given: Dict[str, Any], allowed: List[str]) -> str:
     """Message about arguments that do not match a signature, with the name that is closest to an unknown one."""
-    unknown = next((name for name in given if name not in allowed), None)
+    named = [name for name in allowed if name not in ("self", "cls")]
+    unknown = next((name for name in given if name not in named), None)
     if unknown is None:
         return text
-    close = get_close_matches(unknown, allowed, 1)
-    others = ", ".join(name for name in allowed if name != "self")
+    close = get_close_matches(unknown, named, 1)
+    others = ", ".join(named)
     return f"no argument is named {unknown!r}; " + (f"did you mean {close[0]!r}?" if close else f"its arguments are {others}")
 
 

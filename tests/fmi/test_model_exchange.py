@@ -86,9 +86,9 @@ def test_f301_the_wing_latches_as_in_co_simulation(exchanged, elements):
 
 @pytest.mark.parametrize("model", sorted(STRIPS))
 def test_f332_strips_are_part_of_the_equations(model, exchanged):
-    """F-332. Machines with strip theory: FMPy finds no problem in the FMU and integrates it with CVode at 1e-7, as one of the
-    joints moves by 7e-5 rad only; tips and angles agree with co-simulation, whose aerodynamic steps are of second order, within 1 % of their motion. HY-02 is the comparison with refined steps in
-    the engine."""
+    """F-332. Machines with strip theory: FMPy finds no problem in the FMU and integrates it with CVode; tips and angles agree with
+    co-simulation, whose aerodynamic steps are of second order, within 1 % of their motion. The tolerance is 1e-7, because one joint moves
+    by only 7e-5 rad. HY-02 is the comparison with refined steps in the engine."""
     fmu = exchanged(model)
     assert validate_fmu(fmu.path) == []
     lags = [variable for variable in fmu.description.modelVariables if ".lag[" in variable.name and variable.name.startswith("state.")]

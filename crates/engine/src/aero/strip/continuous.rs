@@ -284,7 +284,7 @@ impl Strips {
             variable,
             Variable::Motion { component: 12.., .. } | Variable::AirRate(_) | Variable::FlapAcceleration(_)
         );
-        // apparent mass alone: beside loads of the flow its response would lose digits, which a stiff section of little inertia enlarges
+        // only the apparent mass: next to the aerodynamic loads its response would lose digits, 6e-10 of an entry in LR-16
         let at = if linear { Cow::Owned(at.still()) } else { Cow::Borrowed(at) };
         let mut answer = |shift: f64, side: &mut [f64]| {
             let mut beside = at.clone().into_owned();
