@@ -152,6 +152,22 @@ mod tests {
         Full { c: (0..stages).map(|i| tableau.abscissa(i)).collect(), a, b, embedded }
     }
 
+    /// Eq. (T9): accelerations that are linear in time are predicted exactly from two earlier stages; the first implicit stage starts from
+    /// the acceleration at the start of the step.
+    #[test]
+    fn predictors_are_exact_for_linear_accelerations() {
+        for tableau in [TR_BDF2, SDIRK2, ESDIRK3, ESDIRK4] {
+            assert_eq!(tableau.predictor(1), [(0, 1.0), (0, 0.0)], "{}", tableau.name);
+            for stage in 2..tableau.stages() {
+                let linear = |stage: usize| 3.0 - 2.0 * tableau.abscissa(stage);
+                let [(j, first), (k, second)] = tableau.predictor(stage);
+                assert!(j < stage && k < stage && j != k, "{} {stage}: {j} {k}", tableau.name);
+                let predicted = first * linear(j) + second * linear(k);
+                approx::assert_relative_eq!(predicted, linear(stage), epsilon = 1e-14);
+            }
+        }
+    }
+
     /// Residuals of the order conditions of all rooted trees up to order four, by order.
     fn conditions(a: &[Vec<f64>], b: &[f64], c: &[f64]) -> [f64; 4] {
         let times =

@@ -404,6 +404,24 @@ mod tests {
         assert_eq!(SectionState::of(0.0, 0.0, 0.3, &plate(0.01)).force_m3_s2(2.0), [0.0, 0.0]);
     }
 
+    /// Eq. (B23): axial induction factors from −1 to 1.5 and tangential ones from −1 to 1, for inflow from either side.
+    #[test]
+    fn aerodyn_limits_its_induction() {
+        for axial_m_s in [10.0, -10.0] {
+            for tangential_m_s in [50.0, -50.0] {
+                let limited = |axial: f64, tangential: f64| {
+                    let approach = Approach { axial_m_s, tangential_m_s, chord_angle_rad: 0.0 };
+                    let [loss_m_s, swirl_m_s] =
+                        aerodyn_limited([axial * axial_m_s, tangential * tangential_m_s], &approach);
+                    [loss_m_s / axial_m_s, swirl_m_s / tangential_m_s]
+                };
+                assert_eq!(limited(3.0, 3.0), [1.5, 1.0]);
+                assert_eq!(limited(-3.0, -3.0), [-1.0, -1.0]);
+                assert_eq!(limited(0.5, -0.5), [0.5, -0.5]);
+            }
+        }
+    }
+
     /// Inflow from behind on a symmetric section at the opposite angle gives the mirror image.
     #[test]
     fn mirrored_inflow_has_mirrored_induction() {
