@@ -38,7 +38,7 @@ NAVIGATION = {
     "Theory": ["docs/guide/theory", "docs/NOTATION"],
     "What agrees": ["docs/VALIDATION", "docs/validation/papers", "docs/validation/deployment", "docs/validation/tunnel", "docs/validation/*",
                     "docs/BENCHMARKS", "docs/tables/*", "gallery"],
-    "Development": ["docs/ARCHITECTURE", "docs/decisions/README", "docs/decisions/*", "docs/*", "studies/README", "CONTRIBUTING", "CHANGELOG",
+    "Development": ["docs/ARCHITECTURE", "docs/WALKTHROUGH", "docs/decisions/README", "docs/decisions/*", "docs/*", "studies/README", "CONTRIBUTING", "CHANGELOG",
                     "docs/history/*", "SECURITY"],
 }
 
@@ -80,6 +80,11 @@ def linked_to(page, text):
     return text.replace(f"]({to_root}", f"]({to_root[:-len('README.md')]}index.md") if page != "docs/guide/README.md" else text
 
 
+def without_sources(text):
+    """Text in which links to source files of the repository, which the site does not have, are their paths."""
+    return re.sub(r"\[([^\]`]+)\]\((?:\.\./)*(?:crates|python|src|tests)/[^)]+\)", r"`\1`", text)
+
+
 def titled(text, folder):
     """Text whose links show the title of their target page instead of its file name."""
     def shown(link):
@@ -102,7 +107,7 @@ def copy_documents(work):
     for path in work.rglob("*.md"):
         name, text = path.relative_to(work).as_posix(), path.read_text(encoding="utf-8")
         heading = HEADINGS.get(name[:-len(".md")])
-        text = linked_to(name, titled(text, (ROOT / name).parent))
+        text = linked_to(name, titled(without_sources(text), (ROOT / name).parent))
         path.write_text((f"# {heading}\n\n" if heading else "") + text, encoding="utf-8")
 
 
