@@ -109,8 +109,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(page) = page {
         view.fill(page.as_bytes())?;
     }
-    if let Some(doubt) = list.iter().flat_map(|found| &found.doubts).next() {
-        arguments.quiet.warning(&doubt.to_string());
+    if let Some(warning) = list.iter().flat_map(|found| &found.warnings).next() {
+        arguments.quiet.warning(&warning.to_string());
     }
     let key = (!varied.key().is_empty()).then_some(varied.key());
     let tables: Vec<BranchTable> =

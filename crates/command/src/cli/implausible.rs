@@ -4,7 +4,7 @@
 use crate::cli::assessment::{Assessment, Effort, Reach, efforts, frequencies_hz, short};
 use foldwing_engine::machine::{Body, Machine};
 use foldwing_engine::plant::Plant;
-use foldwing_study::doubts;
+use foldwing_study::warnings;
 
 /// Minimum number of output rows per period at which an oscillation is visible.
 const ROWS_PER_PERIOD: f64 = 4.0;
@@ -38,7 +38,7 @@ pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     }
     let judged = |joint: &&Effort| machine.air.is_none() || joint.reaches == Reach::NotJudged;
     warnings.extend(answer.joints.iter().filter(judged).filter_map(latch));
-    warnings.extend(doubts::undeformed(machine).iter().map(ToString::to_string));
+    warnings.extend(warnings::undeformed(machine).iter().map(ToString::to_string));
     let run = &machine.experiment;
     let (start_s, stop_s, step_s) = (run.start_time_s, run.stop_time_s, run.step_s);
     let written = Times { start_s, stop_s, step_s, step_name: "[simulation] step_s =", stop_name: "[simulation]" };

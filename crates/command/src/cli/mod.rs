@@ -350,14 +350,16 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
     })?;
     // standard input has an empty parent: paths are relative to the working directory
     let folder = path.parent().unwrap_or(Path::new(""));
-    let lost = config::doubts_of_files(&text, folder);
+    let lost = config::warnings_of_files(&text, folder);
     let text = match config::with_files(text.clone(), folder, &shown) {
         Ok(text) => text,
         Err(error) => return Err(Failure::Model { text, error }),
     };
     match config::parse(&text, &shown) {
         Ok(machine) => {
-            lost.iter().chain(&config::doubts(&text)).for_each(|doubt| tell::doubt(&shown, &text, doubt));
+            lost.iter()
+                .chain(&config::warnings(&text))
+                .for_each(|warning| tell::warning_about_key(&shown, &text, warning));
             Ok((machine, text))
         }
         Err(error) => Err(Failure::Model { text, error }),
