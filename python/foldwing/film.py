@@ -17,10 +17,10 @@ class Film:
 
     def __init__(self, summary: Dict[str, Any]) -> None:
         self.files = [Path(file) for file in summary["files"]]
-        """Written files: one, or one for each picture."""
-        self.pictures: int = summary["pictures"]
-        """Number of pictures."""
-        self.pictures_per_s: float = summary["pictures_per_s"]
+        """Written files: one, or one for each frame."""
+        self.frames: int = summary["frames"]
+        """Number of frames."""
+        self.frames_per_s: float = summary["frames_per_s"]
         """Frames per second."""
         self.size: Tuple[int, int] = (summary["width"], summary["height"])
         """Width and height in pixels."""
@@ -33,17 +33,17 @@ class Film:
 
     @property
     def path(self) -> Path:
-        """The file; of numbered pictures the first."""
+        """The file; the first of numbered files."""
         return self.files[0]
 
     @property
     def length(self) -> float:
         """Length in s."""
-        return self.pictures / self.pictures_per_s
+        return self.frames / self.frames_per_s
 
     def __repr__(self) -> str:
         width, height = self.size
-        return f"<foldwing.Film {self.path}: {self.pictures} pictures of {width}x{height}, {self.length:.2f} s, speed {self.speed:g}, camera {self.camera}>"
+        return f"<foldwing.Film {self.path}: {self.frames} frames of {width}x{height}, {self.length:.2f} s, speed {self.speed:g}, camera {self.camera}>"
 
     def _repr_html_(self) -> str:
         data = base64.b64encode(self.path.read_bytes()).decode()

@@ -179,7 +179,7 @@ class Result(Mapping[str, NDArray[np.float64]]):
         inputs.
 
         Args:
-            output: file to write: .mp4, .gif, or .png for one numbered file for each picture; default: a temporary .mp4.
+            output: file to write: .mp4, .gif, or .png for one numbered file for each frame; default: a temporary .mp4.
             size: width and height in pixels; default: (1280, 720); GIF: (800, 450).
             fps: frames per second; default: 30; GIF: 25.
             speed: seconds of the run per second of the film; default: the film takes about 8 s.

@@ -159,7 +159,7 @@ const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["render", "wing.toml", "--video", "film"], "film", "the name must end in the format", 2),
     (&["render", "wing.toml", "--video", "x.mp4", "--size", "641x360"], "641x360", "of an MP4 must be even", 2),
     (&["render", "wing.toml", "--video", "x.mp4", "--size", "1080p"], "1080p", "such as 1920x1080", 2),
-    (&["render", "wing.toml", "--video", "x.gif", "--fps", "60"], "60", "at most 50 pictures per second", 2),
+    (&["render", "wing.toml", "--video", "x.gif", "--fps", "60"], "60", "at most 50 frames per second", 2),
     (&["render", "wing.toml", "--video", "x.mp4", "--camera", "side,top"], "side", "at most one of", 2),
     (&["render", "wing.toml", "--video", "x.mp4", "--from", "9"], "--from", "the run is from 0 to", 2),
     (&["render", "table.csv", "--video", "x.mp4"], "table.csv", "a page of `simulate --view`", 2),

@@ -128,7 +128,7 @@ enum Command {
     /// sliders, operate latches and failures with buttons, and pull on the machine with the mouse through a spring. Only browsers on this
     /// computer can open the page, at the printed address. The command ends when the page is closed.
     Live(live::Arguments),
-    /// Write a film of a simulation as a file: MP4, GIF or numbered pictures
+    /// Write a film of a simulation as a file: MP4, GIF or numbered images
     ///
     /// No browser and no display are needed: the machine is drawn by this command, with the geometry and colours of the page of
     /// `simulate --view`. A model is simulated first. If the simulation fails, the film shows the run up to that time.

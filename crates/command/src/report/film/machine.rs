@@ -1,4 +1,4 @@
-//! The machine in a picture: bodies, lifting surfaces, wake, joints, gauges, masses, paths and arrows, as the page shows them by
+//! The machine in an image: bodies, lifting surfaces, wake, joints, gauges, masses, paths and arrows, as the page shows them by
 //! default.
 
 use super::colours::{self, Rgb, share, tint};
