@@ -176,7 +176,7 @@ class Flutter(Shapes):
         return np.where(oscillates, -self.eigenvalues_1_s.real / np.where(size > 0.0, size, 1.0), np.nan)
 
     def plot(self, *, axes: Any = None) -> Any:
-        """Plot damping ratio in % and frequency in Hz of each mode over the wind speed, with flutter and divergence marked. Returns the
+        """Plot damping ratio in % and frequency in Hz of each mode versus wind speed, with flutter and divergence marked. Returns the
         figure."""
         with style() as pyplot:
             figure, places = panels(pyplot, 2, axes)
@@ -189,7 +189,7 @@ class Flutter(Shapes):
                 place.set_ylabel(label)
                 labelled(place)
             if axes is None:
-                figure.suptitle(f"{self.name}: modes over the wind speed", x=0.01, ha="left", fontsize=11.5)
+                figure.suptitle(f"{self.name}: modes versus wind speed", x=0.01, ha="left", fontsize=11.5)
             places[-1].set_xlabel("wind speed (m/s)")
         return figure
 

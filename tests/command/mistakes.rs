@@ -154,7 +154,7 @@ const ON_THE_COMMAND_LINE: &[(&[&str], &str, &str, i32)] = &[
     (&["view", "table.csv"], "table.csv", "--compare table.csv", 2),
     (&["live", "wing.toml", "--speed", "0"], "0", "must be from 0.001 to 100", 2),
     (&["live", "wing.toml", "--set", "fold.angel=1"], "fold.angel", "did you mean", 2),
-    (&["render", "wing.toml", "--video", "x.webm"], "x.webm", "films are .mp4 (H.264), .gif, or .png", 2),
+    (&["render", "wing.toml", "--video", "x.webm"], "x.webm", "videos are .mp4 (H.264), .gif, or .png", 2),
     (&["render", "wing.toml", "--video", "x.mov"], "x.mov", "ffmpeg converts them", 2),
     (&["render", "wing.toml", "--video", "film"], "film", "the name must end in the format", 2),
     (&["render", "wing.toml", "--video", "x.mp4", "--size", "641x360"], "641x360", "of an MP4 must be even", 2),

@@ -49,7 +49,7 @@ const LATTICE: &str = "model = \"uvlm\"\nwake_rows = 20";
 const FRONT: &str = "[0.0, -10.0, 0.0]";
 const SPAN: &str = "[10.0, 0.0, 0.0]"; // from root to tip: in the opposite direction the apparent mass reduces the damping of bending
 
-/// Standard error of a command on a model, which must succeed, and its JSON if requested.
+/// Runs a command that must succeed on a model, and returns its standard error and its JSON if requested.
 fn warnings(text: &str, command: &[&str]) -> (String, serde_json::Value) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wing.toml");
@@ -61,7 +61,7 @@ fn warnings(text: &str, command: &[&str]) -> (String, serde_json::Value) {
     (String::from_utf8(output.stderr).unwrap(), serde_json::from_str(&printed).unwrap_or_default())
 }
 
-/// Standard error and exit code of a command on a model, which must fail.
+/// Runs a command that must fail on a model, and returns its standard error and exit code.
 fn failing(text: &str, command: &[&str]) -> (String, i32) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wing.toml");

@@ -276,7 +276,7 @@ def test_films_are_decoded_with_their_length(wing, tmp_path, command):
     run = wing.simulate(stop=0.2, outputs=["fold.angle"])
     film = run.video(tmp_path / "wing.gif", size=(320, 180), fps=10, speed=0.1, camera="fixed,side")
     assert (film.frames, film.speed, film.camera, film.span) == (21, 0.1, "fixed", (0.0, 0.2))
-    assert "<img" in film._repr_html_() and repr(film).startswith("<foldwing.Film ")
+    assert "<img" in film._repr_html_() and repr(film).startswith("<foldwing.Video ")
     with Image.open(film.path) as image:
         assert image.n_frames == 21 and image.size == (320, 180)
         length = 0
@@ -296,7 +296,7 @@ def test_films_are_decoded_with_their_length(wing, tmp_path, command):
     assert (tmp_path / "same.gif").read_bytes() == film.path.read_bytes()
     film = run.video(size=(320, 180), fps=10, speed=0.1, camera="fixed,side")
     assert film.path.suffix == ".mp4" and "<video" in film._repr_html_()
-    with pytest.raises(fw.UsageError, match="output=.*films are .mp4"):
+    with pytest.raises(fw.UsageError, match="output=.*videos are .mp4"):
         run.video(tmp_path / "wing.webm")
     with pytest.raises(fw.UsageError, match="size=20x20: must be"):
         run.video(tmp_path / "wing.mp4", size=(20, 20))

@@ -40,7 +40,7 @@ pub struct Arguments {
     settings: Vec<String>,
     #[command(flatten)]
     branches: BranchArguments,
-    /// HTML page with the animated mode shapes over the wind speed: one file, no network needed
+    /// HTML page with the mode shapes animated at each wind speed: one file, no network needed
     #[arg(long, value_name = "OUT.html", conflicts_with = "over")]
     view: Option<PathBuf>,
     /// Print JSON for programs

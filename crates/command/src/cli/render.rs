@@ -28,7 +28,7 @@ pub struct Arguments {
     /// Model file, which is simulated first; or a page of `simulate --view`
     #[arg(value_name = "MODEL_OR_PAGE")]
     run: PathBuf,
-    /// Film to write: .mp4 (H.264), .gif, or .png for one numbered file per frame
+    /// Video to write: .mp4 (H.264), .gif, or .png for one numbered file per frame
     #[arg(short = 'o', long, visible_alias = "output", value_name = "OUT")]
     video: PathBuf,
     /// Width and height in pixels [default: 1280x720; GIF: 800x450]
@@ -37,17 +37,17 @@ pub struct Arguments {
     /// Frames per second [default: 30; GIF: 25]
     #[arg(long, value_name = "N", value_parser = frames_per_s)]
     fps: Option<f64>,
-    /// Seconds of the run per second of the film, such as 0.05 for slow motion [default: the film takes about 8 s]
+    /// Seconds of the run per second of the video, such as 0.05 for slow motion [default: the video lasts about 8 s]
     #[arg(long, value_name = "X", value_parser = speed)]
     speed: Option<f64>,
-    /// Camera: `follow` moves with the machine, `fixed` frames the whole motion; `iso`, `front`, `side`, `top` select the view;
-    /// one of each, separated by a comma [default: iso; follow if the machine flies, else fixed]
+    /// Camera: `follow` moves with the model, `fixed` frames the whole motion; `iso`, `front`, `side`, `top` select the view;
+    /// one of each, separated by a comma [default: iso; follow if the model flies, else fixed]
     #[arg(long, value_name = "CAMERA", value_delimiter = ',')]
     camera: Vec<Camera>,
-    /// First time in s of the run in the film [default: the start]
+    /// Simulated time in s at which the video starts [default: the start of the run]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     from: Option<f64>,
-    /// Last time in s of the run in the film [default: the end]
+    /// Simulated time in s at which the video ends [default: the end of the run]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     to: Option<f64>,
     /// Inputs over time, as in `simulate`
@@ -71,7 +71,7 @@ pub struct Arguments {
 /// Motion of the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Camera {
-    /// Moves with the machine
+    /// Moves with the model
     Follow,
     /// Fixed; shows the whole motion
     Fixed,

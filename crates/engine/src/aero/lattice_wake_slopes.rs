@@ -372,7 +372,7 @@ mod tests {
         (lattice, (0..7).map(motion).collect())
     }
 
-    /// U-62. The derivatives by rings and nodes agree with those of complete solutions, in which the lattice sums its whole wake again:
+    /// U-62. The derivatives with respect to rings and nodes agree with those of complete solutions, in which the lattice sums its whole wake again:
     /// loads with and without suction, sheets close to each other or with a common edge, a mirror plane, compressible air.
     #[test]
     fn slopes_are_those_of_whole_answers() {

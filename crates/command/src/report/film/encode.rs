@@ -27,7 +27,7 @@ impl Format {
     /// The extension is not supported; the message lists the formats.
     pub fn of(path: &Path) -> Result<Self, String> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let formats = "films are .mp4 (H.264), .gif, or .png (one numbered file per frame)";
+        let formats = "videos are .mp4 (H.264), .gif, or .png (one numbered file per frame)";
         match ending.as_str() {
             "mp4" | "m4v" => Ok(Self::Mp4),
             "gif" => Ok(Self::Gif),
