@@ -47,7 +47,7 @@ pub struct Arguments {
     quiet: Quiet,
 }
 
-/// Prints the summary and the drawing of the wing.
+/// Prints the summary and the drawing of the model.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, text) = read_model(&arguments.model)?;
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);

@@ -1,4 +1,4 @@
-//! `foldwing render`: a film of a run as a file, without a browser or a display.
+//! `foldwing render`: a video of a run as a file, without a browser or a display.
 
 use crate::cli::grid::{GridArguments, grid_of};
 use crate::cli::outlets::{Force, Mark, Outlets, Place};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::time::Instant;
 
-/// Minimum number of frames recorded of a run, so that events between the frames of the film are not missed.
+/// Minimum number of frames recorded of a run, so that events between the frames of the video are not missed.
 const RECORDED_FRAMES: u64 = 600;
 /// Maximum number of frames recorded.
 const MAXIMUM_RECORDED_FRAMES: u64 = 4_000;
@@ -141,14 +141,14 @@ fn camera(given: &[Camera]) -> Result<(View, Option<bool>), Failure> {
     Ok((view.unwrap_or(View::Iso), follows))
 }
 
-/// Optional settings of a film.
+/// Optional settings of a video.
 #[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// Width and height in pixels.
     pub size: Option<[u32; 2]>,
     /// Frames per second.
     pub frames_per_s: Option<f64>,
-    /// Seconds of the run per second of the film.
+    /// Seconds of the run per second of the video.
     pub speed: Option<f64>,
     /// View and motion of the camera.
     pub camera: Vec<Camera>,
@@ -172,7 +172,7 @@ impl Settings {
     }
 }
 
-/// Writes a film of the run in a page of `simulate --view`, as the command does, and returns the output of `--json`. `drawn` is called with
+/// Writes a video of the run in a page of `simulate --view`, as the command does, and returns the output of `--json`. `drawn` is called with
 /// the number of finished frames and the total.
 ///
 /// # Errors
@@ -209,7 +209,7 @@ pub fn film_of_page(
     Ok(summary(&film, &options, (began.elapsed().as_secs_f64(), &outlets)))
 }
 
-/// Simulates a model, or reads a page, and writes the film.
+/// Simulates a model, or reads a page, and writes the video.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = Settings {
         size: arguments.size,
@@ -236,7 +236,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     report(arguments, &film, &options, (began.elapsed().as_secs_f64(), &outlets))
 }
 
-/// Destination of the film.
+/// Destination of the video.
 enum Target {
     File(Place),
     /// Numbered files; the number precedes the extension.
@@ -315,7 +315,7 @@ fn simulated(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Res
     for point in 1..=grid.steps {
         feed(inputs.as_ref(), &interface, &mut plant, grid.time_s(point - 1))?;
         if let Err(error) = plant.step(grid.time_s(point)) {
-            outcome = Err(failed(error)); // the film shows the run up to the error
+            outcome = Err(failed(error)); // the video shows the run up to the error
             break;
         }
         recording.include(&plant);
@@ -327,7 +327,7 @@ fn simulated(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Res
     Ok((PackedRun::for_film(&recording), outcome))
 }
 
-/// Number of frames to record: one for every frame of the film as far as memory allows.
+/// Number of frames to record: one for every frame of the video as far as memory allows.
 fn recorded_frames(shown_s: f64, duration_s: f64, options: &Options) -> u64 {
     let speed = options.speed.unwrap_or_else(|| default_speed(shown_s));
     let frames = frame_count(shown_s, options.frames_per_s, speed).min(MAXIMUM_FRAMES as f64);
@@ -372,7 +372,7 @@ fn write(
     }
 }
 
-/// The film as JSON.
+/// The video as JSON.
 fn summary(film: &Film, options: &Options, (took_s, outlets): (f64, &Outlets)) -> serde_json::Value {
     let (frames, [width, height]) = (film.times_s.len(), options.size);
     json!({
