@@ -28,7 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Studies use several states of a machine: flutter and divergence over the wind speed, trim, operating points, Campbell diagrams and
+//! Studies use several states of a machine: flutter and divergence versus wind speed, trim, operating points, Campbell diagrams and
 //! periodic motions of rotors. They are in [`study`], with units in the names of options, numerical results, and errors with fields.
 //!
 //! ```

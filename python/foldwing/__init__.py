@@ -16,7 +16,7 @@ from ._native import State, __version__, schema
 from .builder import Builder
 from .differentiable import jax_function, torch_function
 from .errors import ArgumentError, FilesError, FoldwingError, ModelError, SimulationError, StaticsError, UsageError
-from .film import Film
+from .film import Video
 from .fit import Fit
 from .gradient import Gradient
 from .linear import LinearModel
@@ -34,7 +34,6 @@ __all__ = [
     "Builder",
     "Campbell",
     "FilesError",
-    "Film",
     "Fit",
     "Flutter",
     "FlutterMap",
@@ -59,6 +58,7 @@ __all__ = [
     "ArgumentError",
     "UsageError",
     "Variable",
+    "Video",
     "__version__",
     "jax_function",
     "load",

@@ -1,4 +1,4 @@
-"""Films of runs as files, which notebooks can play."""
+"""Videos of runs as files, which notebooks can play."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from . import _native
 from .progress import bar
 
 
-class Film:
-    """A film of a run; notebooks play it in the cell."""
+class Video:
+    """A video of a run; notebooks play it in the cell."""
 
     def __init__(self, summary: Dict[str, Any]) -> None:
         self.files = [Path(file) for file in summary["files"]]
-        """Written files: one, or one for each picture."""
-        self.pictures: int = summary["pictures"]
-        """Number of pictures."""
-        self.pictures_per_s: float = summary["pictures_per_s"]
+        """Written files: one, or one for each frame."""
+        self.frames: int = summary["frames"]
+        """Number of frames."""
+        self.frames_per_s: float = summary["frames_per_s"]
         """Frames per second."""
         self.size: Tuple[int, int] = (summary["width"], summary["height"])
         """Width and height in pixels."""
         self.speed: float = summary["speed"]
-        """Seconds of the run per second of the film."""
+        """Seconds of the run per second of the video."""
         self.camera: str = summary["camera"]
         """`follow` or `fixed`."""
         self.span: Tuple[float, float] = (summary["from_s"], summary["to_s"])
@@ -33,17 +33,17 @@ class Film:
 
     @property
     def path(self) -> Path:
-        """The file; of numbered pictures the first."""
+        """The file; the first of numbered files."""
         return self.files[0]
 
     @property
     def length(self) -> float:
         """Length in s."""
-        return self.pictures / self.pictures_per_s
+        return self.frames / self.frames_per_s
 
     def __repr__(self) -> str:
         width, height = self.size
-        return f"<foldwing.Film {self.path}: {self.pictures} pictures of {width}x{height}, {self.length:.2f} s, speed {self.speed:g}, camera {self.camera}>"
+        return f"<foldwing.Video {self.path}: {self.frames} frames of {width}x{height}, {self.length:.2f} s, speed {self.speed:g}, camera {self.camera}>"
 
     def _repr_html_(self) -> str:
         data = base64.b64encode(self.path.read_bytes()).decode()
@@ -63,10 +63,10 @@ def write(
     span: Tuple[Optional[float], Optional[float]],
     force: bool,
     progress: Optional[bool],
-) -> Film:
-    """Write a film of the run in a page; arguments as in `Result.video`."""
+) -> Video:
+    """Write a video of the run in a page; arguments as in `Result.video`."""
     file = Path(output) if output is not None else Path(tempfile.mkdtemp(prefix="foldwing-")) / "run.mp4"
     words = camera.split(",") if isinstance(camera, str) else list(camera)
     chosen = [word.strip() for word in words if word.strip()]
     with bar(progress) as tell:
-        return Film(_native.film(page, os.fspath(file), size, fps, speed, chosen, span, force, tell))
+        return Video(_native.film(page, os.fspath(file), size, fps, speed, chosen, span, force, tell))

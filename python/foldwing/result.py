@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from . import _native
 from .arguments import checked_methods
 from .errors import UsageError
-from .film import Film, write
+from .film import Video, write
 from .optional import needed
 from .page import table
 from .style import curve, labelled, mark, panels, quantity, shown, style
@@ -174,15 +174,15 @@ class Result(Mapping[str, NDArray[np.float64]]):
         stop: Optional[float] = None,
         force: bool = False,
         progress: Optional[bool] = None,
-    ) -> Film:
-        """Write a film of the run, as `foldwing render` does: no browser and no display are needed. The simulation is repeated with the same
+    ) -> Video:
+        """Write a video of the run, as `foldwing render` does: no browser and no display are needed. The simulation is repeated with the same
         inputs.
 
         Args:
-            output: file to write: .mp4, .gif, or .png for one numbered file for each picture; default: a temporary .mp4.
+            output: file to write: .mp4, .gif, or .png for one numbered file for each frame; default: a temporary .mp4.
             size: width and height in pixels; default: (1280, 720); GIF: (800, 450).
             fps: frames per second; default: 30; GIF: 25.
-            speed: seconds of the run per second of the film; default: the film takes about 8 s.
+            speed: seconds of the run per second of the video; default: the video lasts about 8 s.
             camera: "follow" or "fixed", and one of "iso", "front", "side", "top", such as "follow,side"; default: "iso", following a machine
                 that flies.
             start: first time in s; default: that of the run.
@@ -191,7 +191,7 @@ class Result(Mapping[str, NDArray[np.float64]]):
             progress: show a progress bar; default: in notebooks with tqdm.
 
         Returns:
-            The film, which notebooks play in the cell; its `path` is the file.
+            The video, which notebooks play in the cell; its `path` is the file.
 
         Raises:
             UsageError: for a format that is not supported, or a setting out of its range.

@@ -84,7 +84,7 @@ class RotorStudies:
         settings: Settings = None,
         progress: Optional[bool] = None,
     ) -> Campbell:
-        """Compute the modes of a rotor as functions of its speed, in the ground frame, as `foldwing modes --vary rotor_speed_rpm=…`.
+        """Compute the modes of a rotor as functions of its speed, in the fixed frame, as `foldwing modes --vary rotor_speed_rpm=…`.
 
         Args:
             speed_rpm: speeds, rising or falling; more are inserted where mode tracking requires it.
@@ -258,7 +258,7 @@ class Periodic(Shapes):
 
 
 class Campbell:
-    """Modes of a rotor as functions of its speed, in the ground frame. `data` contains the output of `foldwing modes --vary
+    """Modes of a rotor as functions of its speed, in the fixed frame. `data` contains the output of `foldwing modes --vary
     rotor_speed_rpm=… --json`."""
 
     def __init__(self, data: Dict[str, Any]) -> None:
@@ -280,7 +280,7 @@ class Campbell:
         """Dominant motion of each mode at the majority of the speeds, e.g. `tower side-side`, `blade1 flap, backward`."""
 
     def plot(self, *, axes: Any = None) -> Any:
-        """Plot the Campbell diagram: frequencies in Hz over the rotor speed in rpm, with the multiples 1P, 3P and 6P. Returns the figure."""
+        """Plot the Campbell diagram: frequencies in Hz versus rotor speed in rpm, with the multiples 1P, 3P and 6P. Returns the figure."""
         with style() as pyplot:
             figure, (place,) = panels(pyplot, 1, axes)
             for mode, motion in enumerate(self.motions):
@@ -350,7 +350,7 @@ class OperatingPoints:
         return table(repr(self)[1:-1], ("wind (m/s)", "speed (rpm)", "pitch (deg)", "state", *names), rows)
 
     def plot(self, names: Union[None, str, Sequence[str]] = None, *, axes: Any = None) -> Any:
-        """Plot means of outputs over the wind speed, one panel for each, with bars from the peak-to-peak values of periodic states.
+        """Plot means of outputs versus wind speed, one panel for each, with bars from the peak-to-peak values of periodic states.
 
         Args:
             names: names of outputs; default: power, thrust and torque of the rotor if there are any, else the first three.

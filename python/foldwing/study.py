@@ -33,7 +33,7 @@ class Equilibrium:
         """Force of the model on the root in N, root frame, shape (3,)."""
         self.root_moment_N_m: NDArray[np.float64] = np.array(data["root"]["moment_N_m"])
         """Moment of the model on the root in N·m, root frame, shape (3,)."""
-        self.doubts: List[str] = list(data["doubts"])
+        self.warnings: List[str] = list(data["warnings"])
         """Warnings: assumptions of the aerodynamic models that the machine does not meet, and joints that may not be where they are meant
         to be: open latches, hinges that have rotated by more than half a revolution."""
 
@@ -157,7 +157,7 @@ class Flutter(Shapes):
         self.changes: List[Dict[str, Any]] = list(data["changes"])
         """Other events between two speeds: `kind` ("latch", "jump" of the equilibrium, "unstable": a growing mode, "divergence": a change of
         sign without a converged speed), `between_m_s`, `text`."""
-        self.doubts: List[str] = list(data["doubts"])
+        self.warnings: List[str] = list(data["warnings"])
         """Warnings: assumptions of the aerodynamic models that the machine does not meet at one of the speeds."""
         self.modes_tracked: int = int(data["modes_tracked"])
         """Number of modes tracked."""
@@ -176,7 +176,7 @@ class Flutter(Shapes):
         return np.where(oscillates, -self.eigenvalues_1_s.real / np.where(size > 0.0, size, 1.0), np.nan)
 
     def plot(self, *, axes: Any = None) -> Any:
-        """Plot damping ratio in % and frequency in Hz of each mode over the wind speed, with flutter and divergence marked. Returns the
+        """Plot damping ratio in % and frequency in Hz of each mode versus wind speed, with flutter and divergence marked. Returns the
         figure."""
         with style() as pyplot:
             figure, places = panels(pyplot, 2, axes)
@@ -189,7 +189,7 @@ class Flutter(Shapes):
                 place.set_ylabel(label)
                 labelled(place)
             if axes is None:
-                figure.suptitle(f"{self.name}: modes over the wind speed", x=0.01, ha="left", fontsize=11.5)
+                figure.suptitle(f"{self.name}: modes versus wind speed", x=0.01, ha="left", fontsize=11.5)
             places[-1].set_xlabel("wind speed (m/s)")
         return figure
 
@@ -267,8 +267,8 @@ class Trim:
         """Values of the target outputs at equilibrium, by name."""
         self.settings: Dict[str, Start] = {**settings, **data["settings"]}
         """Given start values merged with the solution: pass as `settings=` to other analyses and runs."""
-        self.doubts: List[str] = list(data["doubts"])
-        """Warnings as in `Equilibrium.doubts`, at the solution."""
+        self.warnings: List[str] = list(data["warnings"])
+        """Warnings as in `Equilibrium.warnings`, at the solution."""
 
     def _repr_html_(self) -> str:
         rows = [("solved", name, value) for name, value in self.free.items()]

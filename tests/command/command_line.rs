@@ -892,7 +892,7 @@ fn trim_balances_a_free_aircraft() {
     for name in ["spiral", "phugoid", "dutch roll", "short period"] {
         assert!(modes.contains(&format!("{name}: ")), "{modes}");
     }
-    refuses(&foldwing(&["static", aircraft]), 3, "remain on the free joint \"flight\"; trim the machine");
+    refuses(&foldwing(&["static", aircraft]), 3, "remain on the free joint \"flight\"; trim the model");
     // a single elevator rolls the aircraft
     let lame = [
         "trim",
@@ -1038,7 +1038,7 @@ fn trim_flies_a_steady_turn() {
     let refused = |text: &str, arguments: &[&str]| refuses(&foldwing(arguments), 2, text);
     let wing = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/flared_wing_tip.toml");
     let held = ["trim", wing, "--solve-for", "wind.velocity.z", "--target", "root.force.z=0", "--set", "turn.rate=0.1"];
-    refused("only a machine on a free joint can fly a steady turn", &held);
+    refused("only a model on a free joint can fly a steady turn", &held);
     refused("the value is not a finite number", &[&straight[..], &["--set", "turn.rate=nan"]].concat());
     let moved = [&turn[..], &["--set", "root.angular_velocity.z=0.1"]].concat();
     refused("a turn sets root.acceleration and root.angular_velocity", &moved);

@@ -33,7 +33,7 @@ fn word(bytes: &[u8], index: usize) -> u32 {
     u32::from_be_bytes(bytes[4 * index..4 * index + 4].try_into().unwrap())
 }
 
-/// A film of a model and one of its page have the same bytes: same pictures, same length; the summary gives the settings chosen.
+/// A film of a model and one of its page have the same bytes: same frames, same length; the summary gives the settings chosen.
 #[test]
 fn films_of_models_and_pages_agree() {
     let folder = tempfile::tempdir().unwrap();
@@ -45,7 +45,7 @@ fn films_of_models_and_pages_agree() {
     let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     let file = read("model.mp4");
     assert!(file == read("page.mp4"), "the film of the page differs");
-    assert_eq!((told["pictures"].as_u64(), told["speed"].as_f64()), (Some(121), Some(0.05)));
+    assert_eq!((told["frames"].as_u64(), told["speed"].as_f64()), (Some(121), Some(0.05)));
     assert_eq!((told["camera"].as_str(), &told["files"][0]), (Some("fixed"), &"model.mp4".into()));
     let track: [&[u8; 4]; 4] = [b"moov", b"trak", b"mdia", b"mdhd"];
     let head = box_of(&file, &track);
@@ -53,22 +53,22 @@ fn films_of_models_and_pages_agree() {
     let table = |kind: &'static [u8; 4]| box_of(&file, &[b"moov", b"trak", b"mdia", b"minf", b"stbl", kind]);
     let sizes = table(b"stsz");
     assert_eq!(word(sizes, 2), 121);
-    // the pictures fill the data, each preceded by its length
+    // the frames fill the data, each preceded by its length
     let (data, first) = (box_of(&file, &[b"mdat"]), word(table(b"stco"), 2) as usize);
     let mut at = file.len() - data.len();
     assert_eq!(at, first);
-    for picture in 0..121 {
-        let size = word(sizes, 3 + picture) as usize;
+    for frame in 0..121 {
+        let size = word(sizes, 3 + frame) as usize;
         assert_eq!(u32::from_be_bytes(file[at..at + 4].try_into().unwrap()) as usize + 4, size);
         at += size;
     }
     assert_eq!(at, file.len());
 }
 
-/// Numbered pictures start at 1, one per picture; files of other origin stop the command before the run. A film of a part of the run shows
+/// Numbered files start at 1, one per frame; files of other origin stop the command before the run. A film of a part of the run shows
 /// its times.
 #[test]
-fn pictures_are_numbered() {
+fn frames_are_numbered() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["render", WING, "--video", "p/wing.png", "--size", "160x90", "--fps", "10"];
     let part = ["--from", "0.1", "--to", "0.2", "--speed", "0.1", "--json"];

@@ -2,7 +2,6 @@
 
 mod command_line;
 mod day_to_day;
-mod doubts;
 mod files;
 mod film;
 mod fit;
@@ -13,6 +12,7 @@ mod slips;
 mod starter;
 mod sweep;
 mod verdicts;
+mod warnings;
 #[path = "../verification/whole.rs"]
 mod whole;
 

@@ -246,14 +246,14 @@ fn check_names_a_motor_that_pulls_away_from_the_latch() {
 
 /// Wind from behind used to be accepted without a warning, and a latch was judged without the wind of the model.
 #[test]
-fn check_doubts_wind_from_behind_and_leaves_the_air_out_by_name() {
+fn check_warns_of_wind_from_behind_and_excludes_the_air() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("behind.toml");
     let text = std::fs::read_to_string(TUNNEL).unwrap();
     std::fs::write(&path, text.replace("wind_m_s = [0.0, -22.0, 0.0]", "wind_m_s = [0.0, 22.0, 0.0]")).unwrap();
     let answer = foldwing(&["check", path.to_str().unwrap()]);
-    let doubts = String::from_utf8_lossy(&answer.stderr).into_owned();
-    assert!(doubts.contains("from behind, at 177 deg from its chord"), "{doubts}");
+    let warnings = String::from_utf8_lossy(&answer.stderr).into_owned();
+    assert!(warnings.contains("from behind, at 177 deg from its chord"), "{warnings}");
     let along = foldwing(&["check", TUNNEL]);
     assert!(!String::from_utf8_lossy(&along.stderr).contains("from its chord"));
     let text = succeeds(&along);

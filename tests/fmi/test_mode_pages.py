@@ -23,7 +23,7 @@ PHASES, CYCLE = 48, 24
 
 @pytest.fixture(scope="module")
 def pages(foldwing, tmp_path_factory):
-    """Pages of modes about an equilibrium, with aerodynamics beyond flutter, over the wind speed, and about a periodic motion."""
+    """Pages of modes about an equilibrium, with aerodynamics beyond flutter, versus wind speed, and about a periodic motion."""
     folder = tmp_path_factory.mktemp("modes")
     for name, arguments in {
         "wing": ["modes", WING],

@@ -20,10 +20,11 @@ VIEWED = ["folding_wing", "folding_wing_in_tunnel", "branched", "curved_blade", 
 MAXIMUM_BYTES = 10_000_000
 MODEL = ROOT / "examples/models/folding_wing.toml"
 
-# Bounds of a picture: 20 of anything but bodies, and a few for each of those, twice for the shadow. The models need a third.
+# Largest number of draw calls and triangles of a frame: 20 calls for everything except the bodies and a few for each body, twice because
+# of the shadow. The models need a third of it.
 MAXIMUM_CALLS, MAXIMUM_TRIANGLES = 150, 40_000
 
-# Colours of the stage: share of its pixels that are not background, and how many colours they have.
+# Pixels of the canvas: fraction that is not background, and number of distinct colours.
 PIXELS = """(() => {
   render();
   const gl = renderer.getContext(), width = canvas.width, height = canvas.height, data = new Uint8Array(4 * width * height);

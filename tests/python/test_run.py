@@ -270,13 +270,13 @@ def test_results_go_where_they_are_wanted(wing, tmp_path):
 
 
 def test_films_are_decoded_with_their_length(wing, tmp_path, command):
-    """The GIF by Pillow, the MP4 by FFmpeg if PyAV is installed: pictures, length, size, and the wing in the last picture."""
+    """The GIF by Pillow, the MP4 by FFmpeg if PyAV is installed: frames, length, size, and the wing in the last frame."""
     from PIL import Image
 
     run = wing.simulate(stop=0.2, outputs=["fold.angle"])
     film = run.video(tmp_path / "wing.gif", size=(320, 180), fps=10, speed=0.1, camera="fixed,side")
-    assert (film.pictures, film.speed, film.camera, film.span) == (21, 0.1, "fixed", (0.0, 0.2))
-    assert "<img" in film._repr_html_() and repr(film).startswith("<foldwing.Film ")
+    assert (film.frames, film.speed, film.camera, film.span) == (21, 0.1, "fixed", (0.0, 0.2))
+    assert "<img" in film._repr_html_() and repr(film).startswith("<foldwing.Video ")
     with Image.open(film.path) as image:
         assert image.n_frames == 21 and image.size == (320, 180)
         length = 0
@@ -296,7 +296,7 @@ def test_films_are_decoded_with_their_length(wing, tmp_path, command):
     assert (tmp_path / "same.gif").read_bytes() == film.path.read_bytes()
     film = run.video(size=(320, 180), fps=10, speed=0.1, camera="fixed,side")
     assert film.path.suffix == ".mp4" and "<video" in film._repr_html_()
-    with pytest.raises(fw.UsageError, match="output=.*films are .mp4"):
+    with pytest.raises(fw.UsageError, match="output=.*videos are .mp4"):
         run.video(tmp_path / "wing.webm")
     with pytest.raises(fw.UsageError, match="size=20x20: must be"):
         run.video(tmp_path / "wing.mp4", size=(20, 20))
@@ -304,9 +304,9 @@ def test_films_are_decoded_with_their_length(wing, tmp_path, command):
         run.video(tmp_path / "wing.mp4", camera="below")
     av = pytest.importorskip("av", reason="PyAV is not installed: the MP4 is decoded where it is")
     with av.open(str(film.path)) as container:
-        pictures = [picture.to_ndarray(format="rgb24") for picture in container.decode(video=0)]
-    assert len(pictures) == 21 and pictures[0].shape == (180, 320, 3)
-    assert np.abs(pictures[-1] - drawn).mean() < 1.5  # chrominance has half the resolution
+        images = [image.to_ndarray(format="rgb24") for image in container.decode(video=0)]
+    assert len(images) == 21 and images[0].shape == (180, 320, 3)
+    assert np.abs(images[-1] - drawn).mean() < 1.5  # chrominance has half the resolution
 
 
 @pytest.fixture

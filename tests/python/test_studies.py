@@ -170,6 +170,6 @@ def test_equilibria_have_the_warnings_of_the_command(tmp_path):
     )
     pendulum = fw.load(path)
     trim = pendulum.trim("hinge.external_torque", {"hinge.angle": np.pi / 2.0})
-    for doubts in (pendulum.static().doubts, trim.doubts):
-        assert len(doubts) == 1 and doubts[0].startswith("the latch of joint hinge at 120 deg is open"), doubts
-    assert pendulum.static(settings={"hinge.latch_enable": False}).doubts == []
+    for warnings in (pendulum.static().warnings, trim.warnings):
+        assert len(warnings) == 1 and warnings[0].startswith("the latch of joint hinge at 120 deg is open"), warnings
+    assert pendulum.static(settings={"hinge.latch_enable": False}).warnings == []

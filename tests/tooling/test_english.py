@@ -49,6 +49,10 @@ PHRASES = [
     r"\bseen from the ground\b|\bas the ground sees\b",
     r"\btext behind\b|\bbehind a bar\b|\bgoes on below\b|\bwithout haste\b|\bof a GIF\b",
     r"\bmotion that every turn repeats\b|\bturns? (that )?repeats?\b",
+    r"\bdoubt(s|ed|ful)?\b",
+    r"\bground(-fixed)? frame\b",
+    r"(?<!sweep )(?<!sweeps )\bover the (wind|rotor) speed\b|\bover the speed of\b",
+    r"\bpull(s|ed)? at it\b|\bpresent computer\b|\bdescent steps?\b",
 ]
 # folders of Rust files whose comments are checked, and the phrases forbidden in them in addition to those above
 SOURCES = sorted(path for path in (ROOT / "crates/engine/src").iterdir() if path.is_dir()) + [
@@ -72,6 +76,8 @@ COMMENT_PHRASES = PHRASES + [
     r"\bstand(s|ing)? (at|in|on|beside|behind|before|for|there|still|together)\b",
     r"\bit remembers\b|\bis remembered\b",
     r"\btake[sn]? for (one|granted|round|a )\b|\btaken for\b",
+    r"\bbeside the present\b|\bof the present one\b",
+    r"\b(derivatives?|slopes?) (of [a-z ]+ )?by (the|all|its|a) (parameters?|inputs?|motion|state|loads|time|start|spin)\b",
 ]
 
 

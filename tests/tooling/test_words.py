@@ -1,4 +1,5 @@
-"""The pages to be read through (front page, tutorial, how-to, theory in brief) have at most 30 000 words; reference pages are excluded."""
+"""The pages to be read through (front page, tutorial, how-to, theory in brief) have at most 30 000 words; reference pages are excluded. Rows
+of tables have the cells of their header."""
 
 import importlib.util
 import re
@@ -42,3 +43,21 @@ def test_every_picture_to_read_says_what_to_see():
             pictures += 1
             silent += [] if found[2].startswith("*What to see: ") else [f"{path.name}: {found[1]}"]
     assert pictures >= 20 and not silent, silent
+
+
+def uneven_rows(text):
+    """Numbers of the rows that have another number of cells than the header of their table; renderers drop additional cells."""
+    found, cells, fenced = [], None, False
+    for number, line in enumerate(text.splitlines(), 1):
+        fenced ^= line.lstrip().startswith("```")
+        own = len(re.findall(r"(?<!\\)\|", line)) if line.startswith("|") and not fenced else None
+        found += [number] if own and cells and own != cells else []
+        cells = cells if own and cells else own
+    return found
+
+
+def test_rows_of_tables_have_the_cells_of_their_header():
+    assert uneven_rows("| a | b |\n|---|---|\n| 1 | 2 | | 3 |\n| x \\| y | 2 |\n\n| a |\n") == [3]
+    pages = [path for path in ROOT.glob("*.md")] + sorted((ROOT / "docs").rglob("*.md"))
+    uneven = [f"{path.relative_to(ROOT)}:{number}" for path in pages for number in uneven_rows(path.read_text(encoding="utf-8"))]
+    assert len(pages) > 100 and not uneven, uneven

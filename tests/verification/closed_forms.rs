@@ -90,7 +90,7 @@ fn inclined_axes_of_a_universal_joint() {
 /// Dampers of a ball joint dissipate exactly the energy lost, and those of a universal joint with inclined axes act on the rates about
 /// these axes, eq. (A5). The tolerance of 1e-9 in a few hundred steps.
 #[test]
-fn dampers_of_joints_with_several_freedoms() {
+fn dampers_of_joints_with_several_degrees_of_freedom() {
     let top = || Body::rigid("top").inertia(2.0, [0.3, 0.0, 0.0], Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3)));
     let damper = Motor { damping_n_m_s_rad: 0.8, ..Motor::default() };
     let ball = Joint::ball("ball").motor(damper.clone()).start_angular_velocity_rad_s([1.0, -2.0, 0.5]);

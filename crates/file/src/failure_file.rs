@@ -27,8 +27,8 @@ pub(super) struct FailureFile {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub delay_s: f64,
-    /// Remaining fraction of stiffness and damping. For `spring_break` and `loop_break`, default 0; `stiffness_loss`
-    /// requires it, and the body keeps at least 1e-6 of its stiffness.
+    /// Remaining fraction of stiffness and damping. For `spring_break` and `loop_break`, default 0. For
+    /// `stiffness_loss` it is required and must be at least 1e-6.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub remaining_fraction: Option<f64>,
     /// Final neutral angle of a motor runaway.

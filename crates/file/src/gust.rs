@@ -85,11 +85,11 @@ fn turbulence(
         checker.refuse(&["gust", name, "scale_m"], "a finite length > 0 m");
         return None;
     };
-    let way = gust.direction.map_or(*wind_m_s, Vector3::from);
+    let direction = gust.direction.map_or(*wind_m_s, Vector3::from);
     let velocity_m_s = Vector3::from(gust.velocity_m_s);
-    let component = match (way.try_normalize(0.0), velocity_m_s.try_normalize(0.0)) {
-        (Some(way), Some(velocity)) if way.cross(&velocity).norm() <= ALIGNED => Component::Longitudinal,
-        (Some(way), Some(velocity)) if way.dot(&velocity).abs() > ALIGNED => {
+    let component = match (direction.try_normalize(0.0), velocity_m_s.try_normalize(0.0)) {
+        (Some(direction), Some(velocity)) if direction.cross(&velocity).norm() <= ALIGNED => Component::Longitudinal,
+        (Some(direction), Some(velocity)) if direction.dot(&velocity).abs() > ALIGNED => {
             let allowed = "a velocity parallel or perpendicular to the direction of travel, for which the spectra \
                            differ; write one gust for each component, with separate seeds";
             checker.refuse(&["gust", name, "velocity_m_s"], allowed);

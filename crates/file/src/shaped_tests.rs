@@ -1,7 +1,7 @@
 //! Model files with sections by shape: their machines, errors and warnings.
 
 use crate::shapes::{MATERIALS, NamedMaterial};
-use crate::{doubts, parse, section_properties};
+use crate::{parse, section_properties, warnings};
 use foldwing_engine::math::strain::{FLAP, STRETCH, TWIST};
 
 /// Model file of a beam 1 m long with a section.
@@ -173,10 +173,10 @@ fn impossible_sections_are_refused() {
 
 /// There are warnings for shear deflection, restrained warping and an elastic axis away from the shear centre, but not for a slender tube.
 #[test]
-fn shapes_beyond_the_beams_are_doubted() {
-    assert_eq!(doubts(&beam(TUBE)), []);
+fn shapes_beyond_the_beams_have_a_warning() {
+    assert_eq!(warnings(&beam(TUBE)), []);
     let short = beam(TUBE).replace("length_m = 1.0", "length_m = 0.2");
-    let found = doubts(&short);
+    let found = warnings(&short);
     assert!(found.len() == 1 && found[0].key == "section.spar", "{found:?}");
     // 3 EI/(GA L²)
     let properties = &section_properties(&short)[0].sections[0].properties;
@@ -187,10 +187,10 @@ fn shapes_beyond_the_beams_are_doubted() {
     );
     let shear = |stated: &str| short.replace("length_m = 0.2", &format!("length_m = 0.2\n{stated}"));
     for stated in ["shear = true", "shear = false"] {
-        assert_eq!(doubts(&shear(stated)), [], "{stated}");
+        assert_eq!(warnings(&shear(stated)), [], "{stated}");
     }
     let channel = beam("shape = \"C\"\nwidth_m = 0.03\nheight_m = 0.04\nwall_m = 0.001\nmaterial = \"foil\"");
-    let found = doubts(&channel);
+    let found = warnings(&channel);
     assert!(found.len() == 1 && found[0].reason.contains("an open section"), "{found:?}");
     let profile =
         beam("shape = \"profile\"\nchord_m = 0.1\naerofoil = \"naca0012\"\nskin_wall_m = 0.0004\nmaterial = \"foil\"")
@@ -201,17 +201,17 @@ fn shapes_beyond_the_beams_are_doubted() {
              elastic_axis_fraction = {fraction}\nstrips = 4\n"
         )
     };
-    let found = doubts(&axis(0.5));
-    let wing: Vec<_> = found.iter().filter(|doubt| doubt.key == "surface.wing.elastic_axis_fraction").collect();
+    let found = warnings(&axis(0.5));
+    let wing: Vec<_> = found.iter().filter(|warning| warning.key == "surface.wing.elastic_axis_fraction").collect();
     assert_eq!(wing.len(), 1, "{found:?}");
     let proposed: f64 = wing[0].advice.rsplit(' ').next().and_then(|number| number.parse().ok()).expect("a number");
     assert!((0.2..0.4).contains(&proposed), "{proposed}");
     assert!(
-        doubts(&axis(proposed)).iter().all(|doubt| !doubt.key.starts_with("surface")),
-        "the value proposed is not doubted"
+        warnings(&axis(proposed)).iter().all(|warning| !warning.key.starts_with("surface")),
+        "the value proposed has no warning"
     );
     let soft = beam(TUBE).replace("70e9", "70.0").replace("2700", "2.7");
-    let keys: Vec<String> = doubts(&soft).into_iter().map(|doubt| doubt.key).collect();
+    let keys: Vec<String> = warnings(&soft).into_iter().map(|warning| warning.key).collect();
     assert!(
         keys.contains(&"material.foil.youngs_modulus_Pa".to_owned())
             && keys.contains(&"material.foil.density_kg_m3".to_owned())

@@ -4,7 +4,7 @@ use crate::body::BodyFile;
 use crate::document::Document;
 use crate::station_file::StationTable;
 
-/// Deflection by shear over that by bending above which there is a doubt.
+/// Deflection by shear over that by bending above which there is a warning.
 const MAXIMUM_SHEAR: f64 = 0.01;
 
 /// Returns whether a body has no deflection by shear without `shear = false` in its keys: it may have been left out inadvertently.
@@ -12,12 +12,12 @@ pub(super) fn is_unstated(name: &str, body: &BodyFile, document: &Document) -> b
     !body.shear && document.find(&["body", name, "shear"]).is_none()
 }
 
-/// Reason and advice of the doubt about bodies of one section without deflection by shear, from each one's share of the deflection by
+/// Reason and advice of the warning about bodies of one section without deflection by shear, from each one's share of the deflection by
 /// bending; `None` if all shares are small.
 pub(super) fn neglected_shear(bodies: &[(&str, f64)]) -> Option<(String, String)> {
-    let doubted: Vec<&(&str, f64)> = bodies.iter().filter(|(_, share)| *share > MAXIMUM_SHEAR).collect();
-    let percent = 100.0 * doubted.iter().map(|(_, share)| *share).fold(0.0, f64::max);
-    let reason = match doubted.as_slice() {
+    let deflected: Vec<&(&str, f64)> = bodies.iter().filter(|(_, share)| *share > MAXIMUM_SHEAR).collect();
+    let percent = 100.0 * deflected.iter().map(|(_, share)| *share).fold(0.0, f64::max);
+    let reason = match deflected.as_slice() {
         [] => return None,
         [(name, _)] => {
             format!(

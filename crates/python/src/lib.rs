@@ -58,7 +58,7 @@ fn film(
 ) -> PyResult<Py<PyAny>> {
     let word = |word: &String| Camera::of(word).map_err(|failure| refusal::command(&failure));
     let camera = camera.iter().map(word).collect::<PyResult<_>>()?;
-    let settings = FilmSettings { size, pictures_per_s: fps, speed, camera, span_s: span };
+    let settings = FilmSettings { size, frames_per_s: fps, speed, camera, span_s: span };
     let (mut progress, mut raised) = (Progress::new(progress), None);
     let drawn = |done: usize, total: usize| {
         progress.at(done as f64 / total as f64).map_err(|error| {

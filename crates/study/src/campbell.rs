@@ -1,4 +1,4 @@
-//! Modes of a rotor as functions of its speed, in the ground frame: the Campbell diagram.
+//! Modes of a rotor as functions of its speed, in the fixed frame: the Campbell diagram.
 
 use crate::branches::pool;
 use crate::values::{Setting, SettingError, plant_with};
@@ -11,7 +11,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Error message of the transformation to the ground frame if coefficients change with the azimuth.
+/// Error message of the transformation to the fixed frame if coefficients change with the azimuth.
 const ANISOTROPIC: &str = "the rotor is not isotropic";
 /// Steps per revolution. With 24 of them in a period, the fourth-order method has a frequency error of 4e-6.
 const STEPS: usize = 720;
@@ -43,7 +43,7 @@ impl Default for Options {
     }
 }
 
-/// Modes of a rotor as functions of its speed, in the ground frame.
+/// Modes of a rotor as functions of its speed, in the fixed frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Campbell {
     /// Name of the machine.
@@ -122,7 +122,7 @@ pub enum CampbellError {
 
 /// Tracks the modes of a rotor as its speed varies.
 ///
-/// Without aerodynamics, gravity, loads and root motion, and with identical blades, they are the modes of one linearisation in the ground
+/// Without aerodynamics, gravity, loads and root motion, and with identical blades, they are the modes of one linearisation in the fixed
 /// frame; otherwise the modes about the periodic motion, with the shaft held at its speed. If modes cannot be matched, speeds are
 /// inserted. A speed without modes ends the sweep: [`Campbell::ended`].
 ///
@@ -195,7 +195,7 @@ pub fn over_speed_watched(
     Ok(Campbell { machine: machine.name.clone(), blades, branches, disturbance, ended })
 }
 
-/// Floquet modes about the periodic motion, NOTATION eqs. (L32) to (L35), in the ground frame.
+/// Floquet modes about the periodic motion, NOTATION eqs. (L32) to (L35), in the fixed frame.
 fn about_motion(machine: &Machine, options: &Options, speed_rpm: f64) -> Result<Vec<ModeShape>, CampbellError> {
     let start_s = machine.experiment.start_time_s;
     let (machine, turn) = Turn::of(machine, options.shaft.as_deref(), Some(speed_rpm * PI / 30.0), STEPS)

@@ -20,7 +20,7 @@ pub mod branches;
 
 pub mod values;
 
-pub mod doubts;
+pub mod warnings;
 
 pub mod flutter;
 

@@ -7,5 +7,5 @@ mod exports;
 mod marks;
 mod session;
 
-pub use marks::{Mark, Severity, doubts, marks};
+pub use marks::{Mark, Severity, marks, warnings};
 pub use session::{Refusal, Session, State};

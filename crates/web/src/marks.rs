@@ -64,12 +64,12 @@ pub fn marks(text: &str, error: &config::ConfigError) -> Vec<Mark> {
 }
 
 /// Warnings about implausible values in the text of a valid model.
-pub fn doubts(text: &str) -> Vec<Mark> {
-    let mark = |doubt: &config::Doubt| {
-        let message = format!("key '{}': {}; {}", doubt.key, doubt.reason, doubt.advice);
-        Mark::new(Severity::Warning, text, (doubt.line, &doubt.span), message)
+pub fn warnings(text: &str) -> Vec<Mark> {
+    let mark = |warning: &config::Warning| {
+        let message = format!("key '{}': {}; {}", warning.key, warning.reason, warning.advice);
+        Mark::new(Severity::Warning, text, (warning.line, &warning.span), message)
     };
-    config::doubts(text).iter().map(mark).collect()
+    config::warnings(text).iter().map(mark).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! One text and its run.
 
-use crate::marks::{Mark, doubts, marks};
+use crate::marks::{Mark, marks, warnings};
 use foldwing_engine::plant::Plant;
 use foldwing_file as config;
 use foldwing_fmi::interface::Interface;
@@ -58,7 +58,7 @@ impl Session {
         let grid = Grid::new(experiment.start_time_s, experiment.stop_time_s, experiment.step_s);
         let plant = Plant::new(Arc::new(machine));
         let run = Run::start(plant, interface, grid, frames).map_err(|error| Refusal::Start(error.to_string()))?;
-        Ok(Self { run, warnings: doubts(text), failure: None })
+        Ok(Self { run, warnings: warnings(text), failure: None })
     }
 
     /// Takes at most `steps` communication steps.

@@ -258,7 +258,7 @@ fn q91_a_latch_between_two_equilibria_is_named() {
     let latch = format!("[joint.shaft.latch]\nkind = \"rigid\"\nangle_deg = {:?}\n", 0.2f64.to_degrees());
     let (_, refused) = at_rest(&vane(start_deg, &latch));
     let message = refused.expect_err("no equilibrium").to_string();
-    assert!(message.contains("the latch of shaft would have to pull its joint back"), "{message}");
+    assert!(message.contains("no state of the latch of shaft is consistent"), "{message}");
     assert!(message.contains("choose a start angle near the equilibrium, or disable the latch"), "{message}");
     // without the latch, from the far side of the latch, and with the latch disabled; the vane itself twists by 1e-6 rad
     let angle_rad = |plant: &Plant| plant.outputs().joints()[0].angle_rad;

@@ -45,7 +45,7 @@ const GRAIN_PAIRS: u32 = 8;
 
 /// Factor on the estimated error of a derivative from close steps within which other estimates must agree: extrapolation amplifies
 /// round-off.
-const DOUBT: f64 = 4.0;
+const AGREEMENT: f64 = 4.0;
 
 /// Error of a difference of two values, in multiples of their round-off.
 const ROUND_OFFS: f64 = 8.0;
@@ -102,7 +102,7 @@ fn derivative_off_corners(
 ) -> (DVector<f64>, DVector<f64>) {
     surest(steps, grain, at, |kept, wide, i| {
         let scattered = if wide.spread[i] <= kept.spread[i] { kept.spread[i] } else { 0.0 };
-        (wide.value[i] - kept.value[i]).abs() <= wide.error[i] + DOUBT * kept.error[i] + scattered
+        (wide.value[i] - kept.value[i]).abs() <= wide.error[i] + AGREEMENT * kept.error[i] + scattered
     })
 }
 

@@ -26,7 +26,7 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ("flight/folding_aircraft.toml", "no steady flight"),
     ("flying_aircraft.toml", "no steady flight"),
     ("models/flying_wing.toml", "no steady flight"),
-    ("models/double_pendulum.toml", "no stiffness against a motion of joint"),
+    ("models/double_pendulum.toml", "no stiffness resists a motion of joint"),
 ];
 
 /// Paths of all model files below `examples`, sorted.

@@ -169,7 +169,7 @@ fn wt73_modes_that_directions_do_not_find() {
 }
 
 /// WT-74. A rigid body clamped to the hub at an angle is not a blade: the listed modes and the averaged model do not change beyond the
-/// error of the products. Unequal blades have no transformation to the ground frame, and the cause is reported.
+/// error of the products. Unequal blades have no transformation to the fixed frame, and the cause is reported.
 #[test]
 fn wt74_a_spinner_is_no_blade() {
     let rotor = Resonance::of(3);

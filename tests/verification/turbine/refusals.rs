@@ -156,7 +156,10 @@ fn wt25_blades_without_air_are_named() {
 #[test]
 fn wt26_holes_in_polars_and_winds_are_named() {
     let sound = with_polars(WIND_TEXT);
-    assert_eq!(config::doubts(&sound).iter().map(|doubt| doubt.key.clone()).collect::<Vec<_>>(), Vec::<String>::new());
+    assert_eq!(
+        config::warnings(&sound).iter().map(|warning| warning.key.clone()).collect::<Vec<_>>(),
+        Vec::<String>::new()
+    );
     let polar = "[polar.cylinder1]\nfile = \"polars/cylinder1.csv\"";
     let with = |rows: &str| with_polars(&WIND_TEXT.replacen(polar, &format!("[polar.cylinder1]\nrows = {rows}"), 1));
     for (rows, words) in [
@@ -178,22 +181,22 @@ fn wt26_holes_in_polars_and_winds_are_named() {
     }
     // rows missing in a polar that is not constant
     let text = with("[[-180, 0, 0.5, 0], [-20, -0.9, 0.3, 0], [20, 0.9, 0.3, 0], [180, 0, 0.5, 0]]");
-    let doubts = config::doubts(&text);
-    assert_eq!(doubts.len(), 1, "{doubts:?}");
+    let warnings = config::warnings(&text);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
     assert!(
-        doubts[0].key.starts_with("polar.cylinder1") && doubts[0].reason == "no row between -180 and -20 deg",
-        "{doubts:?}"
+        warnings[0].key.starts_with("polar.cylinder1") && warnings[0].reason == "no row between -180 and -20 deg",
+        "{warnings:?}"
     );
     // a constant polar needs no rows in between
-    assert_eq!(config::doubts(&with("[[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]")), Vec::new());
+    assert_eq!(config::warnings(&with("[[-180, 0, 0.5, 0], [180, 0, 0.5, 0]]")), Vec::new());
 
     let wind = "[wind]\nreference_height_m = 90.0\nreference_length_m = 126.0\ntable = ROWS\n\n[surface.blade]";
     let blown = |rows: &str| sound.replacen("[surface.blade]", &wind.replace("ROWS", rows), 1);
     let told = config::parse(&blown("[[0, 8, 0, 0, 0, 0.2, 0, 0], [10, 9, 0, 0, 0, 0.2, 0]]"), "turbine.toml");
     assert!(told.expect_err("a row cut short").to_string().contains("wind.table"));
-    let doubts = config::doubts(&blown("[[0, 8, 0, 0, 0, 0.2, 0, 0], [10, 9, 0, 0, 0, 0.2, 0, 0]]"));
-    assert_eq!(doubts.len(), 1, "{doubts:?}");
-    assert!(doubts[0].reason == "the wind ends at 10 s, the run at 60 s", "{doubts:?}");
+    let warnings = config::warnings(&blown("[[0, 8, 0, 0, 0, 0.2, 0, 0], [10, 9, 0, 0, 0, 0.2, 0, 0]]"));
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].reason == "the wind ends at 10 s, the run at 60 s", "{warnings:?}");
 }
 
 /// WT-27. A pitch beyond the polar's range still gives loads: angles of attack are periodic. Pitched by a full revolution, and by 200 and

@@ -1,4 +1,4 @@
-//! Modes of rotors in rotation, in the ground frame: compared with closed forms and OpenFAST; errors.
+//! Modes of rotors in rotation, in the fixed frame: compared with closed forms and OpenFAST; errors.
 
 use crate::turbine::machine::*;
 use crate::turbine::resonance::Resonance;
@@ -38,7 +38,7 @@ fn share(mode: &ModeShape, whirl: Whirl) -> f64 {
     mode.whirl.iter().filter(|part| part.whirl == Some(whirl)).map(|part| part.share).sum()
 }
 
-/// WT-17. Blades on a rigid hub are uncoupled: in the ground frame each of OpenFAST's modes of one blade, `λ`, becomes a collective mode,
+/// WT-17. Blades on a rigid hub are uncoupled: in the fixed frame each of OpenFAST's modes of one blade, `λ`, becomes a collective mode,
 /// and whirls of `λ ± iΩ`. Bounds as in WT-02, relative to the magnitude of `λ`; modes must be pure whirls to round-off of the closest
 /// pair, 1e-6.
 #[test]
@@ -68,7 +68,7 @@ fn wt17_blades_on_a_stand_whirl_with_the_speed() {
     assert!(worst < 2e-5, "off by {worst:.1e}");
 }
 
-/// WT-18. The example at standstill: the modes in the ground frame equal those of the machine, computed without any transformation, to
+/// WT-18. The example at standstill: the modes in the fixed frame equal those of the machine, computed without any transformation, to
 /// round-off of fourteen digits after two more matrix products. Unlike OpenFAST's modes at standstill they exclude gravity, which softens
 /// the tower under the nacelle: 2 % is allowed, 1.8 % of the tower's frequency is observed. Motions have the names of NREL/TP-500-38060,
 /// Table 9-1.
@@ -184,7 +184,7 @@ fn refusal(found: Result<Vec<ModeShape>, PlantError>, words: &[&str]) {
     }
 }
 
-/// WT-20. Machines without modes in the ground frame are rejected with the cause: unequal blades, a missing blade, a flexible support with
+/// WT-20. Machines without modes in the fixed frame are rejected with the cause: unequal blades, a missing blade, a flexible support with
 /// two blades, no rotor.
 #[test]
 fn wt20_rotors_that_are_not_isotropic_are_refused() {

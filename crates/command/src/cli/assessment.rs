@@ -32,8 +32,7 @@ pub(super) struct Assessment {
     /// Inertia about the centre of mass in axes of the root frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
     inertia_kg_m2: [f64; 6],
     /// Largest displacement of a tip between the unstrained position and static equilibrium under gravity.
-    #[serde(rename = "static_deflection")]
-    pub(super) sag: Option<Sag>,
+    pub(super) static_deflection: Option<StaticDeflection>,
     /// Lowest natural frequencies about this equilibrium, joints held.
     #[serde(rename = "natural_frequencies_Hz")]
     pub(super) frequencies_hz: Vec<f64>,
@@ -47,13 +46,11 @@ pub(super) struct Assessment {
 }
 
 #[derive(Serialize)]
-pub(super) struct Sag {
+pub(super) struct StaticDeflection {
     pub body: String,
-    #[serde(rename = "deflection_m")]
-    pub way_m: f64,
+    pub deflection_m: f64,
     /// Longest distance from the root to a tip, measured along the bodies.
-    #[serde(rename = "length_m")]
-    pub extent_m: f64,
+    pub length_m: f64,
 }
 
 /// Efforts on a joint between its start and its latch or neutral angle, in N·m and degrees; N and m for a prismatic joint.
@@ -112,7 +109,7 @@ impl Assessment {
         let mut answer = Self {
             centre_of_mass_m: [0.0; 3],
             inertia_kg_m2: [0.0; 6],
-            sag: None,
+            static_deflection: None,
             frequencies_hz: Vec::new(),
             joints: Vec::new(),
             unknown: None,
@@ -127,7 +124,9 @@ impl Assessment {
         let unstrained: Vec<Vector3<f64>> = plant.outputs().tips().iter().map(|tip| tip.position_m).collect();
         // a new plant, because the bare one has no gravity
         match at_rest(&bare, &unstrained) {
-            Ok((sag, frequencies_hz)) => (answer.sag, answer.frequencies_hz) = (sag, frequencies_hz),
+            Ok((deflection, frequencies_hz)) => {
+                (answer.static_deflection, answer.frequencies_hz) = (deflection, frequencies_hz)
+            }
             Err(cause) => answer.unknown = Some(cause),
         }
         answer.joints = efforts(machine, |_| true);
@@ -147,15 +146,15 @@ impl Assessment {
         let mut text = format!(
             "centre of mass ({x:.4}, {y:.4}, {z:.4}) m; inertia about it Ixx {xx:.3e}, Iyy {yy:.3e}, Izz {zz:.3e} kg.m2\n"
         );
-        if let Some(sag) = &self.sag {
-            let share = 100.0 * sag.way_m / sag.extent_m.max(f64::MIN_POSITIVE);
-            let way_mm = 1e3 * sag.way_m;
+        if let Some(deflection) = &self.static_deflection {
+            let share = 100.0 * deflection.deflection_m / deflection.length_m.max(f64::MIN_POSITIVE);
+            let deflection_mm = 1e3 * deflection.deflection_m;
             let _ = writeln!(
                 text,
                 "static deflection under gravity {} mm at the tip of {} ({share:.1} % of {:.3} m), joints locked at their start",
-                short(way_mm),
-                sag.body,
-                sag.extent_m
+                short(deflection_mm),
+                deflection.body,
+                deflection.length_m
             );
         }
         if !self.frequencies_hz.is_empty() {
@@ -253,7 +252,7 @@ fn each_joint(machine: &mut Machine, change: impl Fn(&mut OneFreedom)) {
 }
 
 /// Returns static deflection and natural frequencies of a machine with held joints.
-fn at_rest(machine: &Machine, unstrained: &[Vector3<f64>]) -> Result<(Option<Sag>, Vec<f64>), String> {
+fn at_rest(machine: &Machine, unstrained: &[Vector3<f64>]) -> Result<(Option<StaticDeflection>, Vec<f64>), String> {
     if machine.spatials().next().is_some() {
         return Err(
             "joints with several degrees of freedom cannot be held; `foldwing static` and `foldwing modes` leave them free"
@@ -263,27 +262,25 @@ fn at_rest(machine: &Machine, unstrained: &[Vector3<f64>]) -> Result<(Option<Sag
     let mut plant = Plant::new(Arc::new(machine.clone()));
     let failed = |error: PlantError| error.to_string();
     plant.study().rest(machine.experiment.start_time_s, Holding::AsReleased, Search::default()).map_err(failed)?;
-    let extent_m = plant.tip_bodies().iter().map(|body| way_to_tip_m(machine, *body)).fold(0.0, f64::max);
-    let ways = plant.outputs().tips().iter().zip(unstrained).map(|(tip, place)| (tip.position_m - place).norm());
+    let length_m = plant.tip_bodies().iter().map(|body| distance_to_tip_m(machine, *body)).fold(0.0, f64::max);
+    let distances = plant.outputs().tips().iter().zip(unstrained).map(|(tip, place)| (tip.position_m - place).norm());
     let pulled = machine.gravity_m_s2.norm() > 0.0;
-    let sag = ways
-        .zip(plant.tip_bodies())
-        .filter(|_| pulled)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(way_m, body)| Sag { body: machine.bodies[*body].name.clone(), way_m, extent_m });
+    let deflection = distances.zip(plant.tip_bodies()).filter(|_| pulled).max_by(|a, b| a.0.total_cmp(&b.0)).map(
+        |(deflection_m, body)| StaticDeflection { body: machine.bodies[*body].name.clone(), deflection_m, length_m },
+    );
     let flexible = machine.bodies.iter().any(|body| !body.is_rigid());
     let modes = if flexible { plant.study().modes(MODES).map_err(failed)? } else { Vec::new() };
-    Ok((sag, modes.iter().map(|mode| mode.frequency_hz).collect()))
+    Ok((deflection, modes.iter().map(|mode| mode.frequency_hz).collect()))
 }
 
 /// Distance in m from the root to the outer end of a body, measured along the bodies.
-fn way_to_tip_m(machine: &Machine, body: usize) -> f64 {
-    let (mut way_m, mut at) = (machine.bodies[body].length_m, body);
+fn distance_to_tip_m(machine: &Machine, body: usize) -> f64 {
+    let (mut distance_m, mut at) = (machine.bodies[body].length_m, body);
     while let Parent::Body { index, position_m } = machine.bodies[at].joint.parent {
-        way_m += position_m;
+        distance_m += position_m;
         at = index;
     }
-    way_m
+    distance_m
 }
 
 /// Returns the efforts of a joint between its start and end positions; `None` if the joint cannot move or cannot be held.
@@ -435,8 +432,8 @@ mod tests {
         near(xy, -reduced * 0.25 * 0.1, 1e-12);
 
         let bare = assessed(&rod(0.0));
-        let sag = bare.sag.expect("a clamped rod sags");
-        near(sag.way_m, per_length * 9.81 * length.powi(4) / (8.0 * stiffness), 1e-4);
+        let deflection = bare.static_deflection.expect("a clamped rod sags");
+        near(deflection.deflection_m, per_length * 9.81 * length.powi(4) / (8.0 * stiffness), 1e-4);
         let first_hz =
             1.875_104f64.powi(2) / std::f64::consts::TAU * (stiffness / (per_length * length.powi(4))).sqrt();
         near(bare.frequencies_hz[0], first_hz, 1e-3); // rotary inertia lowers the frequency by about 5e-4

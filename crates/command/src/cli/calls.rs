@@ -96,7 +96,7 @@ fn modes_of(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Result
     Ok((modes, Some((stability, rest))))
 }
 
-/// Page with the animated mode shapes over the wind speed, as `foldwing flutter --view` writes it. Both `plants` are of the same machine,
+/// Page with the animated mode shapes versus wind speed, as `foldwing flutter --view` writes it. Both `plants` are of the same machine,
 /// with its start values.
 ///
 /// # Errors

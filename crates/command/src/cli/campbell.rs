@@ -44,7 +44,7 @@ pub(super) struct Asked<'a> {
     pub quiet: Quiet,
 }
 
-/// Tracks the modes of the machine over the rotor speed, and prints them.
+/// Tracks the modes of the machine over a range of rotor speeds, and prints them.
 pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     asked.branches.check(outlets)?;
     let values =
@@ -93,7 +93,7 @@ pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
         (true, false) => "about the periodic steady state",
         (true, true) => "about the periodic steady state, with aerodynamics",
     };
-    let mut text = format!("{name}: modes over the rotor speed, in the ground frame, {how}\n{}", table.text());
+    let mut text = format!("{name}: modes versus rotor speed, in the fixed frame, {how}\n{}", table.text());
     for branch in 0..branches.places.first().map_or(0, |place| place.modes.len()) {
         let list = table.motions(branch);
         let words: Vec<String> = match &list[..] {

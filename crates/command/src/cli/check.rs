@@ -34,11 +34,11 @@ pub struct Arguments {
     /// List every variable of the FMU
     #[arg(long = "list-variables")]
     variables: bool,
-    /// List the unknowns of each joint: variables and Lagrange multipliers, compared with the conventional form with 12
-    /// variables per node
+    /// List the unknowns of each joint: variables and Lagrange multipliers, compared with the conventional formulation with 12
+    /// nodal coordinates (position and three frame vectors) and Lagrange multipliers (Otsuka et al., Table 2)
     #[arg(long)]
     unknowns: bool,
-    /// Also write a drawing of the wing, deployed and at its start angles
+    /// Also write a drawing of the model, deployed and at its start angles
     #[arg(long, value_name = "FILE.svg")]
     draw: Option<PathBuf>,
     #[command(flatten)]
@@ -47,7 +47,7 @@ pub struct Arguments {
     quiet: Quiet,
 }
 
-/// Prints the summary and the drawing of the wing.
+/// Prints the summary and the drawing of the model.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (machine, text) = read_model(&arguments.model)?;
     let mut outlets = Outlets::new(arguments.force.force, [arguments.model.as_path()]);

@@ -17,10 +17,10 @@ pub struct Arguments {
     /// Table to compare, interpolated linearly between its rows
     other: PathBuf,
     /// Allowed difference, relative to the largest magnitude in the reference column
-    #[arg(long, value_name = "X", default_value_t = 1e-6, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value = "1e-6", allow_negative_numbers = true)]
     rtol: f64,
     /// Additional allowed difference, in the unit of the column
-    #[arg(long, value_name = "X", default_value_t = 1e-12, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value = "1e-12", allow_negative_numbers = true)]
     atol: f64,
     /// Allowed difference of columns in their unit, instead of --rtol and --atol: a name or pattern, `=` and a number; may be repeated, the
     /// last match applies

@@ -40,7 +40,7 @@ pub struct Arguments {
     settings: Vec<String>,
     #[command(flatten)]
     branches: BranchArguments,
-    /// HTML page with the animated mode shapes over the wind speed: one file, no network needed
+    /// HTML page with the mode shapes animated at each wind speed: one file, no network needed
     #[arg(long, value_name = "OUT.html", conflicts_with = "over")]
     view: Option<PathBuf>,
     /// Print JSON for programs
@@ -109,8 +109,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(page) = page {
         view.fill(page.as_bytes())?;
     }
-    if let Some(doubt) = list.iter().flat_map(|found| &found.doubts).next() {
-        arguments.quiet.warning(&doubt.to_string());
+    if let Some(warning) = list.iter().flat_map(|found| &found.warnings).next() {
+        arguments.quiet.warning(&warning.to_string());
     }
     let key = (!varied.key().is_empty()).then_some(varied.key());
     let tables: Vec<BranchTable> =

@@ -34,9 +34,9 @@ const FIGURE: &str = "gradient";
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Result to differentiate: a real output at the end of the run (NAME) or at a time (NAME@TIME in s), its maximum, minimum or maximum
-    /// magnitude over the run (max(NAME), min(NAME), peak(NAME)), or JOINT.latch_time. A vector or pattern selects all its components; may
-    /// be repeated, or a list with commas
+    /// Result to differentiate: a real output at the end of the run (NAME) or at a time (NAME@TIME in s), its maximum, its minimum or its
+    /// value of largest magnitude, with sign, over the run (max(NAME), min(NAME), peak(NAME)), or JOINT.latch_time. A vector or pattern
+    /// selects all its components; may be repeated, or a list with commas
     #[arg(long = "of", value_name = "RESULT", required = true, value_parser = NonEmptyStringValueParser::new())]
     of: Vec<String>,
     /// Number with respect to which to differentiate: a real input or parameter that is constant during the run, an input of `--inputs` at

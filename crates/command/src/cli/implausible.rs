@@ -4,12 +4,12 @@
 use crate::cli::assessment::{Assessment, Effort, Reach, efforts, frequencies_hz, short};
 use foldwing_engine::machine::{Body, Machine};
 use foldwing_engine::plant::Plant;
-use foldwing_study::doubts;
+use foldwing_study::warnings;
 
 /// Minimum number of output rows per period at which an oscillation is visible.
 const ROWS_PER_PERIOD: f64 = 4.0;
 /// Ratio of static deflection to wing size above which a warning is given.
-const MAXIMUM_SAG: f64 = 0.5;
+const MAXIMUM_DEFLECTION: f64 = 0.5;
 /// Fraction of a period below which a run shows no motion.
 const MINIMUM_SWING: f64 = 0.01;
 /// Maximum number of elastic coordinates for which modes are computed after a run; the cost grows with their third power. `check`
@@ -30,15 +30,19 @@ pub(super) struct Times {
 /// Returns the warnings about a model with its `[simulation]`.
 pub(super) fn model(answer: &Assessment, machine: &Machine) -> Vec<String> {
     let mut warnings = Vec::new();
-    if let Some(sag) = answer.sag.as_ref().filter(|sag| sag.way_m > MAXIMUM_SAG * sag.extent_m) {
+    if let Some(deflection) = answer
+        .static_deflection
+        .as_ref()
+        .filter(|deflection| deflection.deflection_m > MAXIMUM_DEFLECTION * deflection.length_m)
+    {
         warnings.push(format!(
             "the tip of {} deflects by {:.4} m of {:.4} m under gravity: check moduli (Pa), lengths (m) and masses (kg)",
-            sag.body, sag.way_m, sag.extent_m
+            deflection.body, deflection.deflection_m, deflection.length_m
         ));
     }
     let judged = |joint: &&Effort| machine.air.is_none() || joint.reaches == Reach::NotJudged;
     warnings.extend(answer.joints.iter().filter(judged).filter_map(latch));
-    warnings.extend(doubts::undeformed(machine).iter().map(ToString::to_string));
+    warnings.extend(warnings::undeformed(machine).iter().map(ToString::to_string));
     let run = &machine.experiment;
     let (start_s, stop_s, step_s) = (run.start_time_s, run.stop_time_s, run.step_s);
     let written = Times { start_s, stop_s, step_s, step_name: "[simulation] step_s =", stop_name: "[simulation]" };

@@ -27,7 +27,7 @@ pub struct Arguments {
     /// Correlation time of the turbulence in s
     #[arg(long, default_value_t = 0.02, value_name = "S", allow_negative_numbers = true)]
     correlation: f64,
-    /// Seed of the turbulence: the same seed gives the same forces everywhere
+    /// Seed of the turbulence: the same seed gives the same forces on every computer
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Start every step at its time of the wall clock, as a real-time loop does: the run then takes as long as the simulated time

@@ -117,14 +117,14 @@ fn has_display() -> bool {
 
 /// Returns the statistics of the simulation as text.
 fn summary_text(ended: Ended, summary: &Summary) -> String {
-    let Summary { simulated_s, ran_s, lost_s, latest_s, slowest_s, steps, pictures } = *summary;
+    let Summary { simulated_s, ran_s, lost_s, latest_s, slowest_s, steps, frames } = *summary;
     let why = match ended {
         Ended::Left => "the page was closed",
         Ended::Interrupted => "interrupted",
     };
     format!(
         "{why}: {simulated_s:.3} s simulated in {ran_s:.3} s, {lost_s:.3} s lost, at most {latest_s:.4} s late; {steps} steps, the \
-         slowest {:.2} ms; {pictures} pictures",
+         slowest {:.2} ms; {frames} frames",
         1e3 * slowest_s
     )
 }

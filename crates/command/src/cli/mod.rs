@@ -125,13 +125,13 @@ enum Command {
     /// Simulate in real time, interactively, in the browser
     ///
     /// Opens the page of `view` with a running simulation: run, pause, step or roll back on the time bar, change inputs and parameters with
-    /// sliders, operate latches and failures with buttons, and pull on the machine with the mouse through a spring. Only browsers on this
+    /// sliders, operate latches and failures with buttons, and pull on the model with the mouse through a spring. Only browsers on this
     /// computer can open the page, at the printed address. The command ends when the page is closed.
     Live(live::Arguments),
-    /// Write a film of a simulation as a file: MP4, GIF or numbered pictures
+    /// Write a video of a simulation as a file: MP4, GIF or numbered images
     ///
-    /// No browser and no display are needed: the machine is drawn by this command, with the geometry and colours of the page of
-    /// `simulate --view`. A model is simulated first. If the simulation fails, the film shows the run up to that time.
+    /// No browser and no display are needed: the model is drawn by this command, with the geometry and colours of the page of
+    /// `simulate --view`. A model is simulated first. If the simulation fails, the video shows the run up to that time.
     Render(render::Arguments),
     /// Compare two tables over time within tolerances
     ///
@@ -173,8 +173,8 @@ enum Command {
     /// Compute the periodic steady state of a rotor and its Floquet modes
     ///
     /// With tilt, gravity or wind shear the steady state of a rotor is periodic in the azimuth. Prints means, ranges and harmonics of
-    /// outputs over a revolution, and the Floquet modes about it with their frequencies in the ground frame. The shaft turns at constant
-    /// speed.
+    /// outputs over a revolution, and the Floquet modes about the periodic steady state, with frequencies in the fixed (non-rotating)
+    /// frame. The shaft turns at constant speed.
     Periodic(periodic::Arguments),
     /// Tabulate power, thrust and loads of a rotor over wind speed, rotor speed and pitch
     ///
@@ -187,9 +187,9 @@ enum Command {
     /// For example, finds the wind direction and the thrust at which the forces on the root vanish. The equilibrium is computed at each
     /// iteration, with free hinges at their equilibrium angles. Prints the values as `--set` options for the other commands.
     Trim(trim::Arguments),
-    /// Compute flutter and divergence speeds from the aeroelastic modes over the wind speed
+    /// Compute flutter and divergence speeds from the aeroelastic modes as a function of wind speed
     ///
-    /// Modes about the equilibrium at each speed, with strip theory or a vortex lattice, are tracked over the speed, and the speeds at
+    /// Modes about the equilibrium at each speed, with strip theory or a vortex lattice, are tracked from speed to speed, and the speeds at
     /// which they become unstable are refined. `--vary` repeats this over another quantity, such as the fold angle, the density or the
     /// stiffness of a latch. Latches keep their start state, open or closed.
     Flutter(flutter::Arguments),
@@ -350,14 +350,16 @@ fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
     })?;
     // standard input has an empty parent: paths are relative to the working directory
     let folder = path.parent().unwrap_or(Path::new(""));
-    let lost = config::doubts_of_files(&text, folder);
+    let lost = config::warnings_of_files(&text, folder);
     let text = match config::with_files(text.clone(), folder, &shown) {
         Ok(text) => text,
         Err(error) => return Err(Failure::Model { text, error }),
     };
     match config::parse(&text, &shown) {
         Ok(machine) => {
-            lost.iter().chain(&config::doubts(&text)).for_each(|doubt| tell::doubt(&shown, &text, doubt));
+            lost.iter()
+                .chain(&config::warnings(&text))
+                .for_each(|warning| tell::warning_about_key(&shown, &text, warning));
             Ok((machine, text))
         }
         Err(error) => Err(Failure::Model { text, error }),

@@ -37,10 +37,11 @@ pub struct Arguments {
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
     /// Track the modes over a start value, a parameter or a key of the model file (`file:…`): KEY=FROM:TO:COUNT or KEY=A,B,…;
-    /// rotor_speed_rpm gives the Campbell diagram of a rotor, with frequencies in the ground frame
+    /// rotor_speed_rpm gives the Campbell diagram of a rotor, with frequencies in the fixed frame
     #[arg(long = "vary", value_name = "KEY=VALUES", value_parser = NonEmptyStringValueParser::new())]
     over: Option<String>,
-    /// Joint that is the rotor's shaft, for --vary rotor_speed_rpm; default: the only joint that can rotate without limit and carries a hub
+    /// Joint that is the rotor's shaft, for --vary rotor_speed_rpm [default: the only joint that can rotate without limit and carries
+    /// a hub]
     #[arg(long, value_name = "JOINT", requires = "over", value_parser = NonEmptyStringValueParser::new())]
     shaft: Option<String>,
     #[command(flatten)]

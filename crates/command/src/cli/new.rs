@@ -88,7 +88,7 @@ impl Template {
                     ),
                     (
                         "operating-points MODEL --wind-m-s 6,8,10 --tip-speed-ratio 7.55 --speed-rpm 12.1",
-                        "power, thrust and loads over the wind",
+                        "power, thrust and loads versus wind speed",
                     ),
                 ],
             )),
@@ -108,7 +108,7 @@ impl Template {
                 &[
                     ("check MODEL", "a check and a summary, with a drawing"),
                     ("simulate MODEL --view aileron.html", "the motion; a page for the browser plays it"),
-                    ("flutter MODEL --wind-m-s 10:40:7", "modes over the wind speed"),
+                    ("flutter MODEL --wind-m-s 10:40:7", "modes versus wind speed"),
                 ],
             )),
         }

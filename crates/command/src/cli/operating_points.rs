@@ -25,16 +25,16 @@ pub struct Arguments {
     /// Wind speeds in m/s, along the wind of the model: A,B,… or FROM:TO:COUNT
     #[arg(long, value_name = "VALUES", required = true)]
     wind_m_s: String,
-    /// Rotor speeds in rpm; with --tip-speed-ratio the maximum speed; default: the speed in the model
+    /// Rotor speeds in rpm; with --tip-speed-ratio the maximum speed [default: the speed in the model]
     #[arg(long, value_name = "VALUES", allow_negative_numbers = true)]
     speed_rpm: Option<String>,
     /// Tip speed ratio, from which the rotor speed follows
     #[arg(long, value_name = "RATIO")]
     tip_speed_ratio: Option<f64>,
-    /// Pitch angles of all blades in degrees, positive about the axes of the pitch joints; default: the angle in the model
+    /// Pitch angles of all blades in degrees, positive about the axes of the pitch joints [default: the angle in the model]
     #[arg(long, value_name = "VALUES", allow_negative_numbers = true)]
     pitch_deg: Option<String>,
-    /// Combine the lists value by value (a list with one value applies to all); default: all combinations
+    /// Combine the lists value by value (a list with one value applies to all) [default: all combinations]
     #[arg(long)]
     paired: bool,
     /// Quantity to solve for, with its range: `pitch_deg=0:90` or `speed_rpm=6:14`
@@ -43,7 +43,7 @@ pub struct Arguments {
     /// Target value of the mean of an output, e.g. `rotor.power=5.3e6`; if the output is below the target at FROM, FROM is used
     #[arg(long = "target", value_name = "OUTPUT=VALUE", requires = "find", value_parser = NonEmptyStringValueParser::new())]
     hold: Option<String>,
-    /// Joint that is the shaft; default: the only joint that can rotate without limit and carries a hub
+    /// Joint that is the shaft [default: the only joint that can rotate without limit and carries a hub]
     #[arg(long, value_name = "JOINT", value_parser = NonEmptyStringValueParser::new())]
     shaft: Option<String>,
     /// Joints that pitch the blades, separated by commas [default: the joints between hub and blades]
@@ -61,7 +61,7 @@ pub struct Arguments {
     steps: usize,
     /// Periodicity tolerance: allowed difference between start and end of a revolution, as rotation in rad or displacement divided by the
     /// length of the model
-    #[arg(long = "tolerance", default_value_t = 1e-6)]
+    #[arg(long = "tolerance", default_value = "1e-6")]
     accuracy: f64,
     /// CSV file with means and peak-to-peak values of all outputs
     #[arg(long, value_name = "OUT.csv")]

@@ -37,8 +37,8 @@ pub struct Arguments {
     /// With --fmi 3, use scalar variables with the names of FMI 2.0 instead of arrays, for importers that do not support arrays
     #[arg(long)]
     scalars: bool,
-    /// With --interface me, the work of the inputs and the dissipated energy as continuous states, and as outputs. They are
-    /// integrals: without them SciPy's BDF and other integrators that difference every state work too
+    /// With --interface me, add the work of the inputs and the dissipated energy as continuous states and as outputs. No derivative
+    /// depends on them: SciPy's BDF and other integrators that compute the Jacobian by finite differences in every state may fail with them
     #[arg(long)]
     accounts: bool,
     /// Add the linear model about a state: `start`, a time in s, or `equilibrium`, which is used if no state is given

@@ -20,10 +20,10 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Model file
     model: PathBuf,
-    /// Speed of the shaft in rpm; default: its prescribed or initial speed
+    /// Speed of the shaft in rpm [default: its prescribed or initial speed]
     #[arg(long, value_name = "RPM", allow_negative_numbers = true)]
     speed_rpm: Option<f64>,
-    /// Joint that is the shaft; default: the only joint that can rotate without limit and carries a hub
+    /// Joint that is the shaft [default: the only joint that can rotate without limit and carries a hub]
     #[arg(long, value_name = "JOINT", value_parser = NonEmptyStringValueParser::new())]
     shaft: Option<String>,
     /// Start value of an input or parameter, e.g. `wind.velocity.x=8`; may be repeated
@@ -34,7 +34,7 @@ pub struct Arguments {
     steps: usize,
     /// Periodicity tolerance: allowed difference between start and end of the revolution, as rotation in rad or displacement divided by the
     /// length of the model
-    #[arg(long = "tolerance", default_value_t = 1e-8)]
+    #[arg(long = "tolerance", default_value = "1e-8")]
     accuracy: f64,
     /// Outputs in the tables: names or patterns, separated by commas [default: deflections, angles and rotor outputs; files contain all
     /// outputs]

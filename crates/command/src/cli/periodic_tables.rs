@@ -31,7 +31,7 @@ pub(super) fn csv_text(series: &[Series], sense: f64) -> Vec<u8> {
 /// Appends the Floquet modes, one line each.
 pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     let averaged = match floquet.averaged {
-        Some(_) => "; averaged: equations in the ground frame, averaged over the revolution",
+        Some(_) => "; averaged: equations in the fixed frame, averaged over the revolution",
         None => "",
     };
     let _ = writeln!(
@@ -67,7 +67,7 @@ pub(super) fn modes_text(floquet: &Floquet, count: usize, text: &mut String) {
     if let Some(averaged) = &floquet.averaged {
         let _ = writeln!(
             text,
-            "relative change of the stiffness in the ground frame over the revolution: up to {:.1e}",
+            "relative change of the stiffness in the fixed frame over the revolution: up to {:.1e}",
             averaged.spread
         );
     }
@@ -93,7 +93,7 @@ fn notes(floquet: &Floquet, text: &mut String) {
         );
     }
     if let Some(cause) = &floquet.unseen {
-        let _ = writeln!(text, "frequencies are in the coordinates of the machine, not in the ground frame: {cause}");
+        let _ = writeln!(text, "frequencies are in the coordinates of the machine, not in the fixed frame: {cause}");
     }
 }
 

@@ -43,8 +43,8 @@ pub struct PictureArguments {
 /// Format and size of figures, the same for `simulate` and `run`.
 #[derive(clap::Args, Clone)]
 pub struct SheetArguments {
-    /// Width and height of the figures of `--plot` in pixels of 1/96 inch; less than 480 wide they are laid out for a column of a paper
-    /// with letters of 8 points: 321x220 is 85 mm wide
+    /// Width and height of the figures of `--plot` in pixels of 1/96 inch; below a width of 480 the layout is that of a journal
+    /// column, with 8-point text: 321x220 is 85 mm wide
     #[arg(long, value_name = "WxH", default_value = "960x600", value_parser = size)]
     pub plot_size: [u32; 2],
     /// Pixels per inch of the PNG files of `--plot`

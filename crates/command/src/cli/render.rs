@@ -1,4 +1,4 @@
-//! `foldwing render`: a film of a run as a file, without a browser or a display.
+//! `foldwing render`: a video of a run as a file, without a browser or a display.
 
 use crate::cli::grid::{GridArguments, grid_of};
 use crate::cli::outlets::{Force, Mark, Outlets, Place};
@@ -7,7 +7,7 @@ use crate::cli::settings::plant_with;
 use crate::cli::simulate::{feed, one_standard_input, read_inputs};
 use crate::cli::{Failure, print, read_model};
 use crate::report::Recording;
-use crate::report::film::{Film, Format, MAXIMUM_PICTURES, Options, View, default_speed, encode, picture_count};
+use crate::report::film::{Film, Format, MAXIMUM_FRAMES, Options, View, default_speed, encode, frame_count};
 use crate::report::viewer::{PackedRun, run_of_page};
 use clap::ValueEnum;
 use clap::builder::NonEmptyStringValueParser;
@@ -17,10 +17,10 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::time::Instant;
 
-/// Minimum number of frames recorded of a run, so that events between the pictures are not missed.
-const FRAMES: u64 = 600;
+/// Minimum number of frames recorded of a run, so that events between the frames of the video are not missed.
+const RECORDED_FRAMES: u64 = 600;
 /// Maximum number of frames recorded.
-const MAXIMUM_FRAMES: u64 = 4_000;
+const MAXIMUM_RECORDED_FRAMES: u64 = 4_000;
 
 #[derive(clap::Args)]
 #[command(after_long_help = crate::cli::help::RENDER)]
@@ -28,26 +28,26 @@ pub struct Arguments {
     /// Model file, which is simulated first; or a page of `simulate --view`
     #[arg(value_name = "MODEL_OR_PAGE")]
     run: PathBuf,
-    /// Film to write: .mp4 (H.264), .gif, or .png for one numbered file per picture
+    /// Video to write: .mp4 (H.264), .gif, or .png for one numbered file per frame
     #[arg(short = 'o', long, visible_alias = "output", value_name = "OUT")]
     video: PathBuf,
     /// Width and height in pixels [default: 1280x720; GIF: 800x450]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
     /// Frames per second [default: 30; GIF: 25]
-    #[arg(long, value_name = "N", value_parser = pictures_per_s)]
+    #[arg(long, value_name = "N", value_parser = frames_per_s)]
     fps: Option<f64>,
-    /// Seconds of the run per second of the film, such as 0.05 for slow motion [default: the film takes about 8 s]
+    /// Seconds of the run per second of the video, such as 0.05 for slow motion [default: the video lasts about 8 s]
     #[arg(long, value_name = "X", value_parser = speed)]
     speed: Option<f64>,
-    /// Camera: `follow` moves with the machine, `fixed` frames the whole motion; `iso`, `front`, `side`, `top` select the view;
-    /// one of each, separated by a comma [default: iso; follow if the machine flies, else fixed]
+    /// Camera: `follow` moves with the model, `fixed` frames the whole motion; `iso`, `front`, `side`, `top` select the view;
+    /// one of each, separated by a comma [default: iso; follow if the model flies, else fixed]
     #[arg(long, value_name = "CAMERA", value_delimiter = ',')]
     camera: Vec<Camera>,
-    /// First time in s of the run in the film [default: the start]
+    /// Simulated time in s at which the video starts [default: the start of the run]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     from: Option<f64>,
-    /// Last time in s of the run in the film [default: the end]
+    /// Simulated time in s at which the video ends [default: the end of the run]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     to: Option<f64>,
     /// Inputs over time, as in `simulate`
@@ -60,7 +60,7 @@ pub struct Arguments {
     grid: GridArguments,
     #[command(flatten)]
     force: Force,
-    /// Print the summary as JSON on standard output, for programs: pictures, speed, camera, times, written files
+    /// Print the summary as JSON on standard output, for programs: frames, speed, camera, times, written files
     #[arg(long)]
     json: bool,
     /// Print no summary
@@ -71,7 +71,7 @@ pub struct Arguments {
 /// Motion of the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Camera {
-    /// Moves with the machine
+    /// Moves with the model
     Follow,
     /// Fixed; shows the whole motion
     Fixed,
@@ -112,7 +112,7 @@ fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
     number.ok_or_else(|| format!("must be a number from {least} to {most}"))
 }
 
-fn pictures_per_s(text: &str) -> Result<f64, String> {
+fn frames_per_s(text: &str) -> Result<f64, String> {
     within(text, 1.0, 240.0)
 }
 
@@ -141,14 +141,14 @@ fn camera(given: &[Camera]) -> Result<(View, Option<bool>), Failure> {
     Ok((view.unwrap_or(View::Iso), follows))
 }
 
-/// Optional settings of a film.
+/// Optional settings of a video.
 #[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// Width and height in pixels.
     pub size: Option<[u32; 2]>,
     /// Frames per second.
-    pub pictures_per_s: Option<f64>,
-    /// Seconds of the run per second of the film.
+    pub frames_per_s: Option<f64>,
+    /// Seconds of the run per second of the video.
     pub speed: Option<f64>,
     /// View and motion of the camera.
     pub camera: Vec<Camera>,
@@ -166,14 +166,14 @@ impl Settings {
             Format::Mp4 | Format::Png => ([1280, 720], 30.0),
         };
         let (view, follows) = camera(&self.camera)?;
-        let (size, pictures_per_s) = (self.size.unwrap_or(default_size), self.pictures_per_s.unwrap_or(default_per_s));
-        format.check(size, pictures_per_s).map_err(Failure::Usage)?;
-        Ok((format, Options { size, pictures_per_s, speed: self.speed, view, follows, span_s: self.span_s }))
+        let (size, frames_per_s) = (self.size.unwrap_or(default_size), self.frames_per_s.unwrap_or(default_per_s));
+        format.check(size, frames_per_s).map_err(Failure::Usage)?;
+        Ok((format, Options { size, frames_per_s, speed: self.speed, view, follows, span_s: self.span_s }))
     }
 }
 
-/// Writes a film of the run in a page of `simulate --view`, as the command does, and returns the output of `--json`. `drawn` is called with
-/// the number of finished pictures and the total.
+/// Writes a video of the run in a page of `simulate --view`, as the command does, and returns the output of `--json`. `drawn` is called with
+/// the number of finished frames and the total.
 ///
 /// # Errors
 /// As for the command, and errors of `drawn`.
@@ -192,7 +192,7 @@ pub fn film_of_page(
         check(text.clone(), size(&text).map(|_| ()), "--size")?;
     }
     for (value, parse, option) in [
-        (settings.pictures_per_s, pictures_per_s as fn(&str) -> Result<f64, String>, "--fps"),
+        (settings.frames_per_s, frames_per_s as fn(&str) -> Result<f64, String>, "--fps"),
         (settings.speed, speed, "--speed"),
     ] {
         if let Some(value) = value {
@@ -209,11 +209,11 @@ pub fn film_of_page(
     Ok(summary(&film, &options, (began.elapsed().as_secs_f64(), &outlets)))
 }
 
-/// Simulates a model, or reads a page, and writes the film.
+/// Simulates a model, or reads a page, and writes the video.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = Settings {
         size: arguments.size,
-        pictures_per_s: arguments.fps,
+        frames_per_s: arguments.fps,
         speed: arguments.speed,
         camera: arguments.camera.clone(),
         span_s: [arguments.from, arguments.to],
@@ -226,7 +226,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (packed, outcome) = packed(arguments, &options)?;
     let film = Film::new(&packed, &options).map_err(Failure::Usage)?;
     let began = Instant::now();
-    let mut progress = Progress::of("pictures", film.times_s.len() as u64);
+    let mut progress = Progress::of("frames", film.times_s.len() as u64);
     write(&film, &options, (format, target), &mut outlets, |done| {
         progress.at(done as u64);
         Ok(())
@@ -236,7 +236,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     report(arguments, &film, &options, (began.elapsed().as_secs_f64(), &outlets))
 }
 
-/// Destination of the film.
+/// Destination of the video.
 enum Target {
     File(Place),
     /// Numbered files; the number precedes the extension.
@@ -257,7 +257,7 @@ impl Target {
     }
 }
 
-/// Path of a picture: `wing.png` becomes `wing_00001.png` for the first.
+/// Path of a frame: `wing.png` becomes `wing_00001.png` for the first.
 fn numbered(path: &Path, index: usize) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}_{:05}.png", index + 1))
@@ -305,7 +305,7 @@ fn simulated(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Res
             return Err(Failure::Usage(format!("{option} {time_s}: the run is from {start_s} to {stop_s} s")));
         }
     }
-    let frames = frames_of(span_s[1] - span_s[0], grid.stop_s - grid.start_s, options);
+    let frames = recorded_frames(span_s[1] - span_s[0], grid.stop_s - grid.start_s, options);
     feed(inputs.as_ref(), &interface, &mut plant, grid.start_s)?;
     plant.initialize(grid.start_s).map_err(failed)?;
     let mut recording = Recording::new(&plant, grid.steps, frames);
@@ -315,7 +315,7 @@ fn simulated(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Res
     for point in 1..=grid.steps {
         feed(inputs.as_ref(), &interface, &mut plant, grid.time_s(point - 1))?;
         if let Err(error) = plant.step(grid.time_s(point)) {
-            outcome = Err(failed(error)); // the film shows the run up to the error
+            outcome = Err(failed(error)); // the video shows the run up to the error
             break;
         }
         recording.include(&plant);
@@ -327,12 +327,12 @@ fn simulated(arguments: &Arguments, options: &Options) -> Result<(PackedRun, Res
     Ok((PackedRun::for_film(&recording), outcome))
 }
 
-/// Number of frames to record: one for every picture as far as memory allows.
-fn frames_of(shown_s: f64, duration_s: f64, options: &Options) -> u64 {
+/// Number of frames to record: one for every frame of the video as far as memory allows.
+fn recorded_frames(shown_s: f64, duration_s: f64, options: &Options) -> u64 {
     let speed = options.speed.unwrap_or_else(|| default_speed(shown_s));
-    let pictures = picture_count(shown_s, options.pictures_per_s, speed).min(MAXIMUM_PICTURES as f64);
-    let wanted = pictures * duration_s / shown_s.max(1e-3 * duration_s);
-    (wanted.ceil() as u64).clamp(FRAMES, MAXIMUM_FRAMES)
+    let frames = frame_count(shown_s, options.frames_per_s, speed).min(MAXIMUM_FRAMES as f64);
+    let wanted = frames * duration_s / shown_s.max(1e-3 * duration_s);
+    (wanted.ceil() as u64).clamp(RECORDED_FRAMES, MAXIMUM_RECORDED_FRAMES)
 }
 
 fn write(
@@ -342,7 +342,7 @@ fn write(
     outlets: &mut Outlets,
     mut drawn: impl FnMut(usize) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let settings = (format, options.pictures_per_s);
+    let settings = (format, options.frames_per_s);
     match target {
         Target::File(place) => {
             let mut bytes = Vec::new();
@@ -372,19 +372,19 @@ fn write(
     }
 }
 
-/// The film as JSON.
+/// The video as JSON.
 fn summary(film: &Film, options: &Options, (took_s, outlets): (f64, &Outlets)) -> serde_json::Value {
-    let (pictures, [width, height]) = (film.times_s.len(), options.size);
+    let (frames, [width, height]) = (film.times_s.len(), options.size);
     json!({
         "from_s": film.times_s[0],
-        "to_s": film.times_s[pictures - 1],
+        "to_s": film.times_s[frames - 1],
         "speed": film.speed,
         "camera": if film.follows { "follow" } else { "fixed" },
-        "pictures": pictures,
+        "frames": frames,
         "width": width,
         "height": height,
-        "pictures_per_s": options.pictures_per_s,
-        "length_s": pictures as f64 / options.pictures_per_s,
+        "frames_per_s": options.frames_per_s,
+        "length_s": frames as f64 / options.frames_per_s,
         "elapsed_s": took_s,
         "files": outlets.files(),
     })
@@ -396,18 +396,18 @@ fn report(
     options: &Options,
     (took_s, outlets): (f64, &Outlets),
 ) -> Result<(), Failure> {
-    let pictures = film.times_s.len();
+    let frames = film.times_s.len();
     let [width, height] = options.size;
     if !arguments.quiet {
         if !arguments.json {
             eprintln!(
-                "{} to {} s at --speed {} with --camera {}: {pictures} pictures of {width}x{height} in {took_s:.2} s, {:.2} s at {} per second",
+                "{} to {} s at --speed {} with --camera {}: {frames} frames of {width}x{height} in {took_s:.2} s, {:.2} s at {} per second",
                 film.times_s[0],
-                film.times_s[pictures - 1],
+                film.times_s[frames - 1],
                 film.speed,
                 if film.follows { "follow" } else { "fixed" },
-                pictures as f64 / options.pictures_per_s,
-                options.pictures_per_s
+                frames as f64 / options.frames_per_s,
+                options.frames_per_s
             );
         }
         outlets.report();

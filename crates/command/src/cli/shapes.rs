@@ -1,4 +1,4 @@
-//! `--view` and `--vtk` of modes: pictures of mode shapes about an equilibrium, over the wind speed and about a periodic motion.
+//! `--view` and `--vtk` of modes: pictures of mode shapes about an equilibrium, over a range of wind speeds and about a periodic motion.
 
 use crate::cli::Failure;
 use crate::cli::modes::shares;
@@ -70,7 +70,7 @@ pub(super) fn sweep_seen(
     Ok(Seen { found, states })
 }
 
-/// Modes over the wind speed: all modes at the speeds of the table, and the modes that become unstable or stable at their crossing speeds.
+/// Modes versus wind speed: all modes at the speeds of the table, and the modes that become unstable or stable at their crossing speeds.
 /// `plant` is another plant of the same machine.
 pub(super) fn of_flutter(mut plant: Plant, seen: &Seen) -> Result<Shapes, PlantError> {
     let Flutter { branches, crossings, .. } = &seen.found;
@@ -98,7 +98,7 @@ pub(super) fn of_flutter(mut plant: Plant, seen: &Seen) -> Result<Shapes, PlantE
         add(crossing.at, format!("{what} mode {}", crossing.branch + 1), modes)?;
     }
     states.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let title = "aeroelastic modes over the wind speed, about the equilibrium at each speed".to_owned();
+    let title = "aeroelastic modes versus wind speed, about the equilibrium at each speed".to_owned();
     Ok(Shapes { scene, title, quantity: Some(["wind speed", "m/s"]), states })
 }
 

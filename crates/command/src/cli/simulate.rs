@@ -71,7 +71,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Arguments that only write a page.
+    /// Arguments of a simulation whose only output is the HTML page.
     pub(super) fn for_page(
         model: PathBuf,
         page: PathBuf,

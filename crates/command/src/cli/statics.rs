@@ -10,7 +10,7 @@ use foldwing_engine::machine::{Machine, Travel};
 use foldwing_engine::plant::{
     Branch, Holding, JointOutputs, LoadPath, Plant, PlantError, Rest, Search, SectionShape, Stability, StaticEffort,
 };
-use foldwing_study::doubts::{self, Doubt};
+use foldwing_study::warnings::{self, Warning};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let failed = |error: PlantError| Failure::Statics(error.to_string());
     let progress = Progress::phase("equilibrium");
     let rest = plant.study().rest(time_s, Holding::AsReleased, search).map_err(failed)?;
-    doubts_at(&plant).iter().for_each(|doubt| arguments.quiet.warning(&doubt.to_string()));
+    warnings_at(&plant).iter().for_each(|warning| arguments.quiet.warning(&warning.to_string()));
     if arguments.json {
         let value = rest_json(&mut plant, &rest).map_err(failed)?;
         drop(progress);
@@ -96,8 +96,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Assumptions of the aerodynamic model that an equilibrium does not meet, and joints whose position may not be the intended one.
-fn doubts_at(plant: &Plant) -> Vec<Doubt> {
-    doubts::air_at(plant).into_iter().chain(doubts::stall_at(plant)).chain(doubts::joints_at(plant)).collect()
+fn warnings_at(plant: &Plant) -> Vec<Warning> {
+    warnings::air_at(plant).into_iter().chain(warnings::stall_at(plant)).chain(warnings::joints_at(plant)).collect()
 }
 
 /// Stability of an equilibrium, with aerodynamics; with a lattice, whose stability takes longer to compute than the equilibrium, only if
@@ -125,7 +125,7 @@ pub(super) fn rest_json(plant: &mut Plant, rest: &Rest) -> Result<Value, PlantEr
         "place_m": coarseness.place_m,
         "coarse": coarseness.is_coarse(),
     });
-    value["doubts"] = json!(doubts_at(plant));
+    value["warnings"] = json!(warnings_at(plant));
     if !rest.path.is_empty() {
         value["path"] = stability::path_json(plant, rest).into();
     }

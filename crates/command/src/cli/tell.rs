@@ -6,7 +6,7 @@
 use crate::cli::{Failure, renamed};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use anstyle::AnsiColor;
-use foldwing_file::{ConfigError, Doubt, Fault, Problem};
+use foldwing_file::{ConfigError, Fault, Problem, Warning};
 use std::ops::Range;
 
 /// Maximum number of problems of a file that are shown with their source line; the others take one line each.
@@ -51,9 +51,9 @@ pub(super) fn note(message: &str) {
 }
 
 /// Prints a warning about a valid model file.
-pub(super) fn doubt(file: &str, text: &str, doubt: &Doubt) {
-    let title = format!("{file}:{}: key '{}': {}", doubt.line, doubt.key, doubt.reason);
-    say(Level::WARNING, &title, line_at(text, &doubt.span), &doubt.advice, None);
+pub(super) fn warning_about_key(file: &str, text: &str, warning: &Warning) {
+    let title = format!("{file}:{}: key '{}': {}", warning.line, warning.key, warning.reason);
+    say(Level::WARNING, &title, line_at(text, &warning.span), &warning.advice, None);
 }
 
 /// Prints an error of clap: its message, then the location.

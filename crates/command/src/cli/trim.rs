@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = Options { solve_for: arguments.free.clone(), targets, turns };
     let found = solve_watched(plant, &options, &mut Progress::phase("equilibria").watch());
     let found = found.map_err(|error| failure(error, &interface))?;
-    found.doubts.iter().for_each(|doubt| arguments.quiet.warning(&doubt.to_string()));
+    found.warnings.iter().for_each(|warning| arguments.quiet.warning(&warning.to_string()));
     if arguments.json {
         return print(&format!("{:#}", json!(found)));
     }

@@ -18,7 +18,7 @@ const MOST_CONNECTIONS: usize = 32;
 /// Maximum size of a message from a page in bytes; commands are short.
 const LARGEST_ORDER: usize = 64 << 10;
 
-/// Maximum number of messages queued for a page. A page that cannot keep up misses the oldest pictures.
+/// Maximum number of messages queued for a page. A page that cannot keep up misses the oldest frames.
 const MOST_WAITING: usize = 60;
 
 /// Timeout for reading requests and for writing.
@@ -49,7 +49,7 @@ impl Mailbox {
     fn put(&self, message: Message) {
         let mut waiting = locked(&self.waiting);
         if waiting.len() >= MOST_WAITING {
-            // drop pictures, since texts are few and none may be lost
+            // drop frames, since texts are few and none may be lost
             let oldest = waiting.iter().position(|message| message.is_binary()).unwrap_or(0);
             waiting.remove(oldest);
         }
@@ -97,10 +97,10 @@ impl Clients {
         self.connections.load(Ordering::Acquire)
     }
 
-    /// Sends a picture to all pages.
-    pub fn send_picture(&self, picture: Vec<u8>) {
-        let picture = Bytes::from(picture);
-        locked(&self.mailboxes).iter().for_each(|(_, mailbox)| mailbox.put(Message::Binary(picture.clone())));
+    /// Sends a frame to all pages.
+    pub fn send_frame(&self, frame: Vec<u8>) {
+        let frame = Bytes::from(frame);
+        locked(&self.mailboxes).iter().for_each(|(_, mailbox)| mailbox.put(Message::Binary(frame.clone())));
     }
 
     /// Sends a text to all pages, or to the page given by `to`.
@@ -149,7 +149,7 @@ impl Clients {
         stream.shutdown(Shutdown::Write)
     }
 
-    /// Receives commands and sends pictures until one side closes the connection.
+    /// Receives commands and sends frames until one side closes the connection.
     fn exchange(&self, stream: TcpStream, read_already: Vec<u8>) -> io::Result<()> {
         stream.set_read_timeout(Some(POLL))?;
         let limits = WebSocketConfig::default()

@@ -4,7 +4,7 @@ use crate::live::pull::Held;
 use foldwing_engine::plant::Snapshot;
 use std::collections::VecDeque;
 
-/// Maximum number of states: one minute of pictures.
+/// Maximum number of states: one minute of frames.
 const MOST: usize = 1800;
 
 /// Maximum total size of the states in bytes.

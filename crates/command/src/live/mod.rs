@@ -1,7 +1,7 @@
 //! Interactive simulation in real time on a page in the browser.
 //!
 //! [`Session`] contains the plant, its clock, a bounded history and the spring; it is independent of the network. [`Server`] passes
-//! [`Order`]s of the pages to the session, and pictures of the session to the pages. Rules: `docs/decisions/0063-live-view.md`.
+//! [`Order`]s of the pages to the session, and frames of the session to the pages. Rules: `docs/decisions/0063-live-view.md`.
 
 mod clients;
 mod controls;

@@ -36,7 +36,7 @@ pub enum Order {
     Step {},
     /// Return to the start of the simulation.
     Restart {},
-    /// Return to the last picture at or before a time, and stop there.
+    /// Return to the last frame at or before a time, and stop there.
     Rollback {
         /// Time in s.
         time_s: f64,

@@ -36,7 +36,7 @@ pub(super) struct Pull {
     pub force_n: Vector3<f64>,
 }
 
-/// Pull as shown in a picture: index of its station, and vectors in the root frame.
+/// Pull as shown in a frame: index of its station, and vectors in the root frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct Shown {
     station: usize,
@@ -71,7 +71,7 @@ impl Pull {
         }
     }
 
-    /// Data of the pull for a picture.
+    /// Data of the pull for a frame.
     pub fn shown(&self) -> Shown {
         Shown { station: self.held.station, target: self.target_m.into(), force: self.force_n.into() }
     }

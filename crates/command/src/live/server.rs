@@ -2,7 +2,7 @@
 
 use crate::live::clients::{ClientEvent, Clients, refusal};
 use crate::live::http::ServerAddress;
-use crate::live::session::{PICTURES_1_S, Session};
+use crate::live::session::{FRAMES_1_S, Session};
 use std::io;
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::Arc;
@@ -112,8 +112,8 @@ fn run_loop(
     (events, interrupted): (&Receiver<ClientEvent>, &AtomicBool),
     mut viewers: Viewers,
 ) -> Ended {
-    let between = Duration::from_secs_f64(1.0 / PICTURES_1_S);
-    let mut next_picture = Instant::now();
+    let between = Duration::from_secs_f64(1.0 / FRAMES_1_S);
+    let mut next_frame_at = Instant::now();
     loop {
         while let Ok(one) = events.try_recv() {
             handle(session, clients, one, &mut viewers);
@@ -129,15 +129,15 @@ fn run_loop(
         }
         session.advance();
         let now = Instant::now();
-        if now >= next_picture && viewers.pages > 0 {
-            if let Some(picture) = session.picture() {
-                clients.send_picture(picture);
+        if now >= next_frame_at && viewers.pages > 0 {
+            if let Some(frame) = session.next_frame() {
+                clients.send_frame(frame);
             }
-            // a late picture delays the following ones
-            next_picture = (next_picture + between).max(now);
+            // a late frame delays the following ones
+            next_frame_at = (next_frame_at + between).max(now);
         }
-        let picture = if viewers.pages > 0 { next_picture.saturating_duration_since(Instant::now()) } else { POLL };
-        let wait = session.until_step().map_or(picture, |step| step.min(picture)).min(POLL);
+        let frame = if viewers.pages > 0 { next_frame_at.saturating_duration_since(Instant::now()) } else { POLL };
+        let wait = session.until_step().map_or(frame, |step| step.min(frame)).min(POLL);
         if wait.is_zero() {
             continue;
         }

@@ -110,8 +110,8 @@ fn told(page: &mut WebSocket<TcpStream>, kind: &str) -> Value {
     }
 }
 
-/// Returns the header of the first picture that satisfies a condition.
-fn pictured(page: &mut WebSocket<TcpStream>, fits: impl Fn(&Value) -> bool) -> Value {
+/// Returns the header of the first frame that satisfies a condition.
+fn header_of_frame(page: &mut WebSocket<TcpStream>, fits: impl Fn(&Value) -> bool) -> Value {
     loop {
         if let Message::Binary(bytes) = page.read().unwrap() {
             let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
@@ -201,7 +201,7 @@ fn malformed_messages_are_refused() {
     let mut half = served.connected();
     half.write_all(b"GET / HT").unwrap();
     page.send(Message::text(r#"{"do":"step"}"#)).unwrap();
-    assert_eq!(pictured(&mut page, |header| header["time"] == 5e-4)["running"], false);
+    assert_eq!(header_of_frame(&mut page, |header| header["time"] == 5e-4)["running"], false);
 }
 
 /// The simulation runs for a page, and stops when the connection is lost without a closing message; then the server ends.
@@ -211,7 +211,7 @@ fn a_client_that_disconnects_ends_the_work() {
     let mut page = served.page();
     page.send(Message::text(r#"{"do":"watch","names":["fold.angle"]}"#)).unwrap();
     page.send(Message::text(r#"{"do":"run"}"#)).unwrap();
-    let header = pictured(&mut page, |header| header["time"].as_f64() > Some(0.05));
+    let header = header_of_frame(&mut page, |header| header["time"].as_f64() > Some(0.05));
     assert_eq!((header["running"].as_bool(), &header["names"]), (Some(true), &serde_json::json!(["fold.angle"])));
     let begun = Instant::now();
     page.get_mut().shutdown(std::net::Shutdown::Both).unwrap();
@@ -233,7 +233,7 @@ fn pages_share_the_machine() {
     drop(second);
     std::thread::sleep(Duration::from_millis(100));
     first.send(Message::text(r#"{"do":"step"}"#)).unwrap();
-    assert_eq!(pictured(&mut first, |header| header["time"] == 5e-4)["oldest"], 0.0);
+    assert_eq!(header_of_frame(&mut first, |header| header["time"] == 5e-4)["oldest"], 0.0);
 }
 
 /// Ctrl-C ends the server at once, and the page is notified.

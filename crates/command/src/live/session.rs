@@ -19,7 +19,7 @@ use serde_json::json;
 use std::time::{Duration, Instant};
 
 /// Frames per second of wall time.
-pub(super) const PICTURES_1_S: f64 = 30.0;
+pub(super) const FRAMES_1_S: f64 = 30.0;
 
 /// Minimum and maximum communication step in s of wall time. Between steps the spring is updated and events are reported.
 const STEPS_S: [f64; 2] = [5e-4, 1.0 / 60.0];
@@ -47,7 +47,7 @@ pub struct Session {
     first: Snapshot,
     history: History,
     pub(super) pull: Option<Pull>,
-    /// Value references of the plotted outputs, and the samples since the last picture, row by row after their times.
+    /// Value references of the plotted outputs, and the samples since the last frame, row by row after their times.
     pub(super) watched: Vec<u32>,
     samples: Vec<f32>,
     next_sample_s: f64,
@@ -387,7 +387,7 @@ impl Session {
         let too_many = self.watched.len().saturating_sub(MOST_WATCHED);
         self.watched.drain(..too_many);
         if self.watched != before {
-            // all rows of a picture have the same width
+            // all rows of a frame have the same width
             self.samples.clear();
         }
         Ok(())
@@ -421,15 +421,15 @@ impl Session {
         }
     }
 
-    /// The present picture, if anything has changed: a header in JSON, then numbers in single precision, little-endian.
+    /// The present frame, if anything has changed: a header in JSON, then numbers in single precision, little-endian.
     ///
     /// The first four bytes are the length of the header, which is padded with spaces to a multiple of four. The numbers are the
-    /// samples (time and the values of `names`, row by row), followed by the frame in the format of `run.js`.
-    pub fn picture(&mut self) -> Option<Vec<u8>> {
+    /// samples (time and the values of `names`, row by row), followed by the state in the format of `run.js`.
+    pub fn next_frame(&mut self) -> Option<Vec<u8>> {
         if !std::mem::take(&mut self.changed) {
             return None;
         }
-        self.summary.pictures += 1;
+        self.summary.frames += 1;
         self.plant.provide(OutputSet::ALL);
         if self.failure.is_none() {
             // do not replace a valid state by that of a failed step

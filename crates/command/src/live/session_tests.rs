@@ -20,16 +20,16 @@ fn set(name: &str, value: f64) -> Order {
     Order::Set { name: name.to_owned(), value: Given::Number(value) }
 }
 
-/// Splits a picture into header and numbers.
-fn read(picture: &[u8]) -> (Value, Vec<f32>) {
-    let length = u32::from_le_bytes(picture[..4].try_into().unwrap()) as usize;
+/// Splits a frame into header and numbers.
+fn read(frame: &[u8]) -> (Value, Vec<f32>) {
+    let length = u32::from_le_bytes(frame[..4].try_into().unwrap()) as usize;
     assert_eq!(length % 4, 0, "the numbers are not aligned");
-    let numbers = picture[4 + length..].chunks_exact(4).map(|four| f32::from_le_bytes(four.try_into().unwrap()));
-    (serde_json::from_slice(&picture[4..4 + length]).unwrap(), numbers.collect())
+    let numbers = frame[4 + length..].chunks_exact(4).map(|four| f32::from_le_bytes(four.try_into().unwrap()));
+    (serde_json::from_slice(&frame[4..4 + length]).unwrap(), numbers.collect())
 }
 
-fn pictured(session: &mut Session) -> (Value, Vec<f32>) {
-    read(&session.picture().unwrap())
+fn sent_frame(session: &mut Session) -> (Value, Vec<f32>) {
+    read(&session.next_frame().unwrap())
 }
 
 /// The simulated time is never ahead of the clock, and follows it up to the last complete step.
@@ -69,21 +69,21 @@ fn time_follows_the_clock() {
     );
 }
 
-/// A picture has the frame at its time, and the samples of the plotted signals since the last picture; without a change there is no
-/// picture.
+/// A frame has the state at its time, and the samples of the plotted signals since the last frame; without a change there is no
+/// frame.
 #[test]
-fn pictures_have_the_frame_and_samples() {
+fn frames_have_the_state_and_samples() {
     let mut session = session("folding_wing");
     session.execute(&Order::Watch { names: vec!["fold.angle".to_owned(), "tip.position.z".to_owned()] }).unwrap();
-    let (header, first) = pictured(&mut session);
+    let (header, first) = sent_frame(&mut session);
     assert_eq!(
         (header["time"].as_f64(), header["samples"].as_u64(), header["running"].as_bool()),
         (Some(0.0), Some(0), Some(false))
     );
     assert_eq!(first[0], 0.0);
-    assert_eq!(session.picture(), None);
+    assert_eq!(session.next_frame(), None);
     step(&mut session, 40);
-    let (header, numbers) = pictured(&mut session);
+    let (header, numbers) = sent_frame(&mut session);
     assert_eq!(header["names"], serde_json::json!(["fold.angle", "tip.position.z"]));
     let rows = header["samples"].as_u64().unwrap() as usize;
     // one sample every 4 ms for 20 ms
@@ -97,14 +97,14 @@ fn pictures_have_the_frame_and_samples() {
     assert!((0.0..6.0).contains(&turned), "{} then {}", last[1].to_degrees(), frame[1]);
 }
 
-/// A rollback restores inputs, events and state bit for bit: the same steps give the same picture again.
+/// A rollback restores inputs, events and state bit for bit: the same steps give the same frame again.
 #[test]
 fn rolling_back_repeats_the_run() {
     let mut session = session("folding_wing");
     step(&mut session, 200);
-    let (before, _) = pictured(&mut session);
+    let (before, _) = sent_frame(&mut session);
     step(&mut session, 60);
-    let (after, numbers) = pictured(&mut session);
+    let (after, numbers) = sent_frame(&mut session);
     let latches = |header: &Value| header["events"].as_array().unwrap().len();
     assert_eq!((latches(&before), latches(&after)), (0, 1), "the wing latches at 0.1222 s");
     session.execute(&set("fold.external_torque", 0.01)).unwrap();
@@ -116,31 +116,31 @@ fn rolling_back_repeats_the_run() {
     let torque = session.controls.iter().position(|one| one.name == "fold.external_torque").unwrap();
     assert_eq!(rolled["values"][torque], 0.0);
     step(&mut session, 60);
-    let (again, repeated) = pictured(&mut session);
+    let (again, repeated) = sent_frame(&mut session);
     assert_eq!((latches(&again), again["time"].as_f64()), (1, after["time"].as_f64()));
     assert_eq!(numbers, repeated);
     let message: Value = serde_json::from_str(&session.connected_message()).unwrap();
     assert_eq!(latches(&message), 1, "the latching that was taken back is told: {message}");
     // back to the start
     session.execute(&Order::Restart {}).unwrap();
-    let (header, _) = pictured(&mut session);
+    let (header, _) = sent_frame(&mut session);
     assert_eq!((header["time"].as_f64(), header["oldest"].as_f64()), (Some(0.0), Some(0.0)));
 }
 
-/// A picture taken while the spring pulls does not store the spring: after a rollback to it, the load is that of the input.
+/// A frame taken while the spring pulls does not store the spring: after a rollback to it, the load is that of the input.
 #[test]
 fn a_rollback_into_a_pull_has_no_spring() {
     let mut session = session("folding_wing");
     session.execute(&set("load.outer[4].force.z", 0.25)).unwrap();
     session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0 }).unwrap();
     step(&mut session, 10);
-    let (header, _) = pictured(&mut session);
+    let (header, _) = sent_frame(&mut session);
     assert!(header["pull"]["force"][2].as_f64().unwrap().abs() > 0.1, "{header}");
     // a value set during a pull changes the load without the pull
     session.execute(&set("load.outer[4].force.z", 0.5)).unwrap();
     step(&mut session, 10);
     let at_s = session.time_s();
-    session.picture().unwrap();
+    session.next_frame().unwrap();
     step(&mut session, 10);
     session.execute(&Order::Rollback { time_s: at_s }).unwrap();
     assert_eq!(session.plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
@@ -162,7 +162,7 @@ fn a_pull_at_rest_is_a_static_load() {
     step(&mut session, 400);
     session.execute(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.03], stiffness_n_m: 10.0 }).unwrap();
     step(&mut session, 8000);
-    let (header, _) = pictured(&mut session);
+    let (header, _) = sent_frame(&mut session);
     let force: [f64; 3] = serde_json::from_value(header["pull"]["force"].clone()).unwrap();
     let tip_m = session.plant.outputs().tips()[0].position_m;
     assert!(force[2] > 0.05, "{force:?}");
@@ -204,7 +204,7 @@ fn a_stiff_spring_does_not_feed_the_oscillation() {
         let mut most = 0.0_f64;
         for _ in 0..1000 {
             step(&mut session, 1);
-            session.picture().unwrap();
+            session.next_frame().unwrap();
             let energy = session.plant.outputs().energy();
             let stretch_m =
                 session.plant.outputs().stations()[7].position_m - nalgebra::Vector3::new(0.28125, 0.0, 0.0);
@@ -248,18 +248,18 @@ fn wrong_orders_are_refused_with_what_is_allowed() {
 fn a_failure_stops_the_time_until_it_is_rolled_back() {
     let mut session = session("folding_wing");
     step(&mut session, 10);
-    session.picture().unwrap();
+    session.next_frame().unwrap();
     let good_s = session.time_s();
     session.execute(&set("load.outer[4].force.z", 1e28)).unwrap();
     step(&mut session, 1);
-    let (header, _) = pictured(&mut session);
+    let (header, _) = sent_frame(&mut session);
     let failure = header["failure"].as_str().unwrap().to_owned();
     let message = session.execute(&Order::Run {}).unwrap_err();
     assert!(message.contains(&failure) && message.contains("roll back on the time bar"), "{message}");
     session.execute(&Order::Rollback { time_s: good_s }).unwrap();
     assert_eq!(session.plant.inputs().stations()[7].force_n.z, 0.0);
     step(&mut session, 5);
-    let (header, _) = pictured(&mut session);
+    let (header, _) = sent_frame(&mut session);
     assert!(header["failure"].is_null() && session.time_s() > good_s);
 }
 

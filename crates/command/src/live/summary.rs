@@ -15,6 +15,6 @@ pub struct Summary {
     pub slowest_s: f64,
     /// Number of communication steps.
     pub steps: u64,
-    /// Number of pictures.
-    pub pictures: u64,
+    /// Number of frames.
+    pub frames: u64,
 }

@@ -421,7 +421,7 @@ mod tests {
     /// The start attitude is shown for a universal, ball or free joint; the caption describes the drawing; every table row has all
     /// cells.
     #[test]
-    fn joints_of_several_freedoms_are_described() {
+    fn joints_of_several_degrees_of_freedom_are_described() {
         let mut machine = two_body_machine();
         machine.bodies[1].joint.mount = *nalgebra::Rotation3::new(nalgebra::Vector3::new(0.0, 0.5, 0.0)).matrix();
         let joint = |freedom| {

@@ -125,7 +125,7 @@ fn natural_curvature_is_followed() {
 /// Universal, ball and free joints are drawn at the start: a free body at its initial position, and its outboard bodies rotated as in the
 /// model file. There are no intermediate positions if no joint folds.
 #[test]
-fn joints_of_several_freedoms_stand_at_their_start() {
+fn joints_of_several_degrees_of_freedom_stand_at_their_start() {
     let mut machine = two_body_machine();
     let freedoms = [SpatialFreedom::Free, SpatialFreedom::Ball];
     for (body, freedom) in machine.bodies.iter_mut().zip(freedoms) {

@@ -147,13 +147,16 @@ mod tests {
             let edge_m = motions[number].point_m(&chord().trailing_m);
             wind_m_s - roll_rad_s.cross(&edge_m)
         };
-        let way_m = |column: usize| state.wake_node_m[sections + column] - state.wake_node_m[column];
-        let time_s = way_m(sections - 1).norm() / met_m_s(sections - 1).norm();
+        let displacement_m = |column: usize| state.wake_node_m[sections + column] - state.wake_node_m[column];
+        let time_s = displacement_m(sections - 1).norm() / met_m_s(sections - 1).norm();
         for column in 0..sections {
             let expected_m = met_m_s(column) * time_s;
-            let off_m = (way_m(column) - expected_m).norm();
-            assert!(off_m < 1e-12 * expected_m.norm(), "column {column}: {} for {expected_m}", way_m(column)); // round-off
+            let off_m = (displacement_m(column) - expected_m).norm();
+            assert!(off_m < 1e-12 * expected_m.norm(), "column {column}: {} for {expected_m}", displacement_m(column)); // round-off
         }
-        assert!((way_m(0).normalize() - way_m(3).normalize()).norm() > 0.2, "the sections meet different air");
+        assert!(
+            (displacement_m(0).normalize() - displacement_m(3).normalize()).norm() > 0.2,
+            "the sections meet different air"
+        );
     }
 }

@@ -4,7 +4,7 @@
 //! the panels. Normals and vector areas are those of the bilinear patches between quarter chords: the collocation point is the centre of
 //! its patch, where the diagonals give the exact normal, also with bending and twist; section normals would have to be averaged. The last
 //! rings end at the trailing edge; from there a row of rings with the same circulation extends along the path of the air to the position of
-//! the youngest vorticity ([`rear_way_m`]).
+//! the youngest vorticity ([`rear_corner_m`]).
 //!
 //! Each surface has its own rings. If two surfaces share an edge (a hinge), the segments on it coincide, and cancel to the extent that
 //! their circulations agree.
@@ -22,7 +22,7 @@ use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::{Facing, Gap, NoCirculation};
 use crate::aero::panel_forces::PanelForces;
-use crate::aero::rear::rear_way_m;
+use crate::aero::rear::rear_corner_m;
 use crate::aero::surface::Surface;
 use crate::aero::wake::{FAR_PERIOD, NEAR_ROWS};
 use crate::aero::{AirLoads, lattice_loads};
@@ -419,7 +419,7 @@ impl VortexLattice {
                         WakeModel::Free => flow.velocity_m_s(&edge_m),
                     };
                     let panel_m = motion.rotation * (chord.trailing_m - chord.leading_m) / sheet.rows as f64;
-                    rear_way_m(&(step_s * (air_m_s - edge_m_s)), &panel_m)
+                    rear_corner_m(&(step_s * (air_m_s - edge_m_s)), &panel_m)
                 });
                 let node = sheet.node(sheet.rows + 1, column);
                 state.corner_m[node] = edge_m + rear_m;

@@ -288,11 +288,11 @@ impl VortexLattice {
         }
         (self.factored, self.built) = (false, false);
         let (rows, columns) = (self.options.wake_rows, self.wake_columns);
-        let way_m = flow.wind_m_s * step_s;
+        let displacement_m = flow.wind_m_s * step_s;
         state.wake_node_m.copy_within(columns..2 * columns, rows * columns);
         for row in 1..rows {
             for column in 0..columns {
-                state.wake_node_m[row * columns + column] = state.wake_node_m[column] + way_m * row as f64;
+                state.wake_node_m[row * columns + column] = state.wake_node_m[column] + displacement_m * row as f64;
             }
         }
         (state.wake_rows, state.established) = (rows, false);
@@ -349,24 +349,24 @@ impl VortexLattice {
     fn gust_slopes(&mut self, about: &About, rows: usize) -> Result<DMatrix<f64>, NoCirculation> {
         let flow = about.flow;
         let speed_m_s = flow.wind_m_s.norm();
-        let (direction, way_m) = (flow.wind_m_s / speed_m_s, speed_m_s * about.step_s);
+        let (direction, displacement_m) = (flow.wind_m_s / speed_m_s, speed_m_s * about.step_s);
         let corners_m = &about.state.corner_m;
         let along_m = |point_m: &Vector3<f64>| direction.dot(point_m);
         let foremost_m = corners_m.iter().map(along_m).fold(f64::INFINITY, f64::min);
         let hindmost_m = corners_m.iter().map(along_m).fold(f64::NEG_INFINITY, f64::max);
-        let places = ((hindmost_m - foremost_m) / way_m * (1.0 - 1e-12)).ceil() as usize + 1;
+        let places = ((hindmost_m - foremost_m) / displacement_m * (1.0 - 1e-12)).ceil() as usize + 1;
         let mut columns = Vec::new();
         for place in 0..places {
             for part in 0..3 {
                 // at the present instant the front has passed the foremost point by `place + 1` steps
-                let shape = [[0.0, 0.0], [way_m, 1.0], [2.0 * way_m, 0.0]];
+                let shape = [[0.0, 0.0], [displacement_m, 1.0], [2.0 * displacement_m, 0.0]];
                 let gust = |velocity_m_s: f64| Gust {
                     name: String::new(),
                     shape: GustShape::Table(shape.into()),
                     velocity_m_s: Vector3::ith(part, velocity_m_s),
                     direction,
                     speed_m_s,
-                    origin_m: direction * (foremost_m + (place as f64 + 1.0) * way_m),
+                    origin_m: direction * (foremost_m + (place as f64 + 1.0) * displacement_m),
                     start_s: flow.time_s,
                 };
                 let ends = [1.0, -1.0].map(|sign| {

@@ -34,7 +34,7 @@ const MAXIMUM_ITERATIONS: usize = 100;
 /// Maximum number of halvings of a Newton step before a relaxed fixed-point step is taken instead.
 const MAXIMUM_HALVINGS: usize = 12;
 /// Relaxation factor of the fixed-point step; below 1 because of the mutual induction of the strips.
-const PART_OF_WAY: f64 = 0.3;
+const RELAXATION_FACTOR: f64 = 0.3;
 
 /// Maximum number of relaxation steps to a steady flow beyond stall: planar wings with 12 to 40 strips need up to 600 for 1e-13.
 const MAXIMUM_RELAXATIONS: usize = 3000;
@@ -268,8 +268,8 @@ impl LatticeProfiles {
             if !shorter {
                 self.go(0.0);
                 self.find_residuals();
-                let ways = self.trial_m_s.iter_mut().zip(&self.residual_m_s);
-                ways.for_each(|(trial, residual)| *trial += PART_OF_WAY * residual);
+                let pairs = self.trial_m_s.iter_mut().zip(&self.residual_m_s);
+                pairs.for_each(|(trial, residual)| *trial += RELAXATION_FACTOR * residual);
                 self.find_residuals();
             }
             before = self.residual_m_s.iter().map(|residual| residual * residual).sum();
@@ -283,8 +283,8 @@ impl LatticeProfiles {
             if self.residual_m_s.iter().all(|residual| residual.abs() <= allowed_m_s) {
                 return true;
             }
-            let ways = self.trial_m_s.iter_mut().zip(&self.residual_m_s);
-            ways.for_each(|(trial, residual)| *trial += PART_OF_WAY * residual);
+            let pairs = self.trial_m_s.iter_mut().zip(&self.residual_m_s);
+            pairs.for_each(|(trial, residual)| *trial += RELAXATION_FACTOR * residual);
         }
         false
     }

@@ -259,9 +259,9 @@ impl VortexLattice {
                     let mut slopes = matrix.column_mut(3 * ((row - 1) * columns + column) + part);
                     for (i, weight) in (1..).zip(WEIGHTS) {
                         for sign in [1.0, -1.0] {
-                            let way_m = Vector3::ith(part, sign * f64::from(i) * step_m);
+                            let displacement_m = Vector3::ith(part, sign * f64::from(i) * step_m);
                             for row in moved.clone() {
-                                nodes_m[row * columns + column] += way_m;
+                                nodes_m[row * columns + column] += displacement_m;
                             }
                             self.see_displaced((moved.start, moved.end.min(last)), column, about, &nodes_m, seen);
                             for row in moved.clone() {
@@ -372,7 +372,7 @@ mod tests {
         (lattice, (0..7).map(motion).collect())
     }
 
-    /// U-62. The derivatives by rings and nodes agree with those of complete solutions, in which the lattice sums its whole wake again:
+    /// U-62. The derivatives with respect to rings and nodes agree with those of complete solutions, in which the lattice sums its whole wake again:
     /// loads with and without suction, sheets close to each other or with a common edge, a mirror plane, compressible air.
     #[test]
     fn slopes_are_those_of_whole_answers() {
@@ -446,10 +446,10 @@ mod tests {
         let (columns, last) = (lattice.wake_columns, about.state.wake_rows);
         assert!(last > MOVING_ROWS && slopes.node.ncols() == 3 * columns * MOVING_ROWS);
         for (column, part) in [(0, 2), (1, 2), (2, 0)] {
-            let [above, below] = [0.05, -0.05].map(|way_m| {
+            let [above, below] = [0.05, -0.05].map(|displacement_m| {
                 let (kept, mut answer) = (about.state.clone(), Vec::new());
                 for row in MOVING_ROWS..=last {
-                    about.state.wake_node_m[row * columns + column][part] += way_m;
+                    about.state.wake_node_m[row * columns + column][part] += displacement_m;
                 }
                 lattice.answer(&mut about, &mut answer).expect("solved");
                 about.state = kept;

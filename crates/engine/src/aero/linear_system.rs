@@ -398,7 +398,7 @@ mod tests {
         }
     }
 
-    /// Factors of a nearby matrix give the solution of the present one to round-off; factors of an unrelated matrix report failure.
+    /// Factors of a nearby matrix give the exact solution to round-off; factors of an unrelated matrix report failure.
     #[test]
     fn factors_of_a_matrix_near_by_find_the_solution() {
         for size in [3, 66, 130] {

@@ -24,11 +24,11 @@ const PLACES: [(f64, f64); 11] = [
 /// (Cauchy's determinant for a half-plane). The position `σ` makes the responses to a uniform wake in steps of `δ` equal. At other
 /// positions, such as the usual quarter panel, the circulation lags by an error that decreases only with the square root of the panel size
 /// unless `δ = 1`, where `σ = ¼`.
-fn rear_panels(way_panels: f64) -> f64 {
-    let way = way_panels.max(SHED_PANELS);
-    let after = PLACES.iter().position(|(place, _)| *place > way).unwrap_or(PLACES.len() - 1).max(1);
+fn rear_panels(displacement_panels: f64) -> f64 {
+    let displacement = displacement_panels.max(SHED_PANELS);
+    let after = PLACES.iter().position(|(place, _)| *place > displacement).unwrap_or(PLACES.len() - 1).max(1);
     let ((w0, s0), (w1, s1)) = (PLACES[after - 1], PLACES[after]);
-    s0 + (s1 - s0) * (way - w0) / (w1 - w0)
+    s0 + (s1 - s0) * (displacement - w0) / (w1 - w0)
 }
 
 /// Largest ratio of the displacement of the air normal to the chord to that along it which is fully included if the last corners are in
@@ -41,13 +41,13 @@ const LARGEST_SLANT: f64 = 2.0;
 /// Along the chord it is `σ` panel chords. Normal to the chord the vorticity moves with the air: the line from the edge continues into the
 /// wake, and steady flow does not depend on the step. If `σ` is negative, the wake passes through the edge along the same line. For an edge
 /// that moves broadside, with almost no displacement of the air along the chord, the corner is never ahead of its motion.
-pub fn rear_way_m(way_m: &Vector3<f64>, panel_m: &Vector3<f64>) -> Vector3<f64> {
-    let way = way_m.dot(panel_m) / panel_m.norm_squared();
-    let place = rear_panels(way);
-    if way <= 0.0 {
+pub fn rear_corner_m(displacement_m: &Vector3<f64>, panel_m: &Vector3<f64>) -> Vector3<f64> {
+    let displacement = displacement_m.dot(panel_m) / panel_m.norm_squared();
+    let place = rear_panels(displacement);
+    if displacement <= 0.0 {
         return place * panel_m;
     }
-    let across_m = way_m / way - panel_m;
+    let across_m = displacement_m / displacement - panel_m;
     let slant = across_m.norm() / panel_m.norm();
     let share = if place < 0.0 && slant > LARGEST_SLANT { (LARGEST_SLANT / slant).powi(2) } else { 1.0 };
     place * (panel_m + share * across_m)
@@ -78,17 +78,23 @@ mod tests {
     /// interpolation between its rows has an error below 0.004.
     #[test]
     fn uniform_wake_acts_like_a_continuous_one() {
-        let excess = |way: f64, place: f64| {
-            let sum: f64 = (0..4000).map(|n| way * answer(place + f64::from(n) * way)).sum();
-            sum - 2.0 * (4000.0 * way + place - 0.5 * way).sqrt()
+        let excess = |displacement: f64, place: f64| {
+            let sum: f64 = (0..4000).map(|n| displacement * answer(place + f64::from(n) * displacement)).sum();
+            sum - 2.0 * (4000.0 * displacement + place - 0.5 * displacement).sqrt()
         };
-        for (way, place) in PLACES {
+        for (displacement, place) in PLACES {
             // the excess decreases as the vortices move aft
-            assert!(excess(way, place - 2e-4) > 0.0 && excess(way, place + 2e-4) < 0.0, "{way}: {place}");
+            assert!(
+                excess(displacement, place - 2e-4) > 0.0 && excess(displacement, place + 2e-4) < 0.0,
+                "{displacement}: {place}"
+            );
         }
-        for way in [0.07, 0.15, 0.4, 0.6, 0.9, 1.2, 3.0] {
-            let place = rear_panels(way);
-            assert!(excess(way, place - 4e-3) > 0.0 && excess(way, place + 4e-3) < 0.0, "{way}: {place}");
+        for displacement in [0.07, 0.15, 0.4, 0.6, 0.9, 1.2, 3.0] {
+            let place = rear_panels(displacement);
+            assert!(
+                excess(displacement, place - 4e-3) > 0.0 && excess(displacement, place + 4e-3) < 0.0,
+                "{displacement}: {place}"
+            );
         }
     }
 
@@ -97,14 +103,14 @@ mod tests {
     #[test]
     fn corner_lies_on_the_way_of_the_air() {
         let panel_m = Vector3::new(0.0, -0.3, 0.0);
-        for way in [0.1, 0.29, 1.0, 4.0] {
-            let way_m = way * Vector3::new(0.2, -0.3, 0.05);
-            let corner_m = rear_way_m(&way_m, &panel_m);
-            assert!(corner_m.cross(&way_m).norm() < 1e-15, "{way}: {corner_m}");
-            assert_eq!(corner_m.y, rear_panels(way) * -0.3, "{way}");
+        for displacement in [0.1, 0.29, 1.0, 4.0] {
+            let displacement_m = displacement * Vector3::new(0.2, -0.3, 0.05);
+            let corner_m = rear_corner_m(&displacement_m, &panel_m);
+            assert!(corner_m.cross(&displacement_m).norm() < 1e-15, "{displacement}: {corner_m}");
+            assert_eq!(corner_m.y, rear_panels(displacement) * -0.3, "{displacement}");
         }
         for along_m in [-1e-3, 0.0, 1e-3] {
-            let broadside_m = rear_way_m(&Vector3::new(0.0, along_m, 0.6), &panel_m);
+            let broadside_m = rear_corner_m(&Vector3::new(0.0, along_m, 0.6), &panel_m);
             assert!(broadside_m.z.abs() < 1e-3 * 0.3, "{broadside_m}");
         }
     }

@@ -131,8 +131,8 @@ impl VortexLattice {
         for (surface, wake) in self.surfaces.iter().zip(&self.wake) {
             for (column, chord) in surface.chords.iter().enumerate() {
                 let at = wake.node(0, column);
-                let way_m = (to.edge_m[at] - path.end_m(&from.edge_m[at])).norm();
-                longest = longest.max(way_m / chord.length_m() * surface.chord_panels as f64);
+                let displacement_m = (to.edge_m[at] - path.end_m(&from.edge_m[at])).norm();
+                longest = longest.max(displacement_m / chord.length_m() * surface.chord_panels as f64);
             }
         }
         longest
@@ -385,8 +385,8 @@ mod tests {
         };
         let gusty = moved(&Flow { gusts: &[gust], ..blows(10.0) });
         for node in nodes.clone() {
-            let way_m = gusty.wake_node_m[node] - calm.wake_node_m[node];
-            assert!((way_m - velocity_m_s * STEP_S).norm() < 1e-12, "{node}: {way_m}");
+            let displacement_m = gusty.wake_node_m[node] - calm.wake_node_m[node];
+            assert!((displacement_m - velocity_m_s * STEP_S).norm() < 1e-12, "{node}: {displacement_m}");
         }
 
         let spin_rad_s = Vector3::new(0.9, -1.4, 2.0);

@@ -412,7 +412,7 @@ impl ModalElement {
     fn within(&self, cell: &Cell, place_m: f64) -> ShapesAt {
         let start_m = cell.start.place_m;
         let mut shapes = ShapesAt { place_m, ..ShapesAt::ZERO };
-        let way_m = place_m - start_m;
+        let distance_m = place_m - start_m;
         // the slopes at mid-cell continue the running integrals through the cell
         let half_m = 0.5 * self.cell_m;
         let mut middle = [[0.0; 2]; MAXIMUM_MODES];
@@ -430,8 +430,8 @@ impl ModalElement {
                     for (axis, middle) in middle[i].iter_mut().enumerate() {
                         let (slope, curvature) = (cell.start.slope_1_m[i][axis], cell.curvature_1_m2[i][axis]);
                         *middle = slope + curvature * half_m;
-                        shapes.slope_1_m[i][axis] = slope + curvature * way_m;
-                        shapes.bend[i][axis] = cell.start.bend[i][axis] + *middle * way_m;
+                        shapes.slope_1_m[i][axis] = slope + curvature * distance_m;
+                        shapes.bend[i][axis] = cell.start.bend[i][axis] + *middle * distance_m;
                     }
                 }
             }
@@ -439,7 +439,7 @@ impl ModalElement {
         for i in 0..self.modes {
             for j in 0..self.modes {
                 let product = middle[i][0] * middle[j][0] + middle[i][1] * middle[j][1];
-                shapes.shortening_1_m[i][j] = cell.start.shortening_1_m[i][j] + product * way_m;
+                shapes.shortening_1_m[i][j] = cell.start.shortening_1_m[i][j] + product * distance_m;
             }
         }
         shapes

@@ -273,10 +273,10 @@ mod tests {
         let leaving = Contact::Leaving(Side::Upper);
         let stops = TwoSidedStops { stops: STOPS, contact: leaving };
         // 0.1 rad beyond the end; damping divided by stiffness is 0.1 s, so that the stop pushes at rates above -1 rad/s
-        let way = |rate| stops.distance_rad(1, &moving(2.1, rate), &memory(leaving));
-        assert!((way(-3.0) - 0.1).abs() < 1e-15, "to the end: {}", way(-3.0));
-        assert!((way(-1.5) - 0.05).abs() < 1e-15, "to pressing: {}", way(-1.5));
-        assert!(way(-1.001) > 0.0 && way(-0.999) < 0.0, "{} {}", way(-1.001), way(-0.999));
+        let distance = |rate| stops.distance_rad(1, &moving(2.1, rate), &memory(leaving));
+        assert!((distance(-3.0) - 0.1).abs() < 1e-15, "to the end: {}", distance(-3.0));
+        assert!((distance(-1.5) - 0.05).abs() < 1e-15, "to pressing: {}", distance(-1.5));
+        assert!(distance(-1.001) > 0.0 && distance(-0.999) < 0.0, "{} {}", distance(-1.001), distance(-0.999));
         assert!(stops.is_overdue(1, &moving(2.1, -0.9), &memory(leaving)));
     }
 }

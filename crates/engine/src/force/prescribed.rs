@@ -70,7 +70,7 @@ impl Law {
         }
     }
 
-    /// Slopes by the time of angle (rad/s), rate (rad/s²) and acceleration (rad/s³) at `time_s`, on the piece given by `branch_s`.
+    /// Derivatives with respect to time of angle (rad/s), rate (rad/s²) and acceleration (rad/s³) at `time_s`, on the piece given by `branch_s`.
     pub fn by_time(&self, time_s: f64, branch_s: f64) -> [f64; 3] {
         let piece = |knots: &[[f64; 3]]| {
             let after = knots.partition_point(|knot| knot[0] <= branch_s);

@@ -10,7 +10,7 @@ use crate::solve::point::Point;
 use std::ops::Range;
 
 impl Gradient<'_> {
-    /// Derivatives of a result by all parameters.
+    /// Derivatives of a result with respect to all parameters.
     pub fn adjoint(&mut self, result: RunResult) -> Result<Vec<f64>, GradientError> {
         let seed = self.seed(result)?;
         let Seed { step: last, part, state, by_shift, by_loads, by_parameters } = seed;

@@ -110,7 +110,7 @@ impl Gradient<'_> {
     }
 
     /// Multipliers of the motion and of the memory at the start of an aerodynamic step, from those at its end; `sums` has the multipliers of
-    /// its loads by results within it, and receives the slopes by the parameters.
+    /// its loads by results within it, and receives the slopes with respect to the parameters.
     pub(super) fn air_back(
         &mut self,
         (span, air): (&Range<usize>, &AirStep),
@@ -173,7 +173,7 @@ impl Gradient<'_> {
 
 /// Sums of the multipliers of a run, from its end back to the start.
 pub(super) struct Sums {
-    /// Slopes by the parameters, if they are computed.
+    /// Slopes with respect to the parameters, if they are computed.
     pub gradient: Option<Vec<f64>>,
     /// Multipliers of the loads of the air in the present aerodynamic step; empty without air.
     pub loads: Vec<f64>,

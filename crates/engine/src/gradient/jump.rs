@@ -179,7 +179,7 @@ impl Gradient<'_> {
         Ok(w)
     }
 
-    /// Slopes of `M Δv` by the numbers of all machines beside the present one.
+    /// Slopes of `M Δv` with respect to the numbers of all perturbed models.
     fn momentum_slopes(&mut self, jump: &Jump) -> Vec<Vec<f64>> {
         let n = self.system.coordinates();
         let each = self.neighbours.iter_mut().map(|neighbours| {

@@ -209,7 +209,7 @@ impl<'a> Gradient<'a> {
         self.entries.iter().map(share).collect()
     }
 
-    /// Slopes by the parameters from those by the machines beside the present one.
+    /// Slopes with respect to the parameters from those of the perturbed models.
     fn by_parameters(&self, time_s: f64, by_neighbours: &[f64]) -> Vec<f64> {
         let shares = self.shares(time_s);
         self.entries.iter().zip(shares).map(|(entry, share)| share * by_neighbours[entry.beside]).collect()
@@ -241,7 +241,7 @@ impl<'a> Gradient<'a> {
         results.iter().map(value).collect()
     }
 
-    /// The slopes of a result by the state at its instant and by the parameters.
+    /// The slopes of a result with respect to the state at its instant and to the parameters.
     fn seed(&mut self, result: RunResult) -> Result<Seed<'a>, GradientError> {
         let step = self.step_of(result)?;
         match result {

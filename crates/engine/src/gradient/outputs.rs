@@ -1,4 +1,4 @@
-//! Slopes of results by the state at their instant.
+//! Slopes of results with respect to the state at their instant.
 
 use crate::gradient::step::{Causes, ONWARD, Variation, time_step_s};
 use crate::gradient::tape::{Ending, Mark, Step};
@@ -132,14 +132,14 @@ impl<'a> Gradient<'a> {
         Ok(rate[0])
     }
 
-    /// Slope of an output by the time of inputs that move, at a state at a requested time.
+    /// Slope of an output with respect to time, for inputs that vary, at a state at a requested time.
     fn slope_by_time(&mut self, index: usize, at: &Point, time: usize) -> f64 {
         let step_s = time_step_s(self.tape.marks[time].branch.as_ref().map_or(1.0, Step::length_s));
         let mut there = |time_s: f64| values(self.system, &Point { time_s, ..at.clone() })[index];
         ONWARD.iter().map(|(steps, weight)| weight / step_s * there(at.time_s + steps * step_s)).sum()
     }
 
-    /// Slopes of an output by the state at a requested time and by the parameters.
+    /// Slopes of an output with respect to the state at a requested time and to the parameters.
     pub(super) fn output_seed(&mut self, index: usize, time: usize) -> Result<Seed<'a>, GradientError> {
         let at = self.adopt_mark(time)?;
         let n = self.system.coordinates();

@@ -1,4 +1,4 @@
-//! Parameters of a run: any number of a machine, by machines beside the present one, eq. (X9).
+//! Parameters of a run: any number of a machine, by perturbed models, eq. (X9).
 
 use crate::gradient::GradientError;
 use crate::gradient::inputs::{InputRows, Offset};
@@ -26,14 +26,14 @@ const ONE_SIDED: [(f64, f64); 5] = [(0.0, -25.0 / 12.0), (1.0, 4.0), (2.0, -3.0)
 /// size, fourth-order differences of these smooth functions have 1e-12 of truncation and of round-off.
 pub struct Parameter {
     name: String,
-    /// Plants beside the present one, with their weights in a slope.
-    beside: Vec<Beside>,
+    /// Perturbed plants, with their weights in a slope.
+    perturbed: Vec<Perturbed>,
     /// The rows of the input over time whose values are differentiated by, each a parameter of its own; `None` for a single number.
     rows: Option<Vec<usize>>,
 }
 
-/// A plant beside the present one.
-struct Beside {
+/// A perturbed plant.
+struct Perturbed {
     /// Its weight in a slope.
     weight: f64,
     plant: Plant,
@@ -55,16 +55,17 @@ impl Parameter {
         step: f64,
         plant: impl Fn(f64) -> Result<Plant, E>,
     ) -> Result<Self, E> {
-        let beside = |rule: &[(f64, f64)], step: f64| {
+        let perturbed = |rule: &[(f64, f64)], step: f64| {
             rule.iter()
                 .map(|(steps, weight)| {
-                    Ok(Beside { weight: weight / step, plant: plant(value + steps * step)?, offset: None })
+                    Ok(Perturbed { weight: weight / step, plant: plant(value + steps * step)?, offset: None })
                 })
                 .collect::<Result<_, E>>()
         };
-        let beside = beside(&CENTRAL, step)
-            .or_else(|refused| beside(&ONE_SIDED, step).or_else(|_| beside(&ONE_SIDED, -step)).map_err(|_| refused))?;
-        Ok(Self { name: name.into(), beside, rows: None })
+        let perturbed = perturbed(&CENTRAL, step).or_else(|refused| {
+            perturbed(&ONE_SIDED, step).or_else(|_| perturbed(&ONE_SIDED, -step)).map_err(|_| refused)
+        })?;
+        Ok(Self { name: name.into(), perturbed, rows: None })
     }
 
     /// Values of an input over time in some of its rows, each a parameter: `column` is its place in [`InputRows::columns`]. `step`: positive,
@@ -79,22 +80,22 @@ impl Parameter {
         step: f64,
         plant: impl Fn() -> Result<Plant, E>,
     ) -> Result<Self, E> {
-        let beside = |&(steps, weight): &(f64, f64)| {
-            Ok(Beside { weight: weight / step, plant: plant()?, offset: Some(Offset { column, by: steps * step }) })
+        let perturbed = |&(steps, weight): &(f64, f64)| {
+            Ok(Perturbed { weight: weight / step, plant: plant()?, offset: Some(Offset { column, by: steps * step }) })
         };
-        let beside = CENTRAL.iter().map(beside).collect::<Result<_, E>>()?;
-        Ok(Self { name: name.into(), beside, rows: Some(rows) })
+        let perturbed = CENTRAL.iter().map(perturbed).collect::<Result<_, E>>()?;
+        Ok(Self { name: name.into(), perturbed, rows: Some(rows) })
     }
 
-    /// Number of machines beside the present one: 4 for central differences, 5 for one-sided ones.
+    /// Number of perturbed models: 4 for central differences, 5 for one-sided ones.
     pub fn machines(&self) -> usize {
-        self.beside.len()
+        self.perturbed.len()
     }
 }
 
-/// The machines beside the present one, at work.
+/// The perturbed models, at work.
 pub(super) struct Neighbours {
-    plants: Vec<Beside>,
+    plants: Vec<Perturbed>,
     /// The rows of the input over time, or `None` for a single number.
     pub rows: Option<Vec<usize>>,
     /// Slopes of the start's coordinates and rates.
@@ -107,7 +108,7 @@ pub(super) struct Neighbours {
 
 /// Kind of the difference between the residuals of the machines.
 enum Difference {
-    /// In forces on joints only: motion and wrenches of the nodes are those of the present one.
+    /// Only in joint forces: motion and nodal wrenches are those of the unperturbed model.
     Joints,
     /// In blocks of the mesh as well.
     Blocks(Box<BlockSlopes>),
@@ -116,8 +117,8 @@ enum Difference {
 }
 
 impl Difference {
-    fn of(plants: &mut [Beside], own: &Equations, tape: &Tape) -> Self {
-        let same_loads = plants.iter_mut().all(|Beside { plant, offset, .. }| {
+    fn of(plants: &mut [Perturbed], own: &Equations, tape: &Tape) -> Self {
+        let same_loads = plants.iter_mut().all(|Perturbed { plant, offset, .. }| {
             let system = plant.system_mut();
             let of_joint = |index: usize| system.state.inputs.layout().joints.range().contains(&index);
             let column = offset.map(|offset| tape.inputs.columns()[offset.column].index);
@@ -126,7 +127,8 @@ impl Difference {
         if !same_loads {
             return Self::Any;
         }
-        let models = plants.iter_mut().map(|beside| (beside.weight, &beside.plant.system_mut().equations.model));
+        let models =
+            plants.iter_mut().map(|perturbed| (perturbed.weight, &perturbed.plant.system_mut().equations.model));
         let models: Vec<(f64, &Model)> = models.collect();
         if models.iter().all(|(_, model)| **model == own.model) {
             return Self::Joints;
@@ -138,12 +140,12 @@ impl Difference {
 impl Neighbours {
     pub fn new(parameter: Parameter, own: &System, tape: &Tape) -> Result<Self, GradientError> {
         let time_s = tape.steps.first().map_or(0.0, |step| step.start.time_s);
-        let Parameter { name, beside: mut plants, rows } = parameter;
+        let Parameter { name, perturbed: mut plants, rows } = parameter;
         let refuse = |what| GradientError::Structure { parameter: name.clone(), what };
         let coordinates = own.coordinates();
         let mut start = [vec![0.0; coordinates], vec![0.0; coordinates]];
         let mut start_memory = Vec::new();
-        for Beside { weight, plant, offset } in &mut plants {
+        for Perturbed { weight, plant, offset } in &mut plants {
             let rows = rows.iter().flatten();
             if offset.is_some_and(|offset| !tape.inputs.has(offset.column, rows)) {
                 let cause = format!("parameter {name} has no such real input over time, or no such row");
@@ -194,7 +196,7 @@ impl Neighbours {
 
     /// Adopts the states of the joints in a step.
     pub fn adopt(&mut self, step: &Step, inputs: &InputRows) {
-        for Beside { plant, offset, .. } in &mut self.plants {
+        for Perturbed { plant, offset, .. } in &mut self.plants {
             adopt(plant.system_mut(), step, inputs, *offset);
         }
     }
@@ -209,7 +211,7 @@ impl Neighbours {
                 own.clear_held(slope);
             }
         }
-        for Beside { weight, plant, .. } in &mut self.plants {
+        for Perturbed { weight, plant, .. } in &mut self.plants {
             let equations = &mut plant.system_mut().equations;
             match self.difference {
                 Difference::Joints | Difference::Blocks(_) => {
@@ -228,7 +230,7 @@ impl Neighbours {
             Difference::Joints => return,
             Difference::Blocks(_) | Difference::Any => {}
         }
-        for Beside { weight, plant, .. } in &mut self.plants {
+        for Perturbed { weight, plant, .. } in &mut self.plants {
             jump.momentum(plant.system_mut(), &mut self.scratch, *weight, slope);
         }
     }
@@ -241,7 +243,7 @@ impl Neighbours {
         reference: &[Matrix3<f64>],
     ) -> Result<Vec<f64>, GradientError> {
         let mut slopes = Vec::new();
-        for Beside { weight, plant, .. } in &mut self.plants {
+        for Perturbed { weight, plant, .. } in &mut self.plants {
             let values = plant.system_mut().air_step_values(before, at, reference)?;
             slopes.resize(values.len(), 0.0);
             super::add(&mut slopes, *weight, &values);
@@ -251,13 +253,13 @@ impl Neighbours {
 
     /// Slope of a number that each machine gives.
     pub fn slope(&mut self, mut of: impl FnMut(&mut System) -> f64) -> f64 {
-        self.plants.iter_mut().map(|beside| beside.weight * of(beside.plant.system_mut())).sum()
+        self.plants.iter_mut().map(|perturbed| perturbed.weight * of(perturbed.plant.system_mut())).sum()
     }
 
     /// Adds the slopes of numbers that each machine gives to `sum`.
     pub fn add_slopes(&mut self, sum: &mut [f64], mut of: impl FnMut(&mut System, &mut [f64])) {
         let mut each = vec![0.0; sum.len()];
-        for Beside { weight, plant, .. } in &mut self.plants {
+        for Perturbed { weight, plant, .. } in &mut self.plants {
             of(plant.system_mut(), &mut each);
             super::add(sum, *weight, &each);
         }

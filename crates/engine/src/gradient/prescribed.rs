@@ -8,7 +8,7 @@ pub(super) struct LawSlopes {
     pub coordinate: usize,
     /// By the time.
     by_time: [f64; 3],
-    /// By the numbers of the machines beside the present one.
+    /// With respect to the numbers of the perturbed models.
     by_neighbours: Vec<[f64; 3]>,
 }
 
@@ -48,14 +48,14 @@ impl Gradient<'_> {
         with_neighbours.collect()
     }
 
-    /// Number beside the present machine, and its share, of a direction.
+    /// Index of the perturbed model and its weight, of a direction.
     pub(super) fn number_of(&self, direction: usize, shares: &[f64], causes: Causes) -> Option<(usize, f64)> {
         let entry = self.entries.get(direction).filter(|_| causes.parameters)?;
         Some((entry.beside, shares[direction]))
     }
 
-    /// Adds the slopes by the parameters through the prescribed coordinates at an instant to `gradient`, and returns those by the time:
-    /// `on` are the multipliers of their angles, rates and accelerations.
+    /// Adds the slopes with respect to the parameters through the prescribed coordinates at an instant to `gradient`, and returns
+    /// those with respect to time: `on` are the multipliers of their angles, rates and accelerations.
     pub(super) fn through_laws(
         &self,
         (laws, time_s): (&[LawSlopes], f64),

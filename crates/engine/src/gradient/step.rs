@@ -184,7 +184,7 @@ impl Gradient<'_> {
         Some(slope)
     }
 
-    /// Slopes of the residual by the numbers of all machines beside the present one at a point.
+    /// Slopes of the residual with respect to the numbers of all perturbed models at a point.
     pub(super) fn residual_slopes(&mut self, at: &Point) -> Vec<Vec<f64>> {
         let n = self.system.coordinates();
         let each = self.neighbours.iter_mut().map(|neighbours| {
@@ -196,7 +196,7 @@ impl Gradient<'_> {
     }
 
     /// Slopes of the residual at a linearised point in all directions by `causes`, with the shifts of the point's time; `by_time` is the
-    /// slope by time.
+    /// slope with respect to time.
     pub(super) fn forcings(
         &mut self,
         at: &Point,

@@ -27,13 +27,13 @@ pub fn first_frames(bodies: &[Body], stand: impl Fn(&OneFreedom) -> f64) -> Vec<
                 Frame { position_m: place.position_m + place.attitude * body.joint.offset_m, ..place }
             }
         };
-        let (way_m, fold) = body.joint.kind.one_freedom().map_or_else(
+        let (displacement_m, fold) = body.joint.kind.one_freedom().map_or_else(
             || (Vector3::zeros(), Matrix3::identity()),
             |(travel, joint)| travel.moved(&joint.axis, stand(joint)),
         );
         let mut first = Frame { attitude: origin.attitude * fold * body.joint.mount, ..origin };
-        if way_m != Vector3::zeros() {
-            first.position_m += origin.attitude * way_m;
+        if displacement_m != Vector3::zeros() {
+            first.position_m += origin.attitude * displacement_m;
         }
         frames.push(first);
     }

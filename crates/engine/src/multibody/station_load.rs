@@ -113,13 +113,13 @@ fn sheared(model: &Model, stations: &Waiting) -> bool {
 type Exerted<const N: usize> = [([f64; 2], [f64; N]); LANES];
 
 /// One link of each of several stations, at the same position in the list of links between the station and the root.
-struct Way<const N: usize> {
+struct LinkBatch<const N: usize> {
     length_m: Lanes,
     weights: [[f64; 2]; LANES],
     links: LocalLinks,
 }
 
-impl<const N: usize> Way<N> {
+impl<const N: usize> LinkBatch<N> {
     #[inline(always)]
     fn new(q: &[f64], first: &[usize; LANES], steps: [Step; LANES]) -> Self {
         let weights = steps.map(|step| step.weights);
@@ -165,11 +165,11 @@ impl<const N: usize> Passed<N> {
         let each: [(&Station, &Wrench); LANES] = from_fn(|lane| stations[lane].unwrap_or((last, last_load)));
         let first: [usize; LANES] = from_fn(|lane| first_coordinate(model, each[lane].0));
         let node: [usize; LANES] = from_fn(|lane| inner_node(model, each[lane].0));
-        let ways: [([Step; 2], usize); LANES] = from_fn(|lane| steps(model, each[lane].0));
-        let inner = Way::<N>::new(q, &first, ways.map(|(steps, _)| steps[0]));
+        let paths: [([Step; 2], usize); LANES] = from_fn(|lane| steps(model, each[lane].0));
+        let inner = LinkBatch::<N>::new(q, &first, paths.map(|(steps, _)| steps[0]));
         // if only one of the stations has a second link, those of the others have zero length
-        let pairs = ways.iter().any(|(_, links)| *links == 2);
-        let outer = pairs.then(|| Way::<N>::new(q, &first, ways.map(|(steps, _)| steps[1])));
+        let pairs = paths.iter().any(|(_, links)| *links == 2);
+        let outer = pairs.then(|| LinkBatch::<N>::new(q, &first, paths.map(|(steps, _)| steps[1])));
 
         // at the outer ends, in the frames of the stations or in those of the inner nodes
         let in_section = last.frame == LoadFrame::Section;

@@ -165,10 +165,10 @@ impl Plant {
         // displacement of the wind over the whole step, and rotation of the root frame at the middle of the rest of the step: exact for
         // inputs that vary linearly from the step's start
         let middle_s = 0.5 * (begin_s + end_s);
-        let way_m = history.carried_m + state.wind_at_m_s(middle_s) * (end_s - begin_s);
+        let displacement_m = history.carried_m + state.wind_at_m_s(middle_s) * (end_s - begin_s);
         let spin_rad_s = state.spin_at_rad_s(middle_s);
         let gain = history.gain.after(end_s - begin_s, state.applied_rates.wind_m_s());
-        let carrying = Flow { wind_m_s: way_m / step_s, spin_rad_s, ..flow(&air.settings, state, end_s) };
+        let carrying = Flow { wind_m_s: displacement_m / step_s, spin_rad_s, ..flow(&air.settings, state, end_s) };
         let path = AirPath::new(&carrying, step_s);
         let history = state.air.as_mut()?;
         air.model.convect(&history.before, &carrying, step_s, &mut history.after);
@@ -270,8 +270,8 @@ impl Plant {
         let Some(history) = &mut state.air else { return };
         history.motion_tolerance = match air.settings.coupling {
             Coupling::Iterated { tolerance, .. } if history.scale_n > 0.0 => {
-                let way_m = air.unnoticed_m(MOTION_SHARE * tolerance * history.scale_n, density_kg_m3);
-                (way_m / equations.model.reference_length_m).max(MINIMUM_MOTION_TOLERANCE)
+                let displacement_m = air.unnoticed_m(MOTION_SHARE * tolerance * history.scale_n, density_kg_m3);
+                (displacement_m / equations.model.reference_length_m).max(MINIMUM_MOTION_TOLERANCE)
             }
             Coupling::Staggered | Coupling::Iterated { .. } => f64::INFINITY,
         };

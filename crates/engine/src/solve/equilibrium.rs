@@ -86,7 +86,7 @@ pub enum Cause {
     #[error("the residual is not finite in iteration {0}")]
     NotFinite(usize),
     /// The descent did not reach a stable state.
-    #[error("no stable equilibrium was found within {0} descent steps")]
+    #[error("the search for a stable equilibrium did not converge in {0} iterations")]
     NoStableState(usize),
     /// The path of equilibria was followed without reaching the load.
     #[error("the equilibrium path does not reach the full load within {0} points")]

@@ -45,7 +45,7 @@ pub fn principal_1_s(multiplier: Complex<f64>, period_s: f64) -> Complex<f64> {
     Complex::new(multiplier.norm().ln(), angle) / period_s
 }
 
-/// Determines the exponent of a multiplier from its motion: `motion[k]` are the coordinates, in the ground frame, at the fraction `k/K` of
+/// Determines the exponent of a multiplier from its motion: `motion[k]` are the coordinates, in the fixed frame, at the fraction `k/K` of
 /// the revolution. `weights` are the masses of the coordinates.
 ///
 /// With `p(t) = u(t) e^{−λt}`, which is periodic over the revolution, a harmonic `h` participates in proportion to `Σ m |p_h|²`.

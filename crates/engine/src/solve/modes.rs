@@ -73,7 +73,7 @@ pub fn modes(
     modes_beyond([mass, damping, stiffness], count, 0.0)
 }
 
-/// Like [`modes`], for a stiffness `K` that may be negative by up to `shift_1_s2` times the mass, such as that of a rotor in the ground
+/// Like [`modes`], for a stiffness `K` that may be negative by up to `shift_1_s2` times the mass, such as that of a rotor in the fixed
 /// frame: `K + shift M` is then far from singular, which is not guaranteed for a shift found by trial.
 pub fn modes_beyond(
     [mass, damping, stiffness]: [&DMatrix<f64>; 3],

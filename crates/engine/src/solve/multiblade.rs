@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 /// direction dominates.
 const STANDING: f64 = 0.1;
 
-/// Relative motion of equal blades in the ground frame.
+/// Relative motion of equal blades in the fixed frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Whirl {
     /// All blades in phase.
@@ -176,7 +176,7 @@ mod tests {
     use super::*;
     use crate::solve::modes::modes_beyond;
 
-    /// Uncoupled blades fixed to the hub, `q̈ + 2ζω q̇ + ω² q = 0`: in the ground frame each wave has the eigenvalues `λ ± i n Ω` and the
+    /// Uncoupled blades fixed to the hub, `q̈ + 2ζω q̇ + ω² q = 0`: in the fixed frame each wave has the eigenvalues `λ ± i n Ω` and the
     /// corresponding whirl, for any number of blades.
     #[test]
     fn separate_blades_whirl_at_their_frequency_and_the_speed() {

@@ -6,7 +6,7 @@
 
 use crate::solve::equilibrium::{Cause, Effort, Settings, StaticEquations};
 
-/// Maximum number of descent steps.
+/// Maximum number of iterations.
 const MAXIMUM_STEPS: usize = 600;
 
 /// Largest step in the kinematic norm.

@@ -18,7 +18,7 @@ pub trait Followed {
 /// Modes farther apart than this are never matched.
 const STRANGERS: f64 = 0.9;
 /// Distance above which the interval between two values is halved to resolve the matching.
-const DOUBT: f64 = 0.25;
+const AMBIGUOUS: f64 = 0.25;
 /// Relative difference of two eigenvalues up to which any combination of their shapes counts as a mode: rounded angles of a model file
 /// separate modes of equal blades by 1e-7.
 const EQUAL: f64 = 1e-6;
@@ -118,7 +118,7 @@ fn pairs<M: Followed>(branches: &[Option<(&M, Complex<f64>)>], modes: &[M]) -> (
             let likeness = likeness_to_all(mode, before).max(likeness_to_all(*last, beside));
             let of_all = apart(mode.eigenvalue_1_s(), *expected) + (1.0 - likeness);
             if own.min(of_all) < STRANGERS {
-                list.push((own.min(of_all + DOUBT), own.min(of_all), *i, j));
+                list.push((own.min(of_all + AMBIGUOUS), own.min(of_all), *i, j));
             }
         }
     }
@@ -174,7 +174,7 @@ impl<M: Followed + Clone> Branches<M> {
     ) -> Result<(), E> {
         let modes = modes_at(at)?;
         let (of, worst) = pairs(&self.expected(at), &modes);
-        if worst > DOUBT && halvings < MAXIMUM_HALVINGS {
+        if worst > AMBIGUOUS && halvings < MAXIMUM_HALVINGS {
             let from = self.all.last().map_or(at, |place| place.at);
             self.go_on(0.5 * (from + at), modes_at, halvings + 1)?;
             return self.go_on(at, modes_at, halvings + 1);

@@ -62,14 +62,16 @@ impl Study<'_> {
         }
         let names: Vec<&str> = pulling.iter().map(|joint| self.system.joint_name(*joint)).collect();
         let cause = format!(
-            "the latch of {} would have to pull its joint back if closed, and with the latch open the equilibrium lies \
-             beyond the latch angle; choose a start angle near the equilibrium, or disable the latch (latch_enable = false)",
+            "no state of the latch of {} is consistent: if it is closed, the loads pull its joint back towards the start \
+             angle; if it is open, the equilibrium lies beyond the latch angle; choose a start angle near the equilibrium, or \
+             disable the latch (latch_enable = false)",
             names.join(", ")
         );
         Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause, diverges_m_s: None })
     }
 
-    /// Joints whose latches, not closed in `joints`, have closed and pull them towards the latch, against their motion from `start`.
+    /// Joints whose latches, not closed in `joints`, have closed and pull them towards the latch, in the direction of their motion from
+    /// `start`: without the latch, the loads move them back.
     fn pulling_latches(&mut self, time_s: f64, start: &[f64], joints: &[JointMemory]) -> Vec<usize> {
         let closed = |i: &usize| self.system.state.joints[*i].latch.closed && !joints[*i].latch.closed;
         let closed: Vec<usize> = (0..joints.len()).filter(closed).collect();

@@ -140,7 +140,7 @@ impl System {
             Vector3::from_fn(|k, _| Complex::new(re[k], im[k]))
         };
         let (displacement, rotation) = (|node: &NodeMotion| node.displacement_m, |node: &NodeMotion| node.rotation_rad);
-        let (way, turn) = (complex(&displacement, joint.body, 0), complex(&rotation, joint.body, 0));
+        let (shift, turn) = (complex(&displacement, joint.body, 0), complex(&rotation, joint.body, 0));
         // mean squares of the sections' displacements due to the best-fitting rigid-body motion, and due to deformation
         let shape = self.shape();
         let origin_m = shape[joint.body][0].position_m;
@@ -167,7 +167,7 @@ impl System {
         let per_speed = mode.eigenvalue_1_s / speed_m_s;
         let (roll, pitch, yaw) = (along(&ahead, &turn), along(&right, &turn), along(&down, &turn));
         let (speed, slip, sink) =
-            (along(&ahead, &way) * per_speed, along(&right, &way) * per_speed, along(&down, &way) * per_speed);
+            (along(&ahead, &shift) * per_speed, along(&right, &shift) * per_speed, along(&down, &shift) * per_speed);
         let attack = pitch + sink;
         let symmetric = pitch.norm() + speed.norm() + sink.norm();
         let lateral = roll.norm() + yaw.norm() + slip.norm();

@@ -1,4 +1,4 @@
-//! Moving parts of a perturbation of a periodic motion, in the ground frame, and the model averaged over the revolution.
+//! Moving parts of a perturbation of a periodic motion, in the fixed frame, and the model averaged over the revolution.
 
 use crate::solve::linearize::SecondOrder;
 use crate::solve::modes::{Mode, modes_beyond};
@@ -9,7 +9,7 @@ use crate::system::freedoms::Freedom;
 use crate::system::shape::WhirlShare;
 use nalgebra::{Complex, DVector};
 
-/// Transformation of the coordinates of a machine with a spinning rotor to the ground frame.
+/// Transformation of the coordinates of a machine with a spinning rotor to the fixed frame.
 #[derive(Debug, Clone)]
 pub struct GroundView {
     freedoms: Vec<Freedom>,
@@ -35,7 +35,7 @@ pub struct AveragedModes {
 }
 
 impl Study<'_> {
-    /// Transformation to the ground frame for a machine in its present state, at the start of a revolution of the shaft of `rotor`; without
+    /// Transformation to the fixed frame for a machine in its present state, at the start of a revolution of the shaft of `rotor`; without
     /// a rotor of equal blades (`None`) the coordinates are those of the machine.
     ///
     /// # Errors
@@ -87,12 +87,12 @@ impl Study<'_> {
 }
 
 impl GroundView {
-    /// Coordinates in the ground frame.
+    /// Coordinates in the fixed frame.
     pub fn components(&self, coordinates: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
         self.blades.components(coordinates, azimuth_rad)
     }
 
-    /// Coordinates of the machine, from components in the ground frame: the inverse of [`GroundView::components`].
+    /// Coordinates of the machine, from components in the fixed frame: the inverse of [`GroundView::components`].
     pub fn coordinates(&self, components: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
         self.blades.coordinates(components, azimuth_rad)
     }

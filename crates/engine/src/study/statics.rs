@@ -498,7 +498,7 @@ impl Study<'_> {
     fn no_equilibrium(&self, time_s: f64, error: &NoEquilibrium) -> PlantError {
         let cause = match error.cause {
             Cause::Singular(coordinate) => {
-                format!("no stiffness against a motion of {}", self.coordinate_name(coordinate))
+                format!("no stiffness resists a motion of {}", self.coordinate_name(coordinate))
             }
             other @ (Cause::NotConverged { .. }
             | Cause::NotFinite(_)

@@ -1,4 +1,4 @@
-//! Modes of a rotor with constant speed in the ground frame: forward and backward whirl, collective motions.
+//! Modes of a rotor with constant speed in the fixed frame: forward and backward whirl, collective motions.
 
 use crate::math::strain::{EDGE, FLAP, NAMES};
 use crate::multibody::norm::kinematic_norm;
@@ -29,13 +29,13 @@ const MAXIMUM_ITERATIONS: usize = 50;
 
 impl Study<'_> {
     /// The `count` modes of lowest frequency of the machine whose rotor rotates at `speed_rad_s`, without loads, gravity, root motion and
-    /// aerodynamics, NOTATION eqs. (L25) and (L26). Frequencies are in the ground frame; shapes are those at the initial angles.
+    /// aerodynamics, NOTATION eqs. (L25) and (L26). Frequencies are in the fixed frame; shapes are those at the initial angles.
     ///
     /// The state is the steady one: deformed by centrifugal forces, with the torque on the shaft that balances them. A free shaft keeps its
     /// degree of freedom in the modes.
     ///
     /// # Errors
-    /// If there is no steady state, or if the equations in the ground frame change as the rotor rotates: the rotor is not isotropic, or it
+    /// If there is no steady state, or if the equations in the fixed frame change as the rotor rotates: the rotor is not isotropic, or it
     /// has two blades on an anisotropic support. The message names the coordinates.
     ///
     /// Afterwards the machine is in the state of [`Study::undeformed`], also after an error.
@@ -156,7 +156,7 @@ impl Study<'_> {
         ))
     }
 
-    /// The equations in the ground frame with the rotor rotated by an angle, eq. (L25). The state is restored.
+    /// The equations in the fixed frame with the rotor rotated by an angle, eq. (L25). The state is restored.
     fn seen(
         &mut self,
         blades: &Multiblade,
@@ -199,7 +199,7 @@ impl Study<'_> {
             let worst = places.max_by(|a, b| excess(a.0, a.1).total_cmp(&excess(b.0, b.1)));
             if let Some((i, j)) = worst.filter(|&(i, j)| excess(i, j).is_nan() || excess(i, j) > ISOTROPIC) {
                 return Err(format!(
-                    "the rotor is not isotropic: the {what} between {} and {} in the ground frame changes by {:.1e} of \
+                    "the rotor is not isotropic: the {what} between {} and {} in the fixed frame changes by {:.1e} of \
                      its magnitude during a revolution; allowed are three or more equal blades at equal start angles, \
                      or two on a support that does not move",
                     freedoms[i].name,

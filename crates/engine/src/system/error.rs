@@ -162,7 +162,7 @@ pub enum PlantError {
     /// The equilibrium found requires a load on a free joint, so that it is not a steady flight.
     #[error(
         "no steady flight at t = {time_s} s: {force_n:.3e} N and {moment_n_m:.3e} N m remain on the free joint {joint:?}; trim the \
-         machine and set the values found"
+         model and set the values found"
     )]
     Flight {
         /// Time in s.

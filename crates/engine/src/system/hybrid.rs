@@ -46,12 +46,12 @@ pub struct AccountRates {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NotHybrid {
     /// `Plant::initialize` has not succeeded.
-    #[error("the machine is not initialised; initialise it first")]
+    #[error("the model is not initialised; initialise it first")]
     Uninitialized,
     /// Panels, wake and rotors advance in fixed aerodynamic steps.
     #[error(
         "an external integrator is not possible with a vortex lattice or a rotor: both use fixed aerodynamic steps; write \
-         model = \"strip\" in [aerodynamics], omit the table, or let the machine integrate its own steps"
+         model = \"strip\" in [aerodynamics], omit the table, or use co-simulation"
     )]
     Air,
 }

@@ -1,6 +1,6 @@
 //! The result of a sweep over wind speeds.
 
-use crate::doubts::Doubt;
+use crate::warnings::Warning;
 use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::{Branches, Crossing, ModeShape, PlantError};
 use nalgebra::Complex;
@@ -24,7 +24,7 @@ pub struct Flutter {
     /// Speed at which the sweep ended early, and the reason.
     pub ended: Option<Ended>,
     /// Warnings: assumptions of the aerodynamic models that the machine does not meet at one of the speeds.
-    pub doubts: Vec<Doubt>,
+    pub warnings: Vec<Warning>,
 }
 
 /// A speed at which a sweep ended.
@@ -200,7 +200,7 @@ impl Serialize for Flutter {
         fields.serialize_field("modes_tracked", &self.modes_tracked())?;
         fields.serialize_field("covered_m_s", &self.covered_m_s())?;
         fields.serialize_field("ended", &self.ended)?;
-        fields.serialize_field("doubts", &self.doubts)?;
+        fields.serialize_field("warnings", &self.warnings)?;
         fields.serialize_field("modes", &places.collect::<Vec<_>>())?;
         fields.end()
     }

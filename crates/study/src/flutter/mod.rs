@@ -1,4 +1,4 @@
-//! Flutter and divergence: aeroelastic modes over the wind speed, and the speeds at which they become unstable.
+//! Flutter and divergence: aeroelastic modes versus wind speed, and the speeds at which they become unstable.
 
 mod found;
 mod posture;

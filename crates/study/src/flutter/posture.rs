@@ -38,8 +38,8 @@ impl Posture {
 
     fn distance(&self, other: &Self) -> f64 {
         let turns = self.travels.iter().zip(&other.travels).map(|(a, b)| (a - b).abs());
-        let ways = self.ends.iter().zip(&other.ends).map(|(a, b)| (a - b).norm());
-        turns.chain(ways).fold(0.0, f64::max)
+        let distances = self.ends.iter().zip(&other.ends).map(|(a, b)| (a - b).norm());
+        turns.chain(distances).fold(0.0, f64::max)
     }
 }
 

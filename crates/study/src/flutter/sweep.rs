@@ -1,9 +1,9 @@
 //! The sweep over wind speeds.
 
 use crate::branches::pool;
-use crate::doubts::{self, Doubt};
 use crate::flutter::found::{Change, Ended, Event, Flutter};
 use crate::flutter::posture::{Posture, jump};
+use crate::warnings::{self, Warning};
 use crate::watch::{Progress, Watch, unwatched};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branches, Crossing, Holding, ModeShape, Plant, PlantError, change_of_sign};
@@ -171,8 +171,8 @@ pub fn sweep_with(
     changes.extend(jumps);
     changes.extend(unexplained(&branches, &crossings, &divergence_m_s));
     changes.sort_by(|a, b| a.between_m_s[0].total_cmp(&b.between_m_s[0]));
-    let doubts = tunnel.doubt.into_iter().collect();
-    Ok(Flutter { branches, crossings, divergence_m_s, changes, ended, doubts })
+    let warnings = tunnel.warning.into_iter().collect();
+    Ok(Flutter { branches, crossings, divergence_m_s, changes, ended, warnings })
 }
 
 fn check(options: &Options) -> Result<(), FlutterError> {
@@ -205,7 +205,7 @@ struct Tunnel<'w> {
     direction: Vector3<f64>,
     count: usize,
     /// The first warning about the flow over an equilibrium.
-    doubt: Option<Doubt>,
+    warning: Option<Warning>,
     seen: &'w mut dyn FnMut(f64, &Plant),
     watch: &'w mut Watch<'w>,
     /// Number of equilibria computed between the given speeds.
@@ -221,7 +221,7 @@ impl<'w> Tunnel<'w> {
         watch: &'w mut Watch<'w>,
     ) -> Result<Self, FlutterError> {
         let direction = direction(plant.machine(), &plant)?;
-        Ok(Self { plant, direction, count, doubt: None, seen, watch, refined: 0, stopped: false })
+        Ok(Self { plant, direction, count, warning: None, seen, watch, refined: 0, stopped: false })
     }
 
     /// Reports progress; returns `false` once the study is to stop.
@@ -253,7 +253,7 @@ impl<'w> Tunnel<'w> {
     /// Modes at a speed, and the equilibrium about which they are computed.
     fn visit(&mut self, wind_m_s: f64) -> Result<(Vec<ModeShape>, Visit), PlantError> {
         let posture = self.rest(wind_m_s)?;
-        self.doubt = self.doubt.take().or_else(|| doubts::flow_at(&self.plant));
+        self.warning = self.warning.take().or_else(|| warnings::flow_at(&self.plant));
         let count = pool(self.count);
         let (modes, is_positive) = match self.plant.has_linear_lattice() {
             true => self.plant.study().lattice_modes_and_rest(count)?,

@@ -64,7 +64,7 @@ pub enum TurnError {
     #[error("an attitude needs gravity and a wind that is not parallel to it; set gravity and wind.velocity")]
     NoAttitude,
     /// No part of the machine is on a free joint.
-    #[error("only a machine on a free joint can fly a steady turn; attach it by a joint of type = \"free\"")]
+    #[error("only a model on a free joint can fly a steady turn; attach it by a joint of type = \"free\"")]
     NoFreeJoint,
     /// The wake of the lattice is free.
     #[error("a free wake has no steady shape in a turn; write free_wake = false")]

@@ -1,8 +1,8 @@
 //! Errors of a trim.
 
-use crate::doubts::Doubt;
 use crate::names::NameError;
 use crate::trim::attitude::{Turn, TurnError};
+use crate::warnings::Warning;
 use foldwing_engine::plant::PlantError;
 use foldwing_fmi::interface::AccessError;
 use std::fmt;
@@ -80,7 +80,7 @@ pub enum TrimError {
     #[error(
         "no trim: {cause}; residuals: {}; use other initial guesses, or other unknowns{}",
         list(residuals),
-        listed(doubts)
+        listed(warnings)
     )]
     NotConverged {
         /// The reason.
@@ -89,7 +89,7 @@ pub enum TrimError {
         residuals: Vec<Residual>,
         /// Warnings about the joints of that equilibrium: open latches, hinges that rotated by more than half a
         /// revolution.
-        doubts: Vec<Doubt>,
+        warnings: Vec<Warning>,
     },
 }
 
@@ -168,6 +168,6 @@ fn list(residuals: &[Residual]) -> String {
     residuals.iter().map(entry).collect::<Vec<_>>().join(", ")
 }
 
-fn listed(doubts: &[Doubt]) -> String {
-    doubts.iter().map(|doubt| format!("\nlast equilibrium: {doubt}")).collect()
+fn listed(warnings: &[Warning]) -> String {
+    warnings.iter().map(|warning| format!("\nlast equilibrium: {warning}")).collect()
 }

@@ -1,7 +1,7 @@
 //! The result of a trim.
 
-use crate::doubts::Doubt;
 use crate::trim::error::Residual;
+use crate::warnings::Warning;
 use serde::ser::{SerializeMap, SerializeStruct};
 use serde::{Serialize, Serializer};
 
@@ -24,7 +24,7 @@ pub struct Trim {
     /// Newton steps.
     pub steps: usize,
     /// Warnings: assumptions of the aerodynamic models that the machine does not meet.
-    pub doubts: Vec<Doubt>,
+    pub warnings: Vec<Warning>,
 }
 
 /// An unknown with its value.
@@ -62,7 +62,7 @@ impl Serialize for Trim {
         fields.serialize_field("balances", &Pairs(balanced.collect()))?;
         fields.serialize_field("settings", &Pairs(settings.collect()))?;
         fields.serialize_field("steps", &self.steps)?;
-        fields.serialize_field("doubts", &self.doubts)?;
+        fields.serialize_field("warnings", &self.warnings)?;
         fields.end()
     }
 }

@@ -1,12 +1,12 @@
 //! The machine at equilibrium as a function of the unknowns, and Newton's iteration, NOTATION eq. (Q7).
 
-use crate::doubts::{self, Doubt};
 use crate::trim::attitude::{Attitude, Turn, Turns};
 use crate::trim::error::{Cause, Residual, TrimError, UnknownError};
 use crate::trim::found::{Balanced, Solved, Trim};
 use crate::trim::least_squares::{measure, step_towards};
 use crate::trim::unknown::{Balance, Unknown, refuse_repeated};
 use crate::values::{Target, no_row};
+use crate::warnings::{self, Warning};
 use crate::watch::{Progress, Watch, unwatched};
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::{Interface, Value, Variable};
@@ -142,7 +142,7 @@ impl<'a> Problem<'a> {
             joint_loads: self.residuals(left).split_off(self.balances.len()),
             settings: self.settings(values),
             steps,
-            doubts: doubts::balance_at(&self.plant).into_iter().chain(doubts::joints_at(&self.plant)).collect(),
+            warnings: warnings::balance_at(&self.plant).into_iter().chain(warnings::joints_at(&self.plant)).collect(),
         }
     }
 
@@ -180,7 +180,7 @@ impl<'a> Problem<'a> {
         let mut left = self.left(&values)?;
         let rows = left.len();
         let mut sizes = self.sizes(&left);
-        let mut doubts = doubts::joints_at(&self.plant);
+        let mut warnings = warnings::joints_at(&self.plant);
         for steps in 0..MAXIMUM_STEPS {
             if measure(&left, &sizes) <= TOLERANCE {
                 // leave the machine at these values
@@ -203,7 +203,7 @@ impl<'a> Problem<'a> {
                 *size = size.max(1e-3 * moved);
             }
             let Some(change) = step_towards(&slopes, &left, &sizes) else {
-                return Err(self.failed(Cause::Dependent, &left, doubts));
+                return Err(self.failed(Cause::Dependent, &left, warnings));
             };
             let (before, mut share) = (measure(&left, &sizes), 1.0);
             let nearer = (0..=MAXIMUM_HALVINGS).find_map(|_| {
@@ -216,12 +216,12 @@ impl<'a> Problem<'a> {
                 if self.stopped {
                     return Err(TrimError::Stopped);
                 }
-                return Err(self.failed(Cause::NoDescent, &left, doubts));
+                return Err(self.failed(Cause::NoDescent, &left, warnings));
             };
             (values, left) = found;
-            doubts = doubts::joints_at(&self.plant);
+            warnings = warnings::joints_at(&self.plant);
         }
-        Err(self.failed(Cause::Steps, &left, doubts))
+        Err(self.failed(Cause::Steps, &left, warnings))
     }
 
     /// Reference size of each residual: its target or its initial value; for loads on free joints the weight or the largest load.
@@ -233,8 +233,8 @@ impl<'a> Problem<'a> {
         DVector::from_iterator(left.len(), balances.chain(loads))
     }
 
-    fn failed(&self, cause: Cause, left: &DVector<f64>, doubts: Vec<Doubt>) -> TrimError {
-        TrimError::NotConverged { cause, residuals: self.residuals(left), doubts }
+    fn failed(&self, cause: Cause, left: &DVector<f64>, warnings: Vec<Warning>) -> TrimError {
+        TrimError::NotConverged { cause, residuals: self.residuals(left), warnings }
     }
 
     /// Residuals with names and units: outputs, then loads on free joints.

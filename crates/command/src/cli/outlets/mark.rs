@@ -75,10 +75,10 @@ impl Mark {
     pub const PNG: Self = head("a picture of foldwing", b"\x89PNG\r\n\x1a\n", b"tEXtSoftware\0foldwing");
     /// A figure as PDF.
     pub const PDF: Self = head("a picture of foldwing", b"%PDF-1.", b"/Producer (foldwing)");
-    /// A film as MP4.
-    pub const MP4: Self = head("a film of foldwing", Mp4::BEGINS, Mp4::MARK);
-    /// A film as GIF.
-    pub const GIF: Self = head("a film of foldwing", Gif::BEGINS, Gif::MARK);
+    /// A video as MP4.
+    pub const MP4: Self = head("a video of foldwing", Mp4::BEGINS, Mp4::MARK);
+    /// A video as GIF.
+    pub const GIF: Self = head("a video of foldwing", Gif::BEGINS, Gif::MARK);
     /// A file for ParaView.
     pub const VTK: Self = head("a VTK file of foldwing", b"<?xml version=\"1.0\"?>\n<!-- written by foldwing -->", b"");
     /// The schema of model files.

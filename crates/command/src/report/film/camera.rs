@@ -1,15 +1,15 @@
-//! Cameras: position of the eye, and projection of points of the machine to the picture. The z axis of the root frame
+//! Cameras: position of the eye, and projection of points of the machine to the image. The z axis of the root frame
 //! points up.
 
 use crate::report::film::run::{Run, State, Vector};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Extent of the framed points, as fractions of half the width and half the height of the picture.
+/// Extent of the framed points, as fractions of half the width and half the height of the image.
 const FILLED: [f64; 2] = [0.86, 0.8];
 /// Number of states sampled to frame a motion.
 const SAMPLED: usize = 61;
 
-/// Tangent of half the angle of view along the shorter side of the picture.
+/// Tangent of half the angle of view along the shorter side of the image.
 fn half_view() -> f64 {
     (15.0 * PI / 180.0).tan()
 }
@@ -49,7 +49,7 @@ pub(super) struct Camera {
     up: Vector,
     /// Unit vector from the target to the eye.
     pub outward: Vector,
-    /// Width and height of the picture in pixels.
+    /// Width and height of the image in pixels.
     size: [f64; 2],
 }
 
@@ -103,7 +103,7 @@ impl Camera {
         1e-3 * self.distance_m
     }
 
-    /// Projects a point in front of the eye to the picture.
+    /// Projects a point in front of the eye to the image.
     pub fn seen(&self, point: &Vector) -> Seen {
         let (off, near) = (point - self.target, 1.0 / self.depth_m(point));
         let scale = self.size[0].min(self.size[1]) / (2.0 * half_view()) * near;

@@ -1,4 +1,4 @@
-//! A picture as triangles, lines and labels in space with lighting, and its rendering by the rasteriser.
+//! An image as triangles, lines and labels in space with lighting, and its rendering by the rasteriser.
 
 use super::camera::{Camera, Seen};
 use super::colours::Rgb;
@@ -29,7 +29,7 @@ pub(super) struct Face {
     pub sheet: bool,
 }
 
-/// Line with a width in units of the page, which are scaled to the picture.
+/// Line with a width in units of the page, which are scaled to the image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line {
     pub ends: [Vector; 2],
@@ -49,7 +49,7 @@ pub(super) struct Label {
     pub on_top: bool,
 }
 
-/// All contents of a picture.
+/// All contents of an image.
 #[derive(Debug, Default)]
 pub(super) struct Drawing {
     /// Faces that cast shadows.

@@ -1,4 +1,4 @@
-//! Films as files: pictures are drawn on all processors, and encoded in order.
+//! Films as files: frames are drawn on all processors, and encoded in order.
 
 use super::{Film, Gif, Mp4};
 use crate::report::figure::signed;
@@ -16,7 +16,7 @@ pub enum Format {
     Mp4,
     /// GIF in an endless loop.
     Gif,
-    /// One PNG file per picture.
+    /// One PNG file per frame.
     Png,
 }
 
@@ -27,7 +27,7 @@ impl Format {
     /// The extension is not supported; the message lists the formats.
     pub fn of(path: &Path) -> Result<Self, String> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let formats = "films are .mp4 (H.264), .gif, or .png (one numbered file per picture)";
+        let formats = "videos are .mp4 (H.264), .gif, or .png (one numbered file per frame)";
         match ending.as_str() {
             "mp4" | "m4v" => Ok(Self::Mp4),
             "gif" => Ok(Self::Gif),
@@ -46,13 +46,13 @@ impl Format {
     ///
     /// # Errors
     /// Values that the format does not allow.
-    pub fn check(self, [width, height]: [u32; 2], pictures_per_s: f64) -> Result<(), String> {
+    pub fn check(self, [width, height]: [u32; 2], frames_per_s: f64) -> Result<(), String> {
         match self {
             Self::Mp4 if width % 2 == 1 || height % 2 == 1 => {
                 Err(format!("--size {width}x{height}: width and height of an MP4 must be even"))
             }
-            Self::Gif if pictures_per_s > Gif::MAXIMUM_PER_S => Err(format!(
-                "--fps {pictures_per_s}: a GIF has at most {} pictures per second; write an .mp4",
+            Self::Gif if frames_per_s > Gif::MAXIMUM_PER_S => Err(format!(
+                "--fps {frames_per_s}: a GIF has at most {} frames per second; write an .mp4",
                 Gif::MAXIMUM_PER_S
             )),
             Self::Mp4 | Self::Gif | Self::Png => Ok(()),
@@ -60,13 +60,13 @@ impl Format {
     }
 }
 
-/// Draws a film and passes its file, or its numbered files, to `file`; `drawn` is called with the number of finished pictures.
+/// Draws a film and passes its file, or its numbered files, to `file`; `drawn` is called with the number of finished frames.
 ///
 /// # Errors
 /// Errors of `file` and `drawn`, which end the work.
 pub fn encode<E: Send>(
     film: &Film,
-    (format, pictures_per_s): (Format, f64),
+    (format, frames_per_s): (Format, f64),
     mut file: impl FnMut(Option<usize>, Vec<u8>) -> Result<(), E> + Send,
     mut drawn: impl FnMut(usize) -> Result<(), E>,
 ) -> Result<(), E> {
@@ -74,7 +74,7 @@ pub fn encode<E: Send>(
     match format {
         Format::Png => in_order(film, |index, pixels| file(Some(index), png(film.size, &pixels)), &mut drawn),
         Format::Mp4 => {
-            let mut mp4 = Mp4::new(film.size, pictures_per_s);
+            let mut mp4 = Mp4::new(film.size, frames_per_s);
             in_order(
                 film,
                 |_, pixels| {
@@ -88,8 +88,8 @@ pub fn encode<E: Send>(
         Format::Gif => {
             let few = count.min(SAMPLED);
             let chosen: Vec<usize> = (0..few).map(|i| (count - 1) * i / (few - 1).max(1)).collect();
-            let some: Vec<Vec<u8>> = chosen.into_par_iter().map(|index| film.picture(index)).collect();
-            let mut gif = Gif::new(film.size, pictures_per_s, &some).expect("writing to memory does not fail");
+            let some: Vec<Vec<u8>> = chosen.into_par_iter().map(|index| film.frame(index)).collect();
+            let mut gif = Gif::new(film.size, frames_per_s, &some).expect("writing to memory does not fail");
             in_order(
                 film,
                 |_, pixels| {
@@ -103,7 +103,7 @@ pub fn encode<E: Send>(
     }
 }
 
-/// Draws pictures in parallel while the preceding ones are used in order.
+/// Draws frames in parallel while the preceding ones are used in order.
 fn in_order<E: Send>(
     film: &Film,
     mut each: impl FnMut(usize, Vec<u8>) -> Result<(), E> + Send,
@@ -118,7 +118,7 @@ fn in_order<E: Send>(
         next = range.end;
         let used = std::mem::take(&mut ready);
         let (fresh, outcome) = rayon::join(
-            || range.into_par_iter().map(|index| (index, film.picture(index))).collect::<Vec<_>>(),
+            || range.into_par_iter().map(|index| (index, film.frame(index))).collect::<Vec<_>>(),
             || used.into_iter().try_for_each(|(index, pixels)| each(index, pixels)),
         );
         outcome?;
@@ -128,7 +128,7 @@ fn in_order<E: Send>(
     Ok(())
 }
 
-/// Returns a picture as a PNG file that names the program.
+/// Returns a frame as a PNG file that names the program.
 fn png([width, height]: [u32; 2], pixels: &[u8]) -> Vec<u8> {
     let opaque = pixels.chunks_exact(3).flat_map(|rgb| [rgb[0], rgb[1], rgb[2], 255]).collect();
     let size = IntSize::from_wh(width, height).expect("the size is not zero");

@@ -1,4 +1,4 @@
-//! GIF files: one palette for the whole film, and in every picture only the pixels that changed.
+//! GIF files: one palette for the whole film, and in every frame only the pixels that changed.
 
 use gif::{AnyExtension, DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 
@@ -14,10 +14,10 @@ pub struct Gif {
     palette: Vec<[u8; 3]>,
     /// Palette index for each colour of the histogram; larger numbers where it is not yet known.
     nearest: Vec<u16>,
-    /// Indices of the previous picture.
+    /// Indices of the previous frame.
     before: Option<Vec<u8>>,
-    pictures_per_s: f64,
-    pictures: u32,
+    frames_per_s: f64,
+    frames: u32,
 }
 
 impl Gif {
@@ -30,23 +30,23 @@ impl Gif {
     /// Maximum width and height in pixels.
     pub const MAXIMUM_SIZE: u32 = 65_535;
 
-    /// Creates a film whose palette is selected from some of its pictures.
+    /// Creates a film whose palette is selected from some of its frames.
     ///
     /// # Errors
     /// The size is too large for the format.
-    pub fn new(size: [u32; 2], pictures_per_s: f64, some: &[Vec<u8>]) -> Result<Self, EncodingError> {
+    pub fn new(size: [u32; 2], frames_per_s: f64, some: &[Vec<u8>]) -> Result<Self, EncodingError> {
         let palette = palette(some);
-        let too_large = |_| EncodingError::Io(std::io::Error::other("the picture is too large for a GIF"));
+        let too_large = |_| EncodingError::Io(std::io::Error::other("the frame is too large for a GIF"));
         let width = u16::try_from(size[0]).map_err(too_large)?;
         let height = u16::try_from(size[1]).map_err(too_large)?;
         let mut encoder = Encoder::new(Vec::new(), width, height, palette.as_flattened())?;
         encoder.write_raw_extension(AnyExtension(0xfe), &[Self::MARK])?;
         encoder.set_repeat(Repeat::Infinite)?;
         let nearest = vec![u16::MAX; 1 << (3 * BITS)];
-        Ok(Self { encoder, size, palette, nearest, before: None, pictures_per_s, pictures: 0 })
+        Ok(Self { encoder, size, palette, nearest, before: None, frames_per_s, frames: 0 })
     }
 
-    /// Appends a picture: red, green and blue per pixel, row by row.
+    /// Appends a frame: red, green and blue per pixel, row by row.
     ///
     /// # Errors
     /// None, since it writes to memory.
@@ -65,9 +65,9 @@ impl Gif {
             }
         }
         // durations in hundredths of a second, rounded so that their sum is correct
-        let end = |pictures: u32| (f64::from(pictures) * 100.0 / self.pictures_per_s).round();
+        let end = |frames: u32| (f64::from(frames) * 100.0 / self.frames_per_s).round();
         let frame = Frame {
-            delay: (end(self.pictures + 1) - end(self.pictures)) as u16,
+            delay: (end(self.frames + 1) - end(self.frames)) as u16,
             dispose: DisposalMethod::Keep,
             transparent: self.before.is_some().then_some(COLOURS as u8),
             left: columns.start as u16,
@@ -79,7 +79,7 @@ impl Gif {
         };
         self.encoder.write_frame(&frame)?;
         self.before = Some(indices);
-        self.pictures += 1;
+        self.frames += 1;
         Ok(())
     }
 
@@ -119,7 +119,7 @@ fn colour_of(cell: usize) -> [u8; 3] {
     })
 }
 
-/// Rows and columns in which two pictures differ; one pixel if they are equal.
+/// Rows and columns in which two frames differ; one pixel if they are equal.
 fn changed(before: &[u8], after: &[u8], width: usize) -> [std::ops::Range<usize>; 2] {
     let mut found: Option<[std::ops::Range<usize>; 2]> = None;
     for (row, (a, b)) in before.chunks(width).zip(after.chunks(width)).enumerate() {
@@ -134,10 +134,10 @@ fn changed(before: &[u8], after: &[u8], width: usize) -> [std::ops::Range<usize>
     found.unwrap_or([0..1, 0..1])
 }
 
-/// Selects a palette by dividing the colours of pictures at medians until there are enough (Heckbert 1982).
-fn palette(pictures: &[Vec<u8>]) -> Vec<[u8; 3]> {
+/// Selects a palette by dividing the colours of frames at medians until there are enough (Heckbert 1982).
+fn palette(frames: &[Vec<u8>]) -> Vec<[u8; 3]> {
     let mut counts = vec![0_u32; 1 << (3 * BITS)];
-    for rgb in pictures.iter().flat_map(|picture| picture.chunks_exact(3)) {
+    for rgb in frames.iter().flat_map(|frame| frame.chunks_exact(3)) {
         counts[cell([rgb[0], rgb[1], rgb[2]])] += 1;
     }
     // so that the background does not outweigh the objects in front of it
@@ -202,22 +202,22 @@ mod tests {
 
     const SIZE: [u32; 2] = [40, 30];
 
-    /// Picture of a square that moves over a plain background.
-    fn scene(picture: usize) -> Vec<u8> {
+    /// Frame of a square that moves over a plain background.
+    fn scene(frame: usize) -> Vec<u8> {
         let pixel = |i: usize| {
             let (x, y) = (i % 40, i / 40);
-            if (picture..picture + 8).contains(&x) && (5..15).contains(&y) { [200, 40, 10] } else { [255; 3] }
+            if (frame..frame + 8).contains(&x) && (5..15).contains(&y) { [200, 40, 10] } else { [255; 3] }
         };
         (0..1200).flat_map(pixel).collect()
     }
 
-    /// A GIF with 30 pictures per second has the duration of its film within half a hundredth of a second, and represents a few colours
-    /// exactly; a picture without changes has one pixel.
+    /// A GIF with 30 frames per second has the duration of its film within half a hundredth of a second, and represents a few colours
+    /// exactly; a frame without changes has one pixel.
     #[test]
     fn gifs_last_as_long_as_their_film() {
-        let pictures: Vec<Vec<u8>> = [0, 1, 2, 2, 2, 7, 11].into_iter().cycle().take(31).map(scene).collect();
-        let mut film = Gif::new(SIZE, 30.0, &pictures[..6]).unwrap();
-        pictures.iter().for_each(|picture| film.add(picture).unwrap());
+        let frames: Vec<Vec<u8>> = [0, 1, 2, 2, 2, 7, 11].into_iter().cycle().take(31).map(scene).collect();
+        let mut film = Gif::new(SIZE, 30.0, &frames[..6]).unwrap();
+        frames.iter().for_each(|frame| film.add(frame).unwrap());
         let file = film.finish().unwrap();
         assert!(file.starts_with(Gif::BEGINS) && file[..1000].windows(16).any(|part| part == Gif::MARK));
         let mut options = DecodeOptions::new();
@@ -232,8 +232,8 @@ mod tests {
                 shown[first..first + 3].copy_from_slice(&rgba[..3]);
             }
             // six bits per channel: errors up to 2 of 255
-            let off = shown.iter().zip(&pictures[count]).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
-            assert!(off <= 2, "picture {count}: {off}");
+            let off = shown.iter().zip(&frames[count]).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+            assert!(off <= 2, "frame {count}: {off}");
             if count % 7 == 3 || count % 7 == 4 {
                 assert_eq!((frame.width, frame.height), (1, 1));
             }

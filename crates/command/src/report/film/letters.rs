@@ -1,4 +1,4 @@
-//! Text in pictures: outlines of the font of the figures, filled with anti-aliased edges.
+//! Text in images: outlines of the font of the figures, filled with anti-aliased edges.
 
 use super::colours::Rgb;
 use super::raster::Raster;

@@ -1,4 +1,4 @@
-//! The machine in a picture: bodies, lifting surfaces, wake, joints, gauges, masses, paths and arrows, as the page shows them by
+//! The machine in an image: bodies, lifting surfaces, wake, joints, gauges, masses, paths and arrows, as the page shows them by
 //! default.
 
 use super::colours::{self, Rgb, share, tint};
@@ -143,8 +143,8 @@ fn draw_body(body: &Body, index: usize, measures: &Measures, state: &State<'_>, 
         }
     }
     let last = sections.len() - 1;
-    for (i, way) in [(0, -1.0), (last, 1.0)] {
-        let normal = way * sections[i].x();
+    for (i, sign) in [(0, -1.0), (last, 1.0)] {
+        let normal = sign * sections[i].x();
         let cap: Vec<Vertex> = rings[i].iter().map(|vertex| Vertex { normal, ..*vertex }).collect();
         for pair in cap[1..].windows(2) {
             into.faces.push(Face { corners: [cap[0], pair[0], pair[1]], sheet: false });
@@ -257,8 +257,8 @@ fn draw_paths(measures: &Measures, state: &State<'_>, into: &mut Drawing) {
         points.push(now);
         let mut gone = 0.0;
         for pair in points.windows(2) {
-            let way = pair[1] - pair[0];
-            let length = way.norm();
+            let segment = pair[1] - pair[0];
+            let length = segment.norm();
             if !(length > 0.0 && length < 1e3 * measures.width_m) {
                 continue;
             }
@@ -268,7 +268,7 @@ fn draw_paths(measures: &Measures, state: &State<'_>, into: &mut Drawing) {
                 let to =
                     (from + if place < dash { dash - place } else { dash + gap - place }).max(from + 1e-9 * length);
                 if place < dash {
-                    let ends = [from, to.min(length)].map(|at| pair[0] + way * (at / length));
+                    let ends = [from, to.min(length)].map(|at| pair[0] + segment * (at / length));
                     into.lines.push(Line { ends, rgb: colours::ACCENT, opacity: 0.8, width: 1.0 });
                 }
                 from = to;
@@ -283,14 +283,14 @@ fn draw_paths(measures: &Measures, state: &State<'_>, into: &mut Drawing) {
 fn draw_arrows(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     let width_m = measures.width_m;
     let mut arrow = |at: Vector, value: Vector, most: f64, upstream: bool, rgb: Rgb| {
-        let (size, Some(way)) = (value.norm(), value.try_normalize(0.0)) else { return };
+        let (size, Some(direction)) = (value.norm(), value.try_normalize(0.0)) else { return };
         if !(most > 1e-9 && size > 1e-6 * most) {
             return;
         }
         let length = 0.2 * width_m * size / most;
-        let begin = if upstream { at - (length + 0.04 * width_m) * way } else { at };
+        let begin = if upstream { at - (length + 0.04 * width_m) * direction } else { at };
         let head = (0.05 * width_m).min(0.6 * length);
-        let (radius, neck, tip) = (0.0035 * width_m, begin + (length - head) * way, begin + length * way);
+        let (radius, neck, tip) = (0.0035 * width_m, begin + (length - head) * direction, begin + length * direction);
         solids::tube(&mut into.arrows, [begin, neck], [radius; 2], 10, rgb);
         solids::tube(&mut into.arrows, [neck, tip], [3.2 * radius, 0.0], 14, rgb);
     };

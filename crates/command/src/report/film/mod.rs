@@ -35,9 +35,9 @@ use std::sync::{Mutex, PoisonError};
 const SPEEDS: [f64; 14] = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
 /// Approximate length of a film in s at the default speed.
 const LENGTH_S: f64 = 8.0;
-/// Maximum number of pictures of a film.
-pub const MAXIMUM_PICTURES: usize = 36_000;
-/// Length of the shorter side of a picture in the units of widths, with which text and lines have the sizes of the
+/// Maximum number of frames of a film.
+pub const MAXIMUM_FRAMES: usize = 36_000;
+/// Length of the shorter side of a frame in the units of widths, with which text and lines have the sizes of the
 /// page.
 const UNITS: f64 = 640.0;
 
@@ -47,7 +47,7 @@ pub struct Options {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Frames per second.
-    pub pictures_per_s: f64,
+    pub frames_per_s: f64,
     /// Seconds of the run per second of the film; `None` for the default.
     pub speed: Option<f64>,
     /// Viewing direction.
@@ -58,7 +58,7 @@ pub struct Options {
     pub span_s: [Option<f64>; 2],
 }
 
-/// Film of a run, with pictures at equal time intervals.
+/// Film of a run, with frames at equal time intervals.
 pub struct Film {
     run: Run,
     measures: Measures,
@@ -66,9 +66,9 @@ pub struct Film {
     motion: Motion,
     letters: Letters,
     size: [u32; 2],
-    /// Buffers of finished pictures, reused for the next ones.
+    /// Buffers of finished frames, reused for the next ones.
     rasters: Mutex<Vec<Raster>>,
-    /// Times of the pictures in s.
+    /// Times of the frames in s.
     pub times_s: Vec<f64>,
     /// Seconds of the run per second of the film.
     pub speed: f64,
@@ -82,16 +82,16 @@ pub fn default_speed(duration_s: f64) -> f64 {
     SPEEDS.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0)
 }
 
-/// Number of pictures for a time span of a run.
-pub fn picture_count(duration_s: f64, pictures_per_s: f64, speed: f64) -> f64 {
-    (duration_s / speed * pictures_per_s - 1e-6).ceil().max(0.0) + 1.0
+/// Number of frames for a time span of a run.
+pub fn frame_count(duration_s: f64, frames_per_s: f64, speed: f64) -> f64 {
+    (duration_s / speed * frames_per_s - 1e-6).ceil().max(0.0) + 1.0
 }
 
 impl Film {
     /// Creates a film of a run.
     ///
     /// # Errors
-    /// Damaged data, a time span outside the run, or too many pictures; the message states the remedy.
+    /// Damaged data, a time span outside the run, or too many frames; the message states the remedy.
     pub fn new(packed: &PackedRun, options: &Options) -> Result<Self, String> {
         let run = Run::read(packed)?;
         let [first_s, last_s] = run.span_s();
@@ -107,13 +107,13 @@ impl Film {
             return Err(format!("--to {to_s}: is before --from {from_s}"));
         }
         let speed = options.speed.unwrap_or_else(|| default_speed(to_s - from_s));
-        let count = picture_count(to_s - from_s, options.pictures_per_s, speed);
-        if count > MAXIMUM_PICTURES as f64 {
+        let count = frame_count(to_s - from_s, options.frames_per_s, speed);
+        if count > MAXIMUM_FRAMES as f64 {
             return Err(format!(
-                "{count:.0} pictures exceed the maximum of {MAXIMUM_PICTURES}; increase --speed ({speed}) or reduce --fps"
+                "{count:.0} frames exceed the maximum of {MAXIMUM_FRAMES}; increase --speed ({speed}) or reduce --fps"
             ));
         }
-        let time_s = |picture: usize| (from_s + picture as f64 * speed / options.pictures_per_s).min(to_s);
+        let time_s = |frame: usize| (from_s + frame as f64 * speed / options.frames_per_s).min(to_s);
         let times_s = (0..count as usize).map(time_s).collect();
         let measures = Measures::of(&run);
         let extents = Extents::of(run.sampled(Motion::STATES).flat_map(|state| state.points()));
@@ -125,8 +125,8 @@ impl Film {
         Ok(Self { run, measures, stage, motion, letters, size, rasters, times_s, speed, follows })
     }
 
-    /// Draws a picture, returned as red, green and blue per pixel, row by row.
-    pub fn picture(&self, index: usize) -> Vec<u8> {
+    /// Draws a frame, returned as red, green and blue per pixel, row by row.
+    pub fn frame(&self, index: usize) -> Vec<u8> {
         let time_s = self.times_s[index];
         self.drawn(&self.run.at(time_s), time_s)
     }

@@ -1,10 +1,10 @@
-//! MP4 files (ISO/IEC 14496-12 and 14496-15) with one H.264 track and the index before the pictures.
+//! MP4 files (ISO/IEC 14496-12 and 14496-15) with one H.264 track and the index before the frames.
 
 use super::h264::Encoder;
 
 /// Interval in s of key frames, to which players can seek.
 const INTERVAL_S: f64 = 4.0;
-/// Time units per picture.
+/// Time units per frame.
 const TICKS: u32 = 1000;
 
 /// Film as MP4.
@@ -13,7 +13,7 @@ pub struct Mp4 {
     size: [u32; 2],
     /// Time units per second.
     timescale: u32,
-    /// Sizes of the pictures in bytes.
+    /// Sizes of the frames in bytes.
     sizes: Vec<u32>,
     /// Numbers of the key frames, starting at 1.
     alone: Vec<u32>,
@@ -26,14 +26,14 @@ impl Mp4 {
     /// Text near the beginning of a file.
     pub const MARK: &[u8] = b"made by foldwing";
 
-    /// Creates a film with pictures of even width and height.
-    pub fn new(size: [u32; 2], pictures_per_s: f64) -> Self {
-        let encoder = Encoder::new(size, (INTERVAL_S * pictures_per_s).ceil() as u32);
-        let timescale = (pictures_per_s * f64::from(TICKS)).round() as u32;
+    /// Creates a film with frames of even width and height.
+    pub fn new(size: [u32; 2], frames_per_s: f64) -> Self {
+        let encoder = Encoder::new(size, (INTERVAL_S * frames_per_s).ceil() as u32);
+        let timescale = (frames_per_s * f64::from(TICKS)).round() as u32;
         Self { encoder, size, timescale, sizes: Vec::new(), alone: Vec::new(), data: Vec::new() }
     }
 
-    /// Appends a picture, given as red, green and blue per pixel, row by row.
+    /// Appends a frame, given as red, green and blue per pixel, row by row.
     pub fn add(&mut self, pixels: &[u8]) {
         let encoded = self.encoder.encode(pixels);
         self.sizes.push(encoded.bytes.len() as u32);
@@ -54,7 +54,7 @@ impl Mp4 {
         file
     }
 
-    /// Index of a file whose picture data start at the byte `data_at`.
+    /// Index of a file whose frame data start at the byte `data_at`.
     fn index(&self, data_at: u32) -> Vec<u8> {
         let count = self.sizes.len() as u32;
         let duration = count * TICKS;
@@ -76,7 +76,7 @@ impl Mp4 {
         boxed(b"moov", &[&boxed(b"mvhd", &[&movie]), &track])
     }
 
-    /// Tables of the pictures: format, times, sizes, file offsets.
+    /// Tables of the frames: format, times, sizes, file offsets.
     fn samples(&self, data_at: u32) -> Vec<u8> {
         let count = self.sizes.len() as u32;
         let (sequence, parameters) = (self.encoder.sequence(), self.encoder.parameters());

@@ -1,6 +1,6 @@
 //! Rasteriser of triangles, lines and text: four samples per pixel, each with a separate depth.
 //!
-//! Depth is the inverse of the distance from the plane of the eye, which is linear over the picture. A face covers another one only if it
+//! Depth is the inverse of the distance from the plane of the eye, which is linear over the image. A face covers another one only if it
 //! is nearer by more than round-off, so that of two coplanar faces the one drawn first remains visible, without flicker.
 
 /// Positions of the samples in a pixel, each in a different row and column.
@@ -24,11 +24,11 @@ pub(super) enum Ink {
     Solid,
     /// Is blended with this opacity, from 0 to 1; does not cover objects drawn later.
     Glass(f32),
-    /// Is blended with this opacity, at most once per picture.
+    /// Is blended with this opacity, at most once per image.
     Shadow(f32),
 }
 
-/// A picture under construction.
+/// An image under construction.
 pub(super) struct Raster {
     width: usize,
     height: usize,
@@ -37,7 +37,7 @@ pub(super) struct Raster {
     in_shadow: Vec<u8>,
 }
 
-/// Linear function of the position in the picture.
+/// Linear function of the position in the image.
 #[derive(Clone, Copy)]
 struct Plane {
     at_origin: f64,
@@ -100,14 +100,14 @@ fn over(below: u32, rgb: [f32; 3], opacity: f32) -> u32 {
 }
 
 impl Raster {
-    /// Allocates a picture.
+    /// Allocates an image.
     pub fn new([width, height]: [u32; 2]) -> Self {
         let (width, height) = (width as usize, height as usize);
         let count = width * height;
         Self { width, height, depth: vec![[0.0; 4]; count], colour: vec![[0; 4]; count], in_shadow: vec![0; count] }
     }
 
-    /// Fills the picture with the background colour.
+    /// Fills the image with the background colour.
     pub fn clear(&mut self, background: [f32; 3]) {
         self.depth.fill([0.0; 4]);
         self.colour.fill([packed(background); 4]);
@@ -210,7 +210,7 @@ impl Raster {
         }
     }
 
-    /// Returns the picture as red, green and blue per pixel, row by row.
+    /// Returns the image as red, green and blue per pixel, row by row.
     pub fn pixels(&self) -> Vec<u8> {
         let mut pixels = Vec::with_capacity(3 * self.colour.len());
         for samples in &self.colour {

@@ -1,4 +1,4 @@
-//! Run read from the data of the page (`packed.rs`) for pictures: named quantities, interpolated states between frames,
+//! Run read from the data of the page (`packed.rs`) for images: named quantities, interpolated states between frames,
 //! extents.
 
 use crate::report::viewer::PackedRun;

@@ -36,14 +36,14 @@ pub(super) fn tube(into: &mut Vec<Face>, ends: [Vector; 2], radii: [f64; 2], sid
     };
     let slope = (radii[0] - radii[1]) / (ends[1] - ends[0]).norm();
     let point = |end: usize, side: usize| {
-        let way = direction(side);
-        Vertex { at: ends[end] + radii[end] * way, normal: (way + slope * axis).normalize(), rgb }
+        let radial = direction(side);
+        Vertex { at: ends[end] + radii[end] * radial, normal: (radial + slope * axis).normalize(), rgb }
     };
     let points: Vec<Vertex> = [0, 1].into_iter().flat_map(|end| (0..sides).map(move |side| point(end, side))).collect();
     net(into, &points, 2, sides);
-    for (end, way) in [(0, -1.0), (1, 1.0)] {
-        let cap = |side: usize| Vertex { normal: way * axis, ..point(end, side) };
-        let middle = Vertex { at: ends[end], normal: way * axis, rgb };
+    for (end, sign) in [(0, -1.0), (1, 1.0)] {
+        let cap = |side: usize| Vertex { normal: sign * axis, ..point(end, side) };
+        let middle = Vertex { at: ends[end], normal: sign * axis, rgb };
         for side in 0..sides {
             into.push(Face { corners: [middle, cap(side), cap((side + 1) % sides)], sheet: false });
         }

@@ -10,7 +10,7 @@ use crate::report::film::run::{Extents, Run, Vector};
 /// Opacity of the background of a colour scale.
 const FAINT_BEHIND: f32 = 0.82;
 
-/// Ground and axes, identical in all pictures of a film.
+/// Ground and axes, identical in all images of a film.
 #[derive(Debug)]
 pub(super) struct Stage {
     floor_m: f64,
@@ -57,7 +57,7 @@ impl Stage {
         stage
     }
 
-    /// Adds grid and axes to a picture.
+    /// Adds grid and axes to an image.
     pub fn add(&self, into: &mut Drawing) {
         into.floor_m = Some(self.floor_m);
         into.grid.extend(&self.grid);
@@ -114,7 +114,7 @@ pub(super) fn lettering(run: &Run, measures: &Measures, time_s: f64, (size, unit
     overlay
 }
 
-/// Texts and colour scales drawn over the picture.
+/// Texts and colour scales drawn over the image.
 pub(super) struct Overlay {
     texts: Vec<(String, [f64; 2], f64, Anchor)>,
     bars: Vec<Bar>,

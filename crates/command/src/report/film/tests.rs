@@ -8,14 +8,14 @@ use nalgebra::{Isometry3, Perspective3, Point3, Rotation3};
 const SIZE: [u32; 2] = [640, 360];
 
 fn options() -> Options {
-    Options { size: SIZE, pictures_per_s: 30.0, speed: None, view: View::Iso, follows: None, span_s: [None; 2] }
+    Options { size: SIZE, frames_per_s: 30.0, speed: None, view: View::Iso, follows: None, span_s: [None; 2] }
 }
 
 fn film(recording: &Recording, options: &Options) -> Film {
     Film::new(&PackedRun::for_film(recording), options).unwrap()
 }
 
-/// Returns a picture without ground, paths and text.
+/// Returns a frame without ground, paths and text.
 fn bare(film: &Film, index: usize) -> (Vec<u8>, Camera) {
     let state = film.run.at(film.times_s[index]);
     let mut drawing = Drawing::default();
@@ -75,7 +75,7 @@ fn ends_are_where_the_projection_puts_them() {
                 ];
                 let found = drawn_box(&pixels, size);
                 let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                assert!(off < 1.0, "{view:?} {size:?} picture {index}: {found:?} and {expected:?}");
+                assert!(off < 1.0, "{view:?} {size:?} frame {index}: {found:?} and {expected:?}");
             }
         }
     }
@@ -95,20 +95,20 @@ fn moved(mut recording: Recording, count: usize, change: impl Fn(&mut Frame, usi
     recording
 }
 
-/// Rows of a picture below the clock.
+/// Rows of a frame below the clock.
 fn below_the_clock(pixels: &[u8]) -> &[u8] {
     &pixels[3 * SIZE[0] as usize * 30..]
 }
 
-/// Pictures of a machine that does not move are bit-identical, with a fixed or moving camera, for any previous contents of the buffer.
+/// Frames of a machine that does not move are bit-identical, with a fixed or moving camera, for any previous contents of the buffer.
 #[test]
 fn a_machine_at_rest_does_not_flicker() {
     for name in ["folding_wing", "folding_wing_in_tunnel", "flying_wing"] {
         let still = moved(recorded(shipped(name), 1), 6, |_, _| ());
         for follows in [false, true] {
             let film = film(&still, &Options { follows: Some(follows), ..options() });
-            let first = film.picture(0);
-            let mut others = (1..film.times_s.len()).step_by(7).map(|index| film.picture(index));
+            let first = film.frame(0);
+            let mut others = (1..film.times_s.len()).step_by(7).map(|index| film.frame(index));
             assert!(others.all(|other| below_the_clock(&other) == below_the_clock(&first)), "{name}");
         }
     }
@@ -125,26 +125,26 @@ fn turned(frame: &mut Frame, angle_rad: f64) {
     frame.lattice.clear();
 }
 
-/// The pictures of a slowly rotating machine change only at its edges, by an amount proportional to the rotation from picture to picture.
+/// The frames of a slowly rotating machine change only at its edges, by an amount proportional to the rotation from frame to frame.
 /// Coplanar or intersecting faces, such as those of lattice, body and latch, might flicker over their area at any angle. At a 25th of the
 /// angle, the number of pixels that change by more than an eighth of the range is less than a tenth, and at most 2 % of those of the
 /// machine.
 #[test]
-fn slow_turns_change_pictures_smoothly() {
+fn slow_turns_change_frames_smoothly() {
     for name in ["folding_wing_constant", "flared_wing_tip"] {
         let share = |step_deg: f64| -> f64 {
             let recording =
                 moved(recorded(shipped(name), 1), 9, |frame, i| turned(frame, step_deg.to_radians() * i as f64));
-            let options = Options { pictures_per_s: 10.0, speed: Some(1.0), follows: Some(false), ..options() };
+            let options = Options { frames_per_s: 10.0, speed: Some(1.0), follows: Some(false), ..options() };
             let film = film(&recording, &options);
             assert_eq!(film.times_s.len(), 9);
-            let pictures: Vec<Vec<u8>> = (0..9).map(|index| bare(&film, index).0).collect();
-            let drawn = pictures[0].chunks(3).filter(|rgb| **rgb != [255; 3]).count();
+            let frames: Vec<Vec<u8>> = (0..9).map(|index| bare(&film, index).0).collect();
+            let drawn = frames[0].chunks(3).filter(|rgb| **rgb != [255; 3]).count();
             let jumps = |pair: &[Vec<u8>]| {
                 let differs = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 32);
                 pair[0].chunks(3).zip(pair[1].chunks(3)).filter(|pair| differs(*pair)).count()
             };
-            let most = pictures.windows(2).map(jumps).max().unwrap();
+            let most = frames.windows(2).map(jumps).max().unwrap();
             most as f64 / drawn as f64
         };
         let (slow, fast) = (share(0.02), share(0.5));
@@ -152,7 +152,7 @@ fn slow_turns_change_pictures_smoothly() {
     }
 }
 
-/// A film has the number of pictures for its duration at its speed; at the default speed it lasts about eight seconds.
+/// A film has the number of frames for its duration at its speed; at the default speed it lasts about eight seconds.
 #[test]
 fn films_have_the_length_of_their_run() {
     let recording = recorded(shipped("folding_wing"), 400);
@@ -176,7 +176,7 @@ fn films_have_the_length_of_their_run() {
     }
 }
 
-/// A flying machine is followed by default and stays in the picture; a fixed one is framed with its whole motion.
+/// A flying machine is followed by default and stays in the frame; a fixed one is framed with its whole motion.
 #[test]
 fn flying_machines_are_followed() {
     let away = moved(recorded(shipped("flying_wing"), 1), 5, |frame, i| {

@@ -32,8 +32,8 @@ function buildLive() {
   get("stiffness").value = String(+(power * Math.round(raw / power)).toPrecision(1));
   for (const id of ["save-film", "save-table", "repeat", "open"]) (get(id).closest("label") || get(id)).hidden = id !== "save-table";
   get("reset").title = "Back to the start (R)";
-  get("back").title = "Back by one picture (left arrow)";
-  get("back").setAttribute("aria-label", "Back by one picture");
+  get("back").title = "Back by one frame (left arrow)";
+  get("back").setAttribute("aria-label", "Back by one frame");
   get("forth").title = `One step of ${live.step_s} s (right arrow)`;
   get("forth").setAttribute("aria-label", "One step on");
   get("keys").textContent = "Space runs · → step · ← back · drag the machine to pull · drag elsewhere to turn · drag the bar to go back in time · 1–4 views · O ortho · A frame all · + − zoom · R start · F follow · P PNG · T light or dark";

@@ -1,5 +1,5 @@
 
-// ---- a live simulation: socket, orders, pictures, time bar -----------------------------------------------------------------
+// ---- a live simulation: socket, orders, frames, time bar -----------------------------------------------------------------
 
 const link = live && {
   socket: null, running: false, looking: false, dragging: false, watched: new Set(), pull: null, ended: false, plotted: 0, scaled: 0, waiting: new Map(), factor: null,
@@ -9,7 +9,7 @@ const link = live && {
 function send(order) {
   if (link.socket && link.socket.readyState === WebSocket.OPEN) link.socket.send(JSON.stringify(order));
 }
-// The same for continuous input: the last order per picture is sent.
+// The same for continuous input: the last order per frame is sent.
 function sendSoon(key, order) {
   if (!link.waiting.size) requestAnimationFrame(() => { const all = [...link.waiting.values()]; link.waiting.clear(); all.forEach(send); });
   link.waiting.set(key, order);
@@ -18,7 +18,7 @@ function sendSoon(key, order) {
 function connect() {
   link.socket = new WebSocket(`ws://${location.host}${location.pathname}socket`);
   link.socket.binaryType = "arraybuffer";
-  link.socket.addEventListener("message", event => (typeof event.data === "string" ? receive(JSON.parse(event.data)) : takePicture(event.data)));
+  link.socket.addEventListener("message", event => (typeof event.data === "string" ? receive(JSON.parse(event.data)) : takeFrame(event.data)));
   link.socket.addEventListener("close", () => {
     Object.assign(link, { ended: true, running: false });
     releasePull();
@@ -42,8 +42,8 @@ function receive(message) {
   if (message.kind === "connected" || message.kind === "rolled_back") listEvents();
 }
 
-// A header in JSON, samples of the plots, a frame: `Session::picture` says how.
-function takePicture(data) {
+// A header in JSON, samples of the plots, a state: documented at `Session::next_frame`.
+function takeFrame(data) {
   const length = new DataView(data).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
   const numbers = new Float32Array(data, 4 + length), samples = header.samples * (header.names.length + 1);
@@ -65,7 +65,7 @@ function takePicture(data) {
   showRunning();
   changed();
 }
-// A picture of the same time, as after a value was set during a pause.
+// A frame of the same time, as after a value was set during a pause.
 function replaceLast(rows, frame) {
   main.end = about.begins.pop();
   about.rows.pop();
@@ -107,7 +107,7 @@ function growScales() {
   for (const set of arrowSets) if (set.text) set.text.textContent = arrowText(set);
 }
 
-// Plots scroll at fifteen pictures a second.
+// Plots scroll at fifteen frames per second.
 function refreshCharts() {
   const now = performance.now();
   if (now - link.plotted < 66 && link.running) return;
@@ -129,7 +129,7 @@ function plotWindow() {
   return end - span < begin ? [begin, begin + span] : [end - span, end];
 }
 
-// The time bar: dragging shows earlier pictures, releasing rolls back.
+// The time bar: dragging shows earlier frames, releasing rolls back.
 function lookAt(position) {
   main.goTo(Math.max(0, Math.min(main.last, position)));
   changed();

@@ -88,7 +88,7 @@ function tracePoints() {
     let last = null;
     const add = point => { if (last) points.push(last, point); last = point; };
     const end = body.rims.length - 1, until = modal ? main.last : main.position, stride = Math.max(1, Math.ceil(until / 400));
-    // of what goes on for long, the last five seconds of pictures
+    // of what goes on for long, the last five seconds of frames
     for (let frame = live ? Math.max(0, Math.floor(until) - 150) : 0; frame <= until; frame += stride) add(main.section(b, end, frame).at);
     if (!modal) add(main.section(b, end).at);
   });

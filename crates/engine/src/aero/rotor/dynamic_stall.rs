@@ -163,17 +163,17 @@ impl StallState {
 
     /// State one step later, eq. (B13): each lag is exact for an input that changes linearly, at the mean speed.
     pub fn after(&self, met: StallInflow, step_s: f64, split: &SplitPolar) -> Self {
-        let ways = 2.0 * step_s / (self.met.passing_s() + met.passing_s());
+        let distance = 2.0 * step_s / (self.met.passing_s() + met.passing_s());
         let rear_rad = [self.met.rear_rad(), met.rear_rad()];
         let mut next = Self { met, ..*self };
         for ((wake, amplitude), rate) in next.wake_rad.iter_mut().zip(AMPLITUDES).zip(RATES) {
-            *wake = lag(*wake, amplitude * rear_rad[0], amplitude * rear_rad[1], rate * ways);
+            *wake = lag(*wake, amplitude * rear_rad[0], amplitude * rear_rad[1], rate * distance);
         }
         let (from, to) = (self.attached_lift(split), next.attached_lift(split));
-        next.lagged_lift = lag(self.lagged_lift, from, to, ways / PRESSURE_LAG);
+        next.lagged_lift = lag(self.lagged_lift, from, to, distance / PRESSURE_LAG);
         let share = |lift: f64| split.attached_at(split.angle_rad(lift));
-        next.attached =
-            lag(self.attached, share(self.lagged_lift), share(next.lagged_lift), ways / SEPARATION_LAG).clamp(0.0, 1.0);
+        next.attached = lag(self.attached, share(self.lagged_lift), share(next.lagged_lift), distance / SEPARATION_LAG)
+            .clamp(0.0, 1.0);
         next
     }
 

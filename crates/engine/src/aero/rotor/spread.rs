@@ -38,8 +38,8 @@ fn spread_in_lines(cuts: &[Cut], places_m: &[f64], [forces, levers]: Weights, lo
     for (inner, places_m) in places_m.windows(2).enumerate() {
         let ends = [inner, inner + 1];
         let length_m = places_m[1] - places_m[0];
-        let way = cuts[ends[1]].from_apex_m - cuts[ends[0]].from_apex_m;
-        let along = way.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
+        let segment_m = cuts[ends[1]].from_apex_m - cuts[ends[0]].from_apex_m;
+        let along = segment_m.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
         for (own, other, sign) in [(ends[0], ends[1], 1.0), (ends[1], ends[0], -1.0)] {
             let (near, far) = (&cuts[own], &cuts[other]);
             let force_n = (near.line_n_m * forces[0] + far.line_n_m * forces[1]) * length_m;

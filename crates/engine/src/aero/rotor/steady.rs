@@ -97,8 +97,8 @@ pub fn section(
     Some((state, SectionState::of(axial_m_s, tangential_m_s, approach.chord_angle_rad, polar)))
 }
 
-/// Lumps line loads that are linear between positions at these positions, eq. (B8): forces and first moments are exact. Calls `add(node,
-/// other, metres)`: the node receives `metres` times the line load of `other`.
+/// Replaces a line load that varies linearly between the given positions by point loads at these positions, eq. (B8); force and first
+/// moment are exact. Calls `add(node, other, metres)`: the node receives `metres` times the line load of `other`.
 pub fn lump(places_m: impl ExactSizeIterator<Item = f64> + Clone, mut add: impl FnMut(usize, usize, f64)) {
     for (node, (inner_m, outer_m)) in places_m.clone().zip(places_m.skip(1)).enumerate() {
         let sixth_m = (outer_m - inner_m) / 6.0;

@@ -1,4 +1,4 @@
-//! Strips in continuous time: loads and rates of the lags at one instant, and their derivatives by the motion of the
+//! Strips in continuous time: loads and rates of the lags at one instant, and their derivatives with respect to the motion of the
 //! sections and by the air, NOTATION eqs. (W13) and (W14).
 //!
 //! The limit of the steps of [`Strips::solve`] as they shrink: the lag states of (W6) obey `ẋ = b (2Q/c)(w − x)`, and the apparent mass of

@@ -76,8 +76,8 @@ impl Indicial {
     }
 
     /// Value at a distance in semi-chords.
-    pub fn at(&self, way: f64) -> f64 {
-        1.0 - self.pairs().map(|(weight, rate)| weight * (-rate * way).exp()).sum::<f64>()
+    pub fn at(&self, distance: f64) -> f64 {
+        1.0 - self.pairs().map(|(weight, rate)| weight * (-rate * distance).exp()).sum::<f64>()
     }
 
     /// Effective downwash for the lift, including the lag, in m/s: eq. (W6).
@@ -108,11 +108,11 @@ impl Lag {
     }
 
     /// State after a distance in semi-chords over which the downwash changes linearly to `downwash_m_s`: exact, eq. (W6).
-    pub fn advanced(&self, indicial: &Indicial, way: f64, downwash_m_s: f64) -> Self {
+    pub fn advanced(&self, indicial: &Indicial, distance: f64, downwash_m_s: f64) -> Self {
         let growth_m_s = downwash_m_s - self.downwash_m_s;
         let mut followers_m_s = self.followers_m_s;
         for (follower_m_s, (_, rate)) in followers_m_s.iter_mut().zip(indicial.pairs()) {
-            let exponent = rate * way;
+            let exponent = rate * distance;
             let behind_m_s = (self.downwash_m_s - *follower_m_s) * (-exponent).exp();
             *follower_m_s = downwash_m_s - behind_m_s - growth_m_s * mean_decay(exponent);
         }
@@ -136,8 +136,8 @@ mod tests {
     fn lag_after_a_sudden_start_is_the_indicial_function() {
         for indicial in [Fit::Jones, Fit::Fine].map(|fit| [*fit.wagner(), *fit.kuessner()]).concat() {
             let mut lag = Lag::sudden(2.0);
-            for way in [0.01, 0.5, 3.0, 0.0] {
-                lag = lag.advanced(&indicial, way, 2.0);
+            for distance in [0.01, 0.5, 3.0, 0.0] {
+                lag = lag.advanced(&indicial, distance, 2.0);
             }
             assert_relative_eq!(indicial.effective_m_s(2.0, &lag), 2.0 * indicial.at(3.51), max_relative = 1e-14);
         }

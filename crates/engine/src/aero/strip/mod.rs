@@ -76,9 +76,9 @@ impl StripOptions {
     /// Lag states of motion and gusts one step after `before`, eq. (W6); the distance in semi-chords follows from the mean of the speeds at
     /// both ends.
     fn lags(&self, before: &StripHistory, now: &Inflow, gust_m_s: f64, step_s: f64) -> (Lag, Lag) {
-        let way = (before.speed_m_s + now.speed_m_s) * step_s / now.cut.chord_m;
-        let motion = before.motion.advanced(self.fit.wagner(), way, now.downwash_m_s);
-        (motion, before.gust.advanced(self.fit.kuessner(), way, gust_m_s))
+        let distance = (before.speed_m_s + now.speed_m_s) * step_s / now.cut.chord_m;
+        let motion = before.motion.advanced(self.fit.wagner(), distance, now.downwash_m_s);
+        (motion, before.gust.advanced(self.fit.kuessner(), distance, gust_m_s))
     }
 }
 

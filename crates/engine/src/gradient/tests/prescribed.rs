@@ -77,9 +77,9 @@ fn gradients_by_the_coefficients_of_a_prescribed_motion() {
     agree(&compared, "polynomial");
 }
 
-/// GR-40: a mass on a spring upon a support that moves by `c0 + c1 t + c2 t² + c3 t³`: its way against the support is
-/// `y = −(2 c2 (1 − cos ωt) + 6 c3 (t − sin(ωt)/ω))/ω²`, until a rigid latch joins both. Time of the latch, way before, place and rate
-/// behind it, by coefficients, stiffness, mass and place of the latch.
+/// GR-40: a mass on a spring upon a support that moves by `c0 + c1 t + c2 t² + c3 t³`: its displacement relative to the support is
+/// `y = −(2 c2 (1 − cos ωt) + 6 c3 (t − sin(ωt)/ω))/ω²`, until a rigid latch joins both. Time of the latch, displacement before, position and rate
+/// after it, by coefficients, stiffness, mass and place of the latch.
 #[test]
 fn a_mass_on_a_moving_support_has_its_closed_form() {
     const USUAL: [f64; 6] = [0.1, 0.2, 1.5, -0.7, 30.0, 0.8];
@@ -109,15 +109,15 @@ fn a_mass_on_a_moving_support_has_its_closed_form() {
         let [c0, c1, c2, c3, stiffness_n_m, mass_kg] = numbers;
         let square = stiffness_n_m / mass_kg;
         let omega = square.sqrt();
-        let way =
+        let displacement =
             |t: f64| -(2.0 * c2 * (1.0 - (omega * t).cos()) + 6.0 * c3 * (t - (omega * t).sin() / omega)) / square;
         let (mut low, mut high) = (0.0, 0.5);
         for _ in 0..100 {
             let middle = 0.5 * (low + high);
-            if way(middle) > edge_m { low = middle } else { high = middle }
+            if displacement(middle) > edge_m { low = middle } else { high = middle }
         }
         let t = TIMES_S[1];
-        [low, way(TIMES_S[0]), c0 + t * (c1 + t * (c2 + t * c3)) + edge_m, c1 + t * (2.0 * c2 + t * 3.0 * c3)]
+        [low, displacement(TIMES_S[0]), c0 + t * (c1 + t * (c2 + t * c3)) + edge_m, c1 + t * (2.0 * c2 + t * 3.0 * c3)]
     };
     let mut own = plant(USUAL, EDGE_M).unwrap_or_else(|error| panic!("{error}"));
     own.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));

@@ -199,8 +199,8 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
     if let Some(other) = surfaces.iter().find(|surface| surface.body < bodies.len() && !turns(surface.body)) {
         let found =
             format!("{}, which is not attached to the hub {}", bodies[other.body].name, bodies[options.hub_body].name);
-        let allowed = "only surfaces on the blades of one hub: a machine has one rotor; simulate a second rotor as a \
-                       separate machine";
+        let allowed = "only surfaces on the blades of one hub: a model has one rotor; simulate a second rotor as a \
+                       separate model";
         checker.refuse_state(&["surface"], found, allowed);
         return;
     }

@@ -16,14 +16,15 @@ pub(super) fn carry<const RATES: bool>(
     motion: Motion,
 ) -> Vector3<f64> {
     one.axis = parent.map_or(*axis, |parent| parent.rotation * axis);
-    let way = one.axis * motion.q[coordinate];
-    node.position += way;
+    let displacement = one.axis * motion.q[coordinate];
+    node.position += displacement;
     if RATES {
-        let (swing, slide) = (node.spin.cross(&way), one.axis * motion.v[coordinate]);
+        let (swing, slide) = (node.spin.cross(&displacement), one.axis * motion.v[coordinate]);
         node.velocity += swing + slide;
-        node.acceleration +=
-            node.spin_rate.cross(&way) + node.spin.cross(&(swing + slide * 2.0)) + one.axis * motion.a[coordinate];
+        node.acceleration += node.spin_rate.cross(&displacement)
+            + node.spin.cross(&(swing + slide * 2.0))
+            + one.axis * motion.a[coordinate];
     }
     node.rotation = parent.map_or(*mount, |parent| parent.rotation * mount);
-    way
+    displacement
 }

@@ -42,7 +42,7 @@ const AVERAGED: usize = 24;
 pub struct FloquetMode {
     /// Factor by which the mode changes over one revolution; one of a complex pair.
     pub multiplier: Complex<f64>,
-    /// Exponent `λ` in 1/s, with the frequency in the ground frame of the harmonic with the largest participation.
+    /// Exponent `λ` in 1/s, with the frequency in the fixed frame of the harmonic with the largest participation.
     pub exponent_1_s: Complex<f64>,
     /// Frequency `|λ|/2π` in Hz.
     pub frequency_hz: f64,
@@ -89,7 +89,7 @@ pub struct Floquet {
     pub unfound: usize,
     /// Largest magnitude of the multipliers of those modes.
     pub largest_unfound: f64,
-    /// Reason why frequencies refer to the coordinates of the machine instead of the ground frame; `None` for frequencies in the ground
+    /// Reason why frequencies refer to the coordinates of the machine instead of the fixed frame; `None` for frequencies in the fixed
     /// frame.
     pub unseen: Option<String>,
     /// Modes of the averaged model, for machines without aerodynamics whose rotor has equal blades.
@@ -269,7 +269,7 @@ impl Plant {
     }
 }
 
-/// Samples of a motion in the ground frame.
+/// Samples of a motion in the fixed frame.
 type Seen = Vec<DVector<Complex<f64>>>;
 
 /// Separates modes with equal multipliers, which may be arbitrarily mixed, by their harmonics, eq. (L35).

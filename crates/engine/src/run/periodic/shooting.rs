@@ -59,7 +59,7 @@ pub struct NearbyMotion {
     /// Aerodynamic quantities that are not among the states.
     air: Option<AirHistory>,
     /// Difference from the previous motion to this one.
-    way: Option<DVector<f64>>,
+    difference: Option<DVector<f64>>,
     /// Fraction of that difference by which the start of the next search is extrapolated.
     share: f64,
 }
@@ -73,8 +73,8 @@ impl NearbyMotion {
 
     /// States at the start of the next search.
     fn begin(&self) -> DVector<f64> {
-        match &self.way {
-            Some(way) if self.share != 0.0 => &self.states + way * self.share,
+        match &self.difference {
+            Some(difference) if self.share != 0.0 => &self.states + difference * self.share,
             _ => self.states.clone(),
         }
     }
@@ -402,9 +402,9 @@ impl<'p> Shooting<'p> {
         }
         let Attempt { states, distance, .. } = present;
         self.begin(&states)?;
-        let way = before.map(|before| &states - before);
+        let difference = before.map(|before| &states - before);
         let (weights, air) = (self.weights.clone(), self.base.air.clone());
-        *nearby = Some(NearbyMotion { states, weights, known, air, way, share: 0.0 });
+        *nearby = Some(NearbyMotion { states, weights, known, air, difference, share: 0.0 });
         let (states, turns) = (self.states(), self.turns);
         Ok(PeriodicMotion { start: self.plant.snapshot(), states, distance, newton_steps, turns })
     }

@@ -269,11 +269,11 @@ fn a_step_of_the_linear_lattice_is_the_machines() {
     let time_s = (WAKE_ROWS - 1) as f64 * STEP_S;
     plant.step(time_s).unwrap_or_else(|error| panic!("{error}"));
     let mut state = plant.snapshot().state().clone();
-    let way_m = plant.inputs().wind_m_s() * (STEP_S * WAKE_ROWS as f64);
+    let displacement_m = plant.inputs().wind_m_s() * (STEP_S * WAKE_ROWS as f64);
     // the far end has moved with the wind, while that of the linear model is fixed
     let wide = STRIPS + 1;
     let nodes = &mut lattice(&mut state).wake_node_m;
-    nodes[WAKE_ROWS * wide..][..wide].iter_mut().for_each(|node| *node -= way_m);
+    nodes[WAKE_ROWS * wide..][..wide].iter_mut().for_each(|node| *node -= displacement_m);
     let snapshot = Snapshot::of(&state);
     let mut rest = AtRest { plant, snapshot, time_s, freedoms, sections_by_rate };
     let mut list = columns(&mut rest, &layout);

@@ -121,7 +121,7 @@ impl Sample {
 
     /// Returns the sample one step later, for the section motion `motion` and the wind change `gain`; NOTATION eq. (Q4).
     pub fn next(&self, motion: &SectionMotion, step_s: f64, gain: &Gain) -> Self {
-        let mean_m_s = (motion.position_m - self.motion.position_m - gain.way_m) / step_s;
+        let mean_m_s = (motion.position_m - self.motion.position_m - gain.displacement_m) / step_s;
         let mean_rad_s = rotation_vector(&(motion.rotation * self.motion.rotation.transpose())) / step_s;
         let [own, earlier, last] = VELOCITY_WEIGHTS;
         Self {
@@ -146,7 +146,7 @@ pub(crate) struct Gain {
     /// Velocity in m/s.
     velocity_m_s: Vector3<f64>,
     /// Displacement in m by that velocity.
-    way_m: Vector3<f64>,
+    displacement_m: Vector3<f64>,
 }
 
 impl Gain {
@@ -154,7 +154,7 @@ impl Gain {
     pub fn after(&self, time_s: f64, rate_m_s2: &Vector3<f64>) -> Self {
         Self {
             velocity_m_s: self.velocity_m_s + rate_m_s2 * time_s,
-            way_m: self.way_m + (self.velocity_m_s + rate_m_s2 * (0.5 * time_s)) * time_s,
+            displacement_m: self.displacement_m + (self.velocity_m_s + rate_m_s2 * (0.5 * time_s)) * time_s,
         }
     }
 }

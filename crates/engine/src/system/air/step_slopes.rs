@@ -145,9 +145,9 @@ impl AirStepSlopes {
         for (section, (turns, [r1, f1, w1, o1])) in self.turns.iter().zip(motions).enumerate() {
             let [_, _, _, _, mw1, mo1] = thirds(&on[SAMPLE * section..]);
             let (mw1, mo1) = (mw1 + w1 * own, mo1 + o1 * own);
-            let by_way = mw1 / self.step_s;
-            write(&mut poses[ENTRIES * section..], &[r1 + by_way, f1 + turns[1].tr_mul(&mo1)]);
-            let before = [-by_way, -turns[0].tr_mul(&mo1), w1 * last, o1 * last, w1 * earlier, o1 * earlier];
+            let by_displacement = mw1 / self.step_s;
+            write(&mut poses[ENTRIES * section..], &[r1 + by_displacement, f1 + turns[1].tr_mul(&mo1)]);
+            let before = [-by_displacement, -turns[0].tr_mul(&mo1), w1 * last, o1 * last, w1 * earlier, o1 * earlier];
             write(&mut memory[SAMPLE * section..], &before);
         }
         (memory, poses)

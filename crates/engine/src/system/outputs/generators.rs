@@ -45,10 +45,10 @@ pub(crate) fn fill_deflections(outputs: &mut [ModalOutputs], machine: &Machine, 
     for (output, index) in outputs.iter_mut().zip(machine.framed_bodies()) {
         let (body, described) = (&present.equations.model.bodies[index], &machine.bodies[index]);
         let (inner, outer) = (&work.nodes[body.first_node], &work.nodes[body.last_node()]);
-        let way_m = inner.rotation.transpose() * (outer.position - inner.position);
+        let displacement_m = inner.rotation.transpose() * (outer.position - inner.position);
         output.deflection_m = match &described.axis {
-            Some(axis) => axis.first * way_m - axis.outer_m,
-            None => way_m - Vector3::x() * described.length_m,
+            Some(axis) => axis.first * displacement_m - axis.outer_m,
+            None => displacement_m - Vector3::x() * described.length_m,
         };
     }
 }

@@ -91,7 +91,7 @@ pub(super) fn with_spins(names: &[&str]) -> Machine {
 }
 
 #[test]
-fn joints_of_several_freedoms_have_the_promised_names() {
+fn joints_of_several_degrees_of_freedom_have_the_promised_names() {
     let interface = Interface::new(&machine(SPATIAL));
     for joint in ["cross", "ball", "tail", "flight"] {
         let free = joint == "flight";

@@ -4,17 +4,17 @@
 use crate::body::BodyFile;
 use crate::copies::Copies;
 use crate::document::Document;
-use crate::doubts::MAXIMUM_OUTLINE_M;
 use crate::file::ModelFile;
 use crate::function::FunctionFile;
 use crate::section_summary::each_beam;
 use crate::sections::Built;
 use crate::shapes::{SectionProperties, Shape};
 use crate::shear_share::{is_unstated, neglected_shear, shear_over_bending};
+use crate::warnings::MAXIMUM_OUTLINE_M;
 use foldwing_engine::machine::units::shortest;
 
 /// Warning: path of its key, reason, advice.
-pub(super) type ShapeDoubt = (Vec<String>, String, String);
+pub(super) type ShapeWarning = (Vec<String>, String, String);
 
 /// Ratio of outer dimension to body length above which one of them is probably in another unit; then the limit of the inverse ratio.
 const MAXIMUM_WIDTH: f64 = 3.0;
@@ -25,16 +25,16 @@ const MAXIMUM_WARPING: f64 = 0.1;
 const MAXIMUM_OFFSET: f64 = 0.02;
 
 /// Warnings about implausible sections by shape in a valid file.
-pub(super) fn shape_doubts(document: &Document, file: &ModelFile) -> Vec<ShapeDoubt> {
+pub(super) fn shape_warnings(document: &Document, file: &ModelFile) -> Vec<ShapeWarning> {
     let beams = each_beam(document, file, &Copies::default(), |name, body, built, _| {
         let Built::Shape(shape) = built else { return None };
         let stations = shape.stations(body.length_m).ok()?;
-        let doubts =
+        let warnings =
             [size(body, &stations), warping(name, body, &stations), elastic_axis(name, shape, &stations, file)];
         let share = is_unstated(name, body, document).then(|| shear_share(body, &stations)).flatten();
-        Some((doubts, share.map(|share| (body.section.clone(), name.to_owned(), share))))
+        Some((warnings, share.map(|share| (body.section.clone(), name.to_owned(), share))))
     });
-    let (doubts, shares): (Vec<_>, Vec<_>) = beams.into_iter().flatten().unzip();
+    let (warnings, shares): (Vec<_>, Vec<_>) = beams.into_iter().flatten().unzip();
     let shares: Vec<_> = shares.into_iter().flatten().collect();
     let shear = file.section.keys().filter_map(|section| {
         let bodies: Vec<_> = shares.iter().filter(|share| share.0 == *section).collect();
@@ -42,7 +42,7 @@ pub(super) fn shape_doubts(document: &Document, file: &ModelFile) -> Vec<ShapeDo
             neglected_shear(&bodies.iter().map(|share| (share.1.as_str(), share.2)).collect::<Vec<_>>())?;
         Some((path(&["section", section]), reason, advice))
     });
-    doubts.into_iter().flatten().flatten().chain(shear).collect()
+    warnings.into_iter().flatten().flatten().chain(shear).collect()
 }
 
 fn path(parts: &[&str]) -> Vec<String> {
@@ -55,7 +55,7 @@ fn short(value: f64) -> String {
 }
 
 /// Warns about outer dimensions far from the length of the body.
-fn size(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeDoubt> {
+fn size(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeWarning> {
     let [width, height] = stations[0].1.outline_m?.map(|[low, high]| high - low);
     let largest_m = width.max(height);
     if largest_m > MAXIMUM_WIDTH * body.length_m || largest_m > MAXIMUM_OUTLINE_M {
@@ -86,7 +86,7 @@ fn shear_share(body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option
 
 /// Warns about open sections: if warping is restrained at the joint, they are stiffer in torsion than the beam model, NOTATION eq.
 /// (S23).
-fn warping(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeDoubt> {
+fn warping(name: &str, body: &BodyFile, stations: &[(f64, SectionProperties)]) -> Option<ShapeWarning> {
     let section = &stations[0].1;
     let decay = body.length_m * (section.torsional_rigidity_n_m2 / section.warping_stiffness_n_m4).sqrt();
     let share = decay.tanh() / decay;
@@ -107,7 +107,7 @@ fn elastic_axis(
     shape: &Shape,
     stations: &[(f64, SectionProperties)],
     file: &ModelFile,
-) -> Option<ShapeDoubt> {
+) -> Option<ShapeWarning> {
     let fraction = shape.axis_fraction(&stations[0].1)?;
     let (surface, stated) = file.surface.iter().find(|(_, surface)| surface.body == name)?;
     let FunctionFile::Number(stated) = stated.elastic_axis_fraction else { return None };

@@ -6,7 +6,7 @@ use crate::command_line::{foldwing, succeeds};
 fn wing(air: &str, wind_m_s: &str, incidence_deg: f64) -> String {
     format!(
         r#"
-name = "Doubtful"
+name = "Implausible"
 gravity_m_s2 = [0.0, 0.0, 0.0]
 
 [section.plate]
@@ -49,7 +49,7 @@ const LATTICE: &str = "model = \"uvlm\"\nwake_rows = 20";
 const FRONT: &str = "[0.0, -10.0, 0.0]";
 const SPAN: &str = "[10.0, 0.0, 0.0]"; // from root to tip: in the opposite direction the apparent mass reduces the damping of bending
 
-/// Standard error of a command on a model, which must succeed, and its JSON if requested.
+/// Runs a command that must succeed on a model, and returns its standard error and its JSON if requested.
 fn warnings(text: &str, command: &[&str]) -> (String, serde_json::Value) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wing.toml");
@@ -61,7 +61,7 @@ fn warnings(text: &str, command: &[&str]) -> (String, serde_json::Value) {
     (String::from_utf8(output.stderr).unwrap(), serde_json::from_str(&printed).unwrap_or_default())
 }
 
-/// Standard error and exit code of a command on a model, which must fail.
+/// Runs a command that must fail on a model, and returns its standard error and exit code.
 fn failing(text: &str, command: &[&str]) -> (String, i32) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wing.toml");
@@ -87,17 +87,19 @@ fn the_wind_that_is_set_counts() {
         let (told, json) = warnings(&wing(STRIPS, FRONT, 2.0), &behind);
         assert!(told.contains("warning: the wind meets the surface of wing from behind, at 17"), "{behind:?}: {told}");
         let found = if command[0] == "flutter" { &json["results"][0] } else { &json };
-        let doubts = found["doubts"].as_array().unwrap_or_else(|| panic!("{json}"));
+        let listed = found["warnings"].as_array().unwrap_or_else(|| panic!("{json}"));
         assert!(
-            doubts[0].as_str().is_some_and(|doubt| doubt.starts_with("the wind meets the surface of wing from behind")),
-            "{doubts:?}"
+            listed[0]
+                .as_str()
+                .is_some_and(|warning| warning.starts_with("the wind meets the surface of wing from behind")),
+            "{listed:?}"
         );
 
         let front = [command, &["--set", "wind.velocity.x=0", "--set", "wind.velocity.y=-10"]].concat();
         let (told, json) = warnings(&wing(STRIPS, SPAN, 2.0), &front);
         assert!(!told.contains("the wind meets"), "{front:?}: {told}");
         let found = if command[0] == "flutter" { &json["results"][0] } else { &json };
-        assert_eq!(found["doubts"].as_array().map(Vec::len), Some(0), "{json}");
+        assert_eq!(found["warnings"].as_array().map(Vec::len), Some(0), "{json}");
     }
 }
 
@@ -127,12 +129,15 @@ fn a_lattice_without_suction_at_incidence_has_a_warning() {
         }
     }
     // a trim balances forces: it warns for every lattice without suction, in text and JSON
-    for (air, doubted) in [(LATTICE, true), (&with_suction, false), (STRIPS, false)] {
+    for (air, expected) in [(LATTICE, true), (&with_suction, false), (STRIPS, false)] {
         let trim = ["trim", "--solve-for", "wind.velocity.z", "--target", "root.force.z=1", "--json"];
         let (told, json) = warnings(&wing(air, FRONT, 0.0), &trim);
-        assert_eq!(told.contains(SUCTION), doubted, "{air}: {told}");
-        let doubts = json["doubts"].as_array().unwrap_or_else(|| panic!("{json}"));
-        assert_eq!(doubts.iter().any(|doubt| doubt.as_str().is_some_and(|doubt| doubt.contains("suction"))), doubted);
+        assert_eq!(told.contains(SUCTION), expected, "{air}: {told}");
+        let listed = json["warnings"].as_array().unwrap_or_else(|| panic!("{json}"));
+        assert_eq!(
+            listed.iter().any(|warning| warning.as_str().is_some_and(|warning| warning.contains("suction"))),
+            expected
+        );
     }
 }
 
@@ -223,7 +228,7 @@ fn joints_that_are_elsewhere_have_a_warning() {
     for command in [&["static", "--json"][..], &trim] {
         let (told, json) = warnings(&pendulum(20.0, latch), command);
         assert!(told.contains(open) && told.contains("with hinge.start_angle = 2.094 rad it is closed"), "{told}");
-        assert_eq!(json["doubts"].as_array().map(Vec::len), Some(1), "{json}");
+        assert_eq!(json["warnings"].as_array().map(Vec::len), Some(1), "{json}");
     }
     // a failed trim reports the joint angles of its last equilibrium
     let without = ["trim", "--solve-for", "gravity.y", "--target", "root.force.x=1"];

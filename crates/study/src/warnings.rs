@@ -17,7 +17,7 @@ const MINIMUM_INCIDENCE_RAD: f64 = std::f64::consts::PI / 180.0;
 
 /// A warning about a result. Its `Display` text is a sentence for messages; it is serialised as this text.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Doubt {
+pub enum Warning {
     /// The wind does not meet a surface at its leading edge; lattices, lifting lines and strips assume attached flow that leaves at the
     /// trailing edge.
     Flow {
@@ -53,7 +53,7 @@ pub enum Doubt {
     },
 }
 
-impl fmt::Display for Doubt {
+impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Flow { body, angle_rad } => {
@@ -104,7 +104,7 @@ impl fmt::Display for Doubt {
     }
 }
 
-impl Serialize for Doubt {
+impl Serialize for Warning {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
@@ -115,7 +115,7 @@ fn four_digits(value: f64) -> f64 {
 }
 
 /// Warnings about the undeformed machine in the wind of its model: direction of the flow, and a lattice without suction at incidence.
-pub fn undeformed(machine: &Machine) -> Vec<Doubt> {
+pub fn undeformed(machine: &Machine) -> Vec<Warning> {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     let wind_m_s = *plant.inputs().wind_m_s();
     match plant.study().undeformed(machine.experiment.start_time_s) {
@@ -128,15 +128,15 @@ pub fn undeformed(machine: &Machine) -> Vec<Doubt> {
 }
 
 /// Warnings about a plant in its present state and wind: direction of the flow, and a lattice without suction at incidence.
-pub fn air_at(plant: &Plant) -> Vec<Doubt> {
+pub fn air_at(plant: &Plant) -> Vec<Warning> {
     let Some(angles) = FlowAngles::over(plant) else { return Vec::new() };
     let at_incidence = lacks_suction(plant.machine()) && angles.incidence_rad > MINIMUM_INCIDENCE_RAD;
-    at_incidence.then_some(Doubt::NoSuction).into_iter().chain(angles.doubt(plant)).collect()
+    at_incidence.then_some(Warning::NoSuction).into_iter().chain(angles.warning(plant)).collect()
 }
 
 /// Warning about the direction of the flow over a plant in its present state and wind.
-pub fn flow_at(plant: &Plant) -> Option<Doubt> {
-    FlowAngles::over(plant)?.doubt(plant)
+pub fn flow_at(plant: &Plant) -> Option<Warning> {
+    FlowAngles::over(plant)?.warning(plant)
 }
 
 /// Angles between the wind and the chords of all surfaces except those of rotors.
@@ -171,30 +171,30 @@ impl FlowAngles {
         worst
     }
 
-    fn doubt(&self, plant: &Plant) -> Option<Doubt> {
+    fn warning(&self, plant: &Plant) -> Option<Warning> {
         let body = || plant.machine().bodies[self.body].name.clone();
-        (self.largest_rad >= MAXIMUM_FLOW_RAD).then(|| Doubt::Flow { body: body(), angle_rad: self.largest_rad })
+        (self.largest_rad >= MAXIMUM_FLOW_RAD).then(|| Warning::Flow { body: body(), angle_rad: self.largest_rad })
     }
 }
 
 /// Warning about strips of a lattice beyond stall in the static equilibrium of a plant.
-pub fn stall_at(plant: &Plant) -> Option<Doubt> {
+pub fn stall_at(plant: &Plant) -> Option<Warning> {
     let name = |body: usize| plant.machine().bodies[body].name.clone();
     let strips: Vec<(String, usize)> =
         plant.strips_beyond_stall().iter().map(|(body, count)| (name(*body), *count)).collect();
-    (!strips.is_empty()).then_some(Doubt::Stall { strips })
+    (!strips.is_empty()).then_some(Warning::Stall { strips })
 }
 
 /// Warnings about the joints of a plant in equilibrium: open latches, and hinges without end stops that are more than half a revolution
 /// from their start angle. Rotor shafts are excluded, as they rotate without limit.
-pub fn joints_at(plant: &Plant) -> Vec<Doubt> {
+pub fn joints_at(plant: &Plant) -> Vec<Warning> {
     let machine = plant.machine();
     let hub = machine.air.as_ref().and_then(|air| match &air.options {
         AirOptions::Rotor(rotor) => Some(rotor.hub_body),
         AirOptions::Strips(_) | AirOptions::Lattice(_) => None,
     });
     let states = plant.outputs().joints().iter().zip(plant.outputs().latches()).zip(plant.inputs().joints());
-    let mut doubts = Vec::new();
+    let mut warnings = Vec::new();
     for ((body, joint), ((output, latch), input)) in machine.one_freedoms().zip(states) {
         let named = &machine.bodies[body].joint;
         let Some((travel, _)) = named.kind.one_freedom() else { continue };
@@ -202,21 +202,26 @@ pub fn joints_at(plant: &Plant) -> Vec<Doubt> {
         if let Some(own) =
             joint.latch.as_ref().filter(|_| is_free && input.latch_enable.is_on() && !latch.closed.is_on())
         {
-            doubts.push(Doubt::OpenLatch { joint: named.name.clone(), travel, angle_rad, latch_rad: own.angle_rad });
+            warnings.push(Warning::OpenLatch {
+                joint: named.name.clone(),
+                travel,
+                angle_rad,
+                latch_rad: own.angle_rad,
+            });
         }
         let turn_rad = angle_rad - joint.start_angle_rad;
         let is_hinge = travel == Travel::Rotation && joint.end_stops.is_none() && hub != Some(body);
         if is_free && is_hinge && turn_rad.abs() > std::f64::consts::PI {
-            doubts.push(Doubt::Turned { joint: named.name.clone(), turn_rad });
+            warnings.push(Warning::Turned { joint: named.name.clone(), turn_rad });
         }
     }
-    doubts
+    warnings
 }
 
 /// Warnings about thrust and drag where the loads of a plant are balanced: a lattice without leading-edge suction, and the direction of
 /// the flow.
-pub fn balance_at(plant: &Plant) -> Vec<Doubt> {
-    lacks_suction(plant.machine()).then_some(Doubt::NoSuction).into_iter().chain(flow_at(plant)).collect()
+pub fn balance_at(plant: &Plant) -> Vec<Warning> {
+    lacks_suction(plant.machine()).then_some(Warning::NoSuction).into_iter().chain(flow_at(plant)).collect()
 }
 
 /// Returns whether the aerodynamic model is a lattice without leading-edge suction.

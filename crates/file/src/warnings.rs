@@ -7,7 +7,7 @@ use crate::document::{Document, key_text};
 use crate::file::{ModelFile, SectionFile};
 use crate::section_summary::each_beam;
 use crate::sections::Built;
-use crate::shape_doubts::shape_doubts;
+use crate::shape_warnings::shape_warnings;
 use crate::shear_share::{is_unstated, neglected_shear, shear_shares};
 use crate::station_file::sections_of_a_program;
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ const ROUND_DEG: f64 = 6e-3;
 
 /// Warning about a valid value that is probably not the intended one.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Doubt {
+pub struct Warning {
     /// Line of the key, numbered from 1.
     pub line: usize,
     /// Byte range of the text that is marked by a caret.
@@ -67,7 +67,7 @@ pub struct Doubt {
 
 /// Warnings about implausible values in the text of a valid model file for [`crate::parse`], in the order of the file; empty for an
 /// invalid text.
-pub fn doubts(text: &str) -> Vec<Doubt> {
+pub fn warnings(text: &str) -> Vec<Warning> {
     let (Ok(document), Ok(file)) = (Document::parse(text), toml::from_str::<ModelFile>(text)) else {
         return Vec::new();
     };
@@ -75,19 +75,19 @@ pub fn doubts(text: &str) -> Vec<Doubt> {
     look.materials(&file);
     look.sections(&file);
     look.bodies(&file);
-    for (path, reason, advice) in shape_doubts(&document, &file) {
-        look.doubt(&path.iter().map(String::as_str).collect::<Vec<_>>(), reason, advice);
+    for (path, reason, advice) in shape_warnings(&document, &file) {
+        look.warning(&path.iter().map(String::as_str).collect::<Vec<_>>(), reason, advice);
     }
     look.angles(&file);
     look.surroundings(&file);
     look.rotor(&file);
-    look.found.sort_by_key(|doubt| doubt.span.start);
+    look.found.sort_by_key(|warning| warning.span.start);
     look.found
 }
 
 /// Warnings about properties lost when the files named in a model file are embedded: sections of other programs whose 6×6 stiffness
 /// includes shear deflection, which a body without shear neglects. `text` is the file as written, and its files are in `folder`.
-pub fn doubts_of_files(text: &str, folder: &Path) -> Vec<Doubt> {
+pub fn warnings_of_files(text: &str, folder: &Path) -> Vec<Warning> {
     let (Ok(document), Ok(file)) = (Document::parse(text), toml::from_str::<ModelFile>(text)) else {
         return Vec::new();
     };
@@ -106,7 +106,7 @@ pub fn doubts_of_files(text: &str, folder: &Path) -> Vec<Doubt> {
             })
             .collect();
         if let Some((reason, advice)) = neglected_shear(&shares) {
-            look.doubt(&["section", name, "file"], reason, advice);
+            look.warning(&["section", name, "file"], reason, advice);
         }
     }
     look.found
@@ -114,16 +114,16 @@ pub fn doubts_of_files(text: &str, folder: &Path) -> Vec<Doubt> {
 
 struct Look<'d, 'a> {
     document: &'d Document<'a>,
-    found: Vec<Doubt>,
+    found: Vec<Warning>,
 }
 
 impl Look<'_, '_> {
-    fn doubt(&mut self, path: &[&str], reason: String, advice: impl Into<String>) {
+    fn warning(&mut self, path: &[&str], reason: String, advice: impl Into<String>) {
         let entry = self.document.find(path);
         let span = entry
             .map_or_else(|| self.document.span_of(path), |entry| self.document.value_span(entry.offset, entry.value));
         let line = self.document.line_of(path);
-        self.found.push(Doubt { line, span, key: key_text(path), reason, advice: advice.into() });
+        self.found.push(Warning { line, span, key: key_text(path), reason, advice: advice.into() });
     }
 
     fn sections(&mut self, file: &ModelFile) {
@@ -154,7 +154,7 @@ impl Look<'_, '_> {
                             number(section.mass_kg_m),
                             number(speed_m_s)
                         );
-                        self.doubt(
+                        self.warning(
                             &["section", name, key],
                             reason,
                             "metals and composites have 3000 to 12000 m/s: EA in N, mass in kg/m",
@@ -180,7 +180,7 @@ impl Look<'_, '_> {
         } else {
             "solids have 5 to 25000 kg/m3".to_owned()
         };
-        self.doubt(path, format!("no solid has {} kg/m3", number(density)), advice);
+        self.warning(path, format!("no solid has {} kg/m3", number(density)), advice);
     }
 
     fn modulus(&mut self, path: &[&str], modulus_pa: Option<f64>) {
@@ -193,7 +193,7 @@ impl Look<'_, '_> {
             "solids have 1e5 to 1.2e12 Pa".to_owned()
         };
         let than = if modulus < MODULUS_PA.start { "softer than a gel" } else { "stiffer than diamond" };
-        self.doubt(path, format!("{} Pa is {than}", number(modulus)), advice);
+        self.warning(path, format!("{} Pa is {than}", number(modulus)), advice);
     }
 
     fn bodies(&mut self, file: &ModelFile) {
@@ -201,7 +201,7 @@ impl Look<'_, '_> {
             if body.length_m > MAXIMUM_LENGTH_M {
                 let reason = format!("a body of {} m", number(body.length_m));
                 let advice = format!("millimetres? write {}, and all other lengths in m", number(1e-3 * body.length_m));
-                self.doubt(&["body", name, "length_m"], reason, advice);
+                self.warning(&["body", name, "length_m"], reason, advice);
                 continue;
             }
             let outline = match file.section.get(&body.section) {
@@ -235,7 +235,7 @@ impl Look<'_, '_> {
             if let Some((size_m, key)) = too_large {
                 let reason = format!("{} m on a body of {} m", number(size_m), number(length_m));
                 let advice = format!("millimetres? write {}", number(1e-3 * share * size_m));
-                self.doubt(&["section", &body.section, key], reason, advice);
+                self.warning(&["section", &body.section, key], reason, advice);
             } else if length_m > MAXIMUM_SLENDERNESS * width_m.max(height_m) {
                 let reason = format!(
                     "{} m long, but {} m wide and {} m thick",
@@ -249,22 +249,22 @@ impl Look<'_, '_> {
                 } else {
                     format!("compare with width and height of section {:?}: all are in m", body.section)
                 };
-                self.doubt(&["body", name, "length_m"], reason, advice);
+                self.warning(&["body", name, "length_m"], reason, advice);
             } else if let Some((size_m, key)) =
                 [width_m, height_m].into_iter().zip(keys).find(|(size_m, _)| *size_m > MAXIMUM_OUTLINE_M)
             {
                 let reason = format!("a section of {} m", number(size_m));
                 let advice = format!("millimetres? write {}", number(1e-3 * share * size_m));
-                self.doubt(&["section", &body.section, key], reason, advice);
+                self.warning(&["section", &body.section, key], reason, advice);
             } else if length_m < MINIMUM_SLENDERNESS_WITH_SHEAR * thickness_m {
                 let reason = format!("{} m long and {} m thick: no beam", number(length_m), number(thickness_m));
-                self.doubt(&["body", name, "length_m"], reason, "a rigid body may be sufficient");
+                self.warning(&["body", name, "length_m"], reason, "a rigid body may be sufficient");
             } else if length_m < MINIMUM_SLENDERNESS * thickness_m && is_unstated(name, body, self.document) {
                 let thick = "without shear = true the beam neglects shear deflection, which counts in bodies shorter than ten times their thickness";
                 let reason = format!("{} m long and {} m thick, {thick}", number(length_m), number(thickness_m));
                 let advice = "shear = true on the body includes it, shear = false neglects it without this warning; \
                               a rigid body may be sufficient";
-                self.doubt(&["body", name, "length_m"], reason, advice);
+                self.warning(&["body", name, "length_m"], reason, advice);
             }
         }
         let own_masses_kg: BTreeMap<String, f64> =
@@ -279,7 +279,11 @@ impl Look<'_, '_> {
             let Some(own_kg) = own_masses_kg.get(&mass.body).copied() else { continue };
             if mass.mass_kg > MAXIMUM_ATTACHED * own_kg {
                 let reason = format!("{} kg on a body of {} kg", number(mass.mass_kg), number(own_kg));
-                self.doubt(&["mass", name, "mass_kg"], reason, format!("grams? write {}", number(1e-3 * mass.mass_kg)));
+                self.warning(
+                    &["mass", name, "mass_kg"],
+                    reason,
+                    format!("grams? write {}", number(1e-3 * mass.mass_kg)),
+                );
             }
         }
     }
@@ -299,7 +303,7 @@ impl Look<'_, '_> {
                 let close = (angle.to_degrees() - meant_deg).abs() < ROUND_DEG && meant_deg != 0.0;
                 if close && meant_deg.abs() <= 360.0 {
                     let reason = format!("{angle} rad would be {} deg", number(meant_deg));
-                    self.doubt(path, reason, format!("rad? write {}", number(meant_deg)));
+                    self.warning(path, reason, format!("rad? write {}", number(meant_deg)));
                 }
             }
         }
@@ -316,7 +320,7 @@ impl Look<'_, '_> {
             if let Some([from, to]) = hole {
                 let reason = format!("no row between {} and {} deg", number(from[0]), number(to[0]));
                 let advice = "the coefficients are interpolated linearly; add the missing rows";
-                self.doubt(&["polar", name, if polar.file.is_some() { "file" } else { "rows" }], reason, advice);
+                self.warning(&["polar", name, if polar.file.is_some() { "file" } else { "rows" }], reason, advice);
             }
         }
         let table = file.wind.as_ref().and_then(|wind| wind.table.as_deref()).unwrap_or_default();
@@ -324,7 +328,7 @@ impl Look<'_, '_> {
         // a single row is a steady wind
         if let Some(end_s) = table.last().map(|row| row[0]).filter(|end_s| table.len() > 1 && *end_s < stop_s) {
             let reason = format!("the wind ends at {} s, the run at {} s", number(end_s), number(stop_s));
-            self.doubt(&["wind", "table"], reason, "the last row applies after that; is the table incomplete?");
+            self.warning(&["wind", "table"], reason, "the last row applies after that; is the table incomplete?");
         }
     }
 
@@ -334,7 +338,7 @@ impl Look<'_, '_> {
         if gravity > 0.0 && !GRAVITY_M_S2.contains(&gravity) {
             let advice =
                 if gravity < GRAVITY_M_S2.start { "multiples of g? 1 g is 9.80665" } else { "mm/s2? write 9.80665" };
-            self.doubt(&["gravity_m_s2"], format!("gravity of {} m/s2", number(gravity)), advice);
+            self.warning(&["gravity_m_s2"], format!("gravity of {} m/s2", number(gravity)), advice);
         }
         if let Some(air) = &file.aerodynamics {
             let wind = magnitude(&air.wind_m_s);
@@ -343,7 +347,11 @@ impl Look<'_, '_> {
                     "at {} m/s the compressibility of air matters; speed_of_sound_m_s includes it",
                     number(wind)
                 );
-                self.doubt(&["aerodynamics", "wind_m_s"], reason, format!("km/h? that is {} m/s", number(wind / 3.6)));
+                self.warning(
+                    &["aerodynamics", "wind_m_s"],
+                    reason,
+                    format!("km/h? that is {} m/s", number(wind / 3.6)),
+                );
             }
         }
         let run = &file.simulation;
@@ -356,7 +364,7 @@ impl Look<'_, '_> {
             } else {
                 "step_s is the time between two rows, stop_time_s the end of the run".to_owned()
             };
-            self.doubt(&["simulation", key], reason, advice);
+            self.warning(&["simulation", key], reason, advice);
         }
     }
 }
@@ -368,5 +376,5 @@ fn number(value: f64) -> String {
 }
 
 #[cfg(test)]
-#[path = "doubts_tests.rs"]
+#[path = "warnings_tests.rs"]
 mod tests;

@@ -29,7 +29,7 @@ fn blade([shear_x, shear_y, axial, about_x, about_y, twist]: [f64; 6]) -> String
 /// not a BeamDyn blade.
 #[test]
 fn sections_that_lose_shear_are_named() {
-    let folder = std::env::temp_dir().join(format!("foldwing-doubts-{}", std::process::id()));
+    let folder = std::env::temp_dir().join(format!("foldwing-warnings-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let text = blade([38_780.0, 88_560.0, 1_368_170.0, 141_470.0, 59_120.0, 16_960.0]);
     std::fs::write(folder.join("box.dat"), &text).expect("a file");
@@ -44,9 +44,9 @@ fn sections_that_lose_shear_are_named() {
              [joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"beam\"\n"
         )
     };
-    let found = doubts_of_files(&model(10.0, "box.dat"), &folder);
-    let longer = doubts_of_files(&model(200.0, "box.dat"), &folder);
-    let none = doubts_of_files(&model(10.0, "none.dat"), &folder);
+    let found = warnings_of_files(&model(10.0, "box.dat"), &folder);
+    let longer = warnings_of_files(&model(200.0, "box.dat"), &folder);
+    let none = warnings_of_files(&model(10.0, "none.dat"), &folder);
     std::fs::remove_dir_all(&folder).expect("gone");
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!((found[0].key.as_str(), found[0].line), ("section.box.file", 4));
@@ -56,7 +56,7 @@ fn sections_that_lose_shear_are_named() {
 
 /// The warning for a wind speed in km/h proposes the same speed in m/s, and for a gravity in g or mm/s² the value in m/s².
 #[test]
-fn doubts_convert_units_the_right_way() {
+fn warnings_convert_units_correctly() {
     for (km_h, m_s) in [(540.0, "150"), (720.0, "200")] {
         let text = format!(
             "name = \"Fast\"\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.1\nheight_m = 0.01\ndensity_kg_m3 = 1000.0\n\
@@ -65,17 +65,17 @@ fn doubts_convert_units_the_right_way() {
              [aerodynamics]\nmodel = \"strip\"\nwind_m_s = [{km_h:?}, 0, 0]\n[surface.wing]\nbody = \"wing\"\n\
              chord_m = 0.1\nelastic_axis_fraction = 0.5\nstrips = 2\n"
         );
-        let found = doubts(&text);
-        let wind: Vec<_> = found.iter().filter(|doubt| doubt.key == "aerodynamics.wind_m_s").collect();
+        let found = warnings(&text);
+        let wind: Vec<_> = found.iter().filter(|warning| warning.key == "aerodynamics.wind_m_s").collect();
         assert_eq!(wind.len(), 1, "{found:?}");
         let told = format!("{wind:?}");
         assert!(told.contains(&format!("at {km_h} m/s")) && told.contains(&format!("that is {m_s} m/s\"")), "{told}");
     }
 }
 
-/// All lengths in millimetres keep their ratios: a body or a section that no wing has is doubted by its size.
+/// All lengths in millimetres keep their ratios: a body or a section that is larger than any wing has a warning.
 #[test]
-fn lengths_in_millimetres_are_doubted_by_their_size() {
+fn lengths_in_millimetres_have_a_warning_about_their_size() {
     let model = |length_m: f64, width_m: f64, height_m: f64| {
         format!(
             "name = \"Long\"\n[section.plate]\nshape = \"rectangle\"\nwidth_m = {width_m:?}\nheight_m = {height_m:?}\n\
@@ -83,7 +83,7 @@ fn lengths_in_millimetres_are_doubted_by_their_size() {
              section = \"plate\"\nelements = 2\n[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n"
         )
     };
-    let keys = |text: &str| doubts(text).into_iter().map(|doubt| (doubt.key, doubt.advice)).collect::<Vec<_>>();
+    let keys = |text: &str| warnings(text).into_iter().map(|warning| (warning.key, warning.advice)).collect::<Vec<_>>();
     let found = keys(&model(800.0, 25.0, 2.0));
     assert_eq!(found.len(), 1, "{found:?}");
     assert!(found[0].0 == "body.wing.length_m" && found[0].1.starts_with("millimetres? write 0.8,"), "{found:?}");
@@ -95,7 +95,7 @@ fn lengths_in_millimetres_are_doubted_by_their_size() {
 /// A body as long as five times its thickness is flagged for its neglected shear unless the key `shear` is given; one that is thicker than long
 /// is no beam at all.
 #[test]
-fn bodies_that_state_their_shear_have_no_doubt_about_it() {
+fn bodies_that_state_their_shear_have_no_warning_about_it() {
     let model = |length_m: f64, stated: &str| {
         format!(
             "name = \"Thick\"\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.1\nheight_m = 0.1\n\
@@ -103,14 +103,14 @@ fn bodies_that_state_their_shear_have_no_doubt_about_it() {
              section = \"plate\"\nelements = 2\n{stated}[joint.mount]\ntype = \"clamped\"\nparent = \"root\"\nchild = \"wing\"\n"
         )
     };
-    let found = doubts(&model(0.5, ""));
+    let found = warnings(&model(0.5, ""));
     assert!(
         found.len() == 1 && found[0].advice.contains("shear = true") && found[0].advice.contains("shear = false"),
         "{found:?}"
     );
     for stated in ["shear = true\n", "shear = false\n"] {
-        assert_eq!(doubts(&model(0.5, stated)), [], "{stated}");
-        let found = doubts(&model(0.09, stated));
+        assert_eq!(warnings(&model(0.5, stated)), [], "{stated}");
+        let found = warnings(&model(0.09, stated));
         assert!(found.len() == 1 && found[0].reason.contains("no beam"), "{found:?}");
     }
 }
