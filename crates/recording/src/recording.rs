@@ -123,7 +123,7 @@ pub struct Scene {
     pub aerofoils: Vec<Option<AerofoilScene>>,
     /// Nacelle and hub of a turbine.
     pub solids: Vec<SolidScene>,
-    /// Sentences on what is drawn with dimensions that the model does not have.
+    /// Sentences that name the drawn dimensions that are not in the model.
     pub notes: Vec<String>,
 }
 

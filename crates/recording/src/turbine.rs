@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Diameters of a tower at its foot and top relative to its length, if the model has none: those of the NREL 5 MW turbine.
 const TOWER: [f64; 2] = [0.068, 0.044];
-/// Radius of a hub relative to the length of the blades, if these begin on the shaft.
+/// Radius of a hub relative to the length of the blades, if their roots lie on the shaft.
 const HUB: f64 = 0.025;
 /// Height of a nacelle over its underside relative to the length of the blades, if the shaft crosses the top of the tower.
 const NACELLE: f64 = 0.04;
@@ -164,7 +164,7 @@ impl Turbine {
         }
     }
 
-    /// Statement of what is drawn in proportion.
+    /// Sentence that names the dimensions in proportion.
     pub fn note(&self) -> String {
         let tower = if self.tower.is_some() && !self.has_diameters { "diameter of the tower, " } else { "" };
         let nacelle = if self.nacelle.is_some() { "sizes of nacelle and hub" } else { "size of the hub" };
@@ -292,8 +292,8 @@ mod tests {
         }
     }
 
-    /// The hub is as large as the blade roots are far from the shaft; the nacelle stands on the tower and contains the shaft; all rings have
-    /// equally many points.
+    /// The radius of the hub is the distance of the blade roots from the shaft; the underside of the nacelle is at the top of the tower, and
+    /// the nacelle contains the shaft; all rings have equally many points.
     #[test]
     fn solids_are_where_the_model_is() {
         let plant = shipped("turbine/nrel_5mw");
