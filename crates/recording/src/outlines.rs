@@ -172,7 +172,7 @@ mod tests {
         for (side, sign) in [("+y", 1.0), ("-y", -1.0)] {
             let machine = wing(
                 &format!("{PROFILE}\nleading_edge = \"{side}\""),
-                &format!("leading_edge = \"{side}\"\nelastic_axis_fraction = 0.4"),
+                &format!("leading_edge = \"{side}\"\nchord_m = 0.5\nelastic_axis_fraction = 0.4"),
             );
             let found = aerofoils(&machine).remove(0).unwrap();
             assert_eq!((found.source, found.heights.len(), found.hides_spar), (AerofoilSource::Outline, 5, false));

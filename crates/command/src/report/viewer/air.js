@@ -23,12 +23,6 @@ function setQuad(geometry, q, corners, rgb) {
     }
   });
 }
-// The same with points that have normals of their own.
-function setRoundQuad(geometry, q, corners, rgb) {
-  setQuad(geometry, q, corners.map(corner => corner.at), rgb);
-  const normal = geometry.getAttribute("normal").array;
-  corners.forEach((corner, k) => normal.set(corner.normal, 12 * q + 3 * k));
-}
 function sendQuads(geometry, count) {
   for (const name of ["position", "normal", "color"]) geometry.getAttribute(name).needsUpdate = true;
   geometry.setDrawRange(0, 6 * count);
@@ -120,48 +114,74 @@ class SurfaceShape {
     setPoints(this.lattice, points);
   }
 
-  // Points and normals of the aerofoil at an edge of the strips, per side and position along the chord.
-  edgeOf(column) {
-    const { surface, aerofoil } = this, [before, after] = [Math.max(0, column - 1), Math.min(surface.columns - 1, column + 1)];
+  // Points and normals of the aerofoil at an edge of the strips, per side, as flat lists: shapes change in every picture.
+  edgeOf(column, into) {
+    const { surface, aerofoil: { stations, sides } } = this, [before, after] = [Math.max(0, column - 1), Math.min(surface.columns - 1, column + 1)];
     const nose = this.corner(column, 0), chord = plus(this.corner(column, 1), nose, -1), length = Math.hypot(...chord) || 1e-30;
-    const span = plus(this.corner(after, 0), this.corner(before, 0), -1).map((c, i) => c + this.corner(after, 1)[i] - this.corner(before, 1)[i]);
-    const across = unit(cross(chord, span)), along = chord.map(c => c / length);
-    return [1, -1].map((out, side) => {
-      const { heights, slopes } = aerofoil.sides[side][column];
-      return aerofoil.stations.map((x, k) => ({
-        at: plus(plus(nose, chord, x), across, heights[k] * length),
-        normal: unit(plus(across, along, -slopes[k]).map(c => out * c)),
-      }));
-    });
+    const span = plus(plus(this.corner(after, 0), this.corner(before, 0), -1), plus(this.corner(after, 1), this.corner(before, 1), -1));
+    const across = unit(cross(chord, span));
+    for (let side = 0; side < 2; side++) {
+      const { heights, slopes } = sides[side][column], { points, normals } = into[side], out = side ? -1 : 1;
+      for (let k = 0; k < stations.length; k++) {
+        const size = out / Math.hypot(1, slopes[k]);
+        for (let i = 0; i < 3; i++) {
+          points[3 * k + i] = nose[i] + stations[k] * chord[i] + heights[k] * length * across[i];
+          normals[3 * k + i] = size * (across[i] - slopes[k] * chord[i] / length);
+        }
+      }
+    }
+    return into;
   }
 
   updateSolid(colours) {
-    const { surface, rows, mesh, aerofoil } = this, { stations } = aerofoil, fades = surfaceField === SURFACE_FIELDS.lift;
-    const intervals = stations.length - 1, strips = surface.columns - 1, edges = Array.from({ length: surface.columns }, (_, c) => this.edgeOf(c));
+    const { surface, rows, mesh: { geometry }, aerofoil: { stations } } = this, fades = surfaceField === SURFACE_FIELDS.lift;
+    const count = stations.length, strips = surface.columns - 1;
+    this.edges ??= Array.from({ length: surface.columns }, () => [0, 1].map(() => ({ points: new Float32Array(3 * count), normals: new Float32Array(3 * count) })));
+    const edges = this.edges.map((edge, c) => this.edgeOf(c, edge));
+    const [position, normal, colour] = ["position", "normal", "color"].map(name => geometry.getAttribute(name).array);
     const rowOf = k => Math.min(rows - 1, Math.floor(0.5 * (stations[k] + stations[k + 1]) * rows));
-    let count = 0;
-    for (let c = 0; c < strips; c++) {
-      const ends = fades ? [colours(c, 0, c), colours(c, 0, c + 1)] : null;
-      for (const side of [0, 1]) for (let k = 0; k < intervals; k++) {
-        // counter-clockwise from outside, since the renderer turns the normals of faces that are seen from behind
-        const [i, j] = side ? [c, c + 1] : [c + 1, c];
-        const rgb = fades ? [ends[i - c], ends[j - c], ends[j - c], ends[i - c]] : colours(c, rowOf(k), c);
-        setRoundQuad(mesh.geometry, count++, [edges[i][side][k], edges[j][side][k], edges[j][side][k + 1], edges[i][side][k + 1]], rgb);
+    // one colour per edge of the strips, or per panel
+    const tones = fades ? edges.map((_, c) => colours(Math.min(c, strips - 1), 0, c)) : Array.from({ length: strips }, (_, c) => Array.from({ length: rows }, (_, row) => colours(c, row, c)));
+    let next = 0;
+    const corner = ({ points, normals }, k, rgb, flat) => {
+      for (let i = 0; i < 3; i++) {
+        position[next + i] = points[3 * k + i];
+        normal[next + i] = flat ? flat[i] : normals[3 * k + i];
+        colour[next + i] = rgb[i];
       }
+      next += 3;
+    };
+    for (let c = 0; c < strips; c++) for (let side = 0; side < 2; side++) for (let k = 0; k + 1 < count; k++) {
+      // counter-clockwise from outside, since the renderer reverses the normals of faces that are seen from behind
+      const [i, j] = side ? [c, c + 1] : [c + 1, c], [a, b] = [edges[i][side], edges[j][side]];
+      const [one, other] = fades ? [tones[i], tones[j]] : [tones[c][rowOf(k)], tones[c][rowOf(k)]];
+      corner(a, k, one);
+      corner(b, k, other);
+      corner(b, k + 1, other);
+      corner(a, k + 1, one);
     }
     // flat ends
-    for (const [c, strip] of [[0, 0], [strips, strips - 1]]) for (let k = 0; k < intervals; k++) {
-      const [upper, lower] = edges[c];
-      setQuad(mesh.geometry, count++, [upper[k].at, upper[k + 1].at, lower[k + 1].at, lower[k].at], colours(strip, rowOf(k), c));
+    for (const [c, strip, way] of [[0, 0, -1], [strips, strips - 1, 1]]) for (let k = 0; k + 1 < count; k++) {
+      const [upper, lower] = edges[c], rgb = fades ? tones[c] : tones[strip][rowOf(k)];
+      const [nose, tail] = [0, count - 1].map(at => vector(upper.points, 3 * at)), [above, below] = [upper, lower].map(({ points }) => vector(points, 3 * (count >> 1)));
+      const flat = unit(cross(plus(above, below, -1), plus(tail, nose, -1))).map(x => -way * x);
+      const order = way > 0 ? [[upper, k], [upper, k + 1], [lower, k + 1], [lower, k]] : [[lower, k], [lower, k + 1], [upper, k + 1], [upper, k]];
+      for (const [side, at] of order) corner(side, at, rgb, flat);
     }
-    sendQuads(mesh.geometry, count);
+    sendQuads(geometry, next / 12);
     // the lattice on both sides: edges of the strips along the chord, edges of the panels along the span
-    const points = [], whole = get("lattice").checked, panels = whole ? Math.max(1, surface.panels) : 1;
+    const whole = get("lattice").checked, panels = whole ? Math.max(1, surface.panels) : 1;
     const onPanel = stations.map(x => Math.abs(x * panels - Math.round(x * panels)) < 1e-4);
-    edges.forEach((edge, c) => edge.forEach((side, j) => side.forEach(({ at }, k) => {
-      if (k && (whole || c === 0 || c === strips)) points.push(side[k - 1].at, at);
-      if (c && onPanel[k]) points.push(edges[c - 1][j][k].at, at);
-    })));
+    const points = [];
+    edges.forEach((edge, c) => edge.forEach(({ points: own }, side) => {
+      let last = null;
+      for (let k = 0; k < count; k++) {
+        const at = vector(own, 3 * k);
+        if (k && (whole || c === 0 || c === strips)) points.push(last, at);
+        if (c && onPanel[k]) points.push(vector(edges[c - 1][side].points, 3 * k), at);
+        last = at;
+      }
+    }));
     setPoints(this.lattice, points);
   }
 
