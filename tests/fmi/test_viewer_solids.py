@@ -81,10 +81,10 @@ def test_f383_aerofoils_have_the_thickness_of_the_legend(browser, pages):
     """
     opened(browser, pages / "goland_wing.html")
     upper, lower = browser.value(AEROFOIL)
-    heights = {round(x, 4): height for x, height, _ in upper}
+    heights = {round(x, 3): height for x, height, _ in upper}
     assert max(heights.values()) == pytest.approx(0.06, rel=0.01)
     assert heights[0.0] == pytest.approx(0.0, abs=1e-6) and heights[1.0] == pytest.approx(0.0, abs=1e-6)
-    assert {round(x, 4): pytest.approx(-height, abs=1e-6) for x, height, _ in lower} == heights
+    assert {round(x, 3): pytest.approx(-height, abs=1e-6) for x, height, _ in lower} == heights
     assert all(normal > 0 for x, _, normal in upper if x > 0.01) and all(normal < 0 for x, _, normal in lower if x > 0.01)
     assert browser.value("get('notes').textContent") == "Aerofoils: symmetric, 12 % thick where the model has no outline or thickness."
     assert browser.value("shapes.filter(one => one instanceof BodyShape).every(one => !one.mesh.visible)") and browser.value("get('body-scale').hidden")
@@ -99,7 +99,7 @@ def test_f384_profiles_have_their_outline(browser, pages):
     lines between 100 points); no note.
     """
     opened(browser, pages / "profile_wing.html")
-    upper, lower = ({round(x, 4): height for x, height, _ in side} for side in browser.value(AEROFOIL))
+    upper, lower = ({round(x, 3): height for x, height, _ in side} for side in browser.value(AEROFOIL))
     assert browser.value("get('aerofoils').checked && get('notes').hidden")
     for x in upper:
         camber = 0.125 * (0.8 * x - x * x) if x < 0.4 else 0.02 / 0.36 * (0.2 + 0.8 * x - x * x)

@@ -7,6 +7,9 @@ use crate::report::film::run::{Aerofoil, Run, State, Vector};
 /// Opacity of the lattice lines.
 const LATTICE: f32 = 0.55;
 
+/// Slope at the leading edge relative to that of the first interval: the normal there points forward.
+const NOSE: f64 = 6.0;
+
 /// Point of an aerofoil with its outward normal.
 type Point = (Vector, Vector);
 
@@ -85,7 +88,8 @@ fn edge(columns: usize, surface: usize, column: usize, aerofoil: &Aerofoil, stat
         let heights = &side[column];
         let slope = |k: usize| {
             let (i, j) = (k.saturating_sub(1), (k + 1).min(heights.len() - 1));
-            (heights[j] - heights[i]) / (aerofoil.stations[j] - aerofoil.stations[i])
+            let steeper = if k == 0 { NOSE } else { 1.0 };
+            steeper * (heights[j] - heights[i]) / (aerofoil.stations[j] - aerofoil.stations[i])
         };
         let point = |(k, x): (usize, &f64)| {
             let at = corner(column, 0) + *x * chord + heights[k] * chord.norm() * across;

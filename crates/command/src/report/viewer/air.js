@@ -33,6 +33,9 @@ function sendQuads(geometry, count) {
 const aerofoilsAtStart = !modal && about.aerofoils.some(Boolean) && !about.aerofoils.some(one => one?.hidesSpar);
 const solid = () => get("aerofoils").checked;
 
+// Slope at the leading edge relative to that of the first interval: the normal there points forward.
+const NOSE = 6;
+
 // Points of an aerofoil over a chord: positions along it, heights at every edge of the strips. Without heights: the chord line.
 function aerofoilOf(run, index) {
   const own = run.about.aerofoils[index];
@@ -40,7 +43,7 @@ function aerofoilOf(run, index) {
   // slope of the heights at a position, for smooth normals; steep at the nose
   const slopes = heights => heights.map((_, k) => {
     const [i, j] = [Math.max(0, k - 1), Math.min(heights.length - 1, k + 1)];
-    return (heights[j] - heights[i]) / (own.stations[j] - own.stations[i]);
+    return (k ? 1 : NOSE) * (heights[j] - heights[i]) / (own.stations[j] - own.stations[i]);
   });
   return { ...own, sides: [own.upper, own.lower].map(side => side.map(heights => ({ heights, slopes: slopes(heights) }))) };
 }
