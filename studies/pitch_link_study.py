@@ -165,8 +165,8 @@ def histories(runs):
 
 def design(speeds, inertias, roots, growths, largest_deg):
     """Draws eigenvalues over the inertia with growth rates in time, and a map of the largest flap angle with the line of zero growth."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(13, 4.8))
-    figure.subplots_adjust(left=0.06, right=0.97, top=0.88, bottom=0.13, wspace=0.28)
+    figure, (left, right) = plt.subplots(2, 1, figsize=(7.6, 8.2))
+    figure.subplots_adjust(left=0.1, right=0.9, top=0.96, bottom=0.07, hspace=0.34)
     for speed, colour in ((3.0, GREEN), (3.5, BLUE), (4.0, VERMILION)):
         left.plot(inertias, roots[int(np.flatnonzero(speeds == speed)[0])], color=colour, label=f"{speed:.1f} rad/s")
     for inertia_kg_m2, rate in growths.items():

@@ -98,8 +98,9 @@ def flared_wing_tip(foldwing, text):
         "locked where\nit floats": (simulate(foldwing, text.replace(start, start + '\nmotion = "locked"')), GREEN),
         "locked straight": (simulate(foldwing, text.replace(start, 'start_angle_deg = 0.0\nmotion = "locked"')), VERMILION),
     }
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(16, 4.6))
-    figure.subplots_adjust(left=0.045, right=0.915, top=0.86, bottom=0.12, wspace=0.5)
+    figure, axes = plt.subplot_mosaic([["shapes", "shapes"], ["fold", "moment"]], figsize=(8.6, 6.4))
+    left, middle, right = (axes[name] for name in ("shapes", "fold", "moment"))
+    figure.subplots_adjust(left=0.085, right=0.85, top=0.95, bottom=0.085, wspace=0.62, hspace=0.42)
     for name, (run, color) in runs.items():
         moment = -run["root.moment.y"]
         middle.plot(run["time"], np.degrees(run["fold.angle"]), color=color, label=name)

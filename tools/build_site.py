@@ -146,7 +146,7 @@ def model_pages(work, live):
         page = ["---", "hide-toc: true", "---", "", f"# {heading}", "", words, ""]
         if live:
             page += ["```{raw} html", f'<iframe class="live-model" src="../live/index.html?{name}" title="{heading}, with its model file" loading="lazy"></iframe>',
-                     f'<p><a href="../live/index.html?{name}">Open this in a page of its own</a></p>', "```"]
+                     '<script src="../_static/frames.js"></script>', f'<p><a href="../live/index.html?{name}">Open this in a page of its own</a></p>', "```"]
         else:
             page += [f"![{heading} at the end of its run](/{picture})", "",
                      f"`foldwing view {row['model']}` shows the run; [the page of all models](/models) tells how it runs here."]

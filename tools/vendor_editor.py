@@ -18,7 +18,7 @@ ESBUILD = "0.28.2"
 # direct and transitive packages, all at exact versions; all are under the MIT licence
 PACKAGES = {
     "@codemirror/state": "6.7.6", "@codemirror/view": "6.43.15", "@codemirror/commands": "6.11.1", "@codemirror/language": "6.13.1",
-    "@codemirror/lint": "6.9.8", "@codemirror/legacy-modes": "6.5.5", "@codemirror/streamparser": "6.0.0", "@lezer/common": "1.5.5",
+    "@codemirror/lint": "6.9.8", "@codemirror/legacy-modes": "6.5.5", "@codemirror/streamparser": "6.0.0", "@codemirror/autocomplete": "6.20.4", "@lezer/common": "1.5.5",
     "@lezer/highlight": "1.2.5", "@lezer/lr": "1.4.12", "@marijn/find-cluster-break": "1.0.4", "crelt": "1.0.7", "style-mod": "4.1.5",
     "w3c-keyname": "2.2.8",
 }
@@ -29,6 +29,7 @@ export { EditorState } from '@codemirror/state';
 export { EditorView, keymap, lineNumbers, highlightActiveLine, drawSelection } from '@codemirror/view';
 export { defaultKeymap, history, historyKeymap, indentWithTab } from '@codemirror/commands';
 export { StreamLanguage, HighlightStyle, syntaxHighlighting, bracketMatching } from '@codemirror/language';
+export { autocompletion, completionKeymap, startCompletion, acceptCompletion } from '@codemirror/autocomplete';
 export { setDiagnostics, lintGutter, lintKeymap } from '@codemirror/lint';
 export { tags } from '@lezer/highlight';
 export { toml } from '@codemirror/legacy-modes/mode/toml';

@@ -199,7 +199,7 @@ def test_f374_the_address_opens_the_page_as_it_was(browser, pages):
         settled(browser)
     assert browser.value("[get('clock').textContent, picked.title, camera.preset]") == ["t = 0.0500 s", "gauge root", "top"]
     assert browser.value("camera.axes[2]") == pytest.approx([0, 0, 1], abs=1e-12)
-    assert browser.value("get('said').textContent") == "not on this page, from the address: field=nonsense, colour"
+    assert browser.value("get('said').textContent") == "parts of the address that do not apply to this page: field=nonsense, colour"
     for bad in ("t=soon", "at=body:outer,9", "at=gauge:none", "camera=1,2", "camera=0,0,-1,0,0,0", "follow=picked2", "view=below", "ortho=2", "along=x", "%E0=1"):
         browser.value(f"(location.hash = '#{bad}'), true")
         awaited(browser, WAITING)

@@ -45,6 +45,14 @@ impl Built {
             Self::Shape(_) | Self::Table(_) => None,
         }
     }
+
+    /// Outline of the aerofoil whose skin is the section, as fractions of its chord; empty for other sections.
+    pub fn aerofoil(&self) -> &[[f64; 2]] {
+        match self {
+            Self::Shape(shape) => shape.aerofoil(),
+            Self::Solid(_) | Self::Explicit(_) | Self::Table(_) => &[],
+        }
+    }
 }
 
 /// Builds a section; `None` after an error.

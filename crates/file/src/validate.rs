@@ -279,7 +279,9 @@ fn describe(file: &ModelFile, checker: &mut Checker) -> MachineBuilder {
         if law.is_none() {
             lawless.push(name.as_str());
         }
-        machine = machine.body(body::build(name, body, law, checker), joint);
+        let outline =
+            sections.get(body.section.as_str()).and_then(Option::as_ref).map_or(&[][..], |built| built.aerofoil());
+        machine = machine.body(body::build(name, body, law, checker).aerofoil(outline), joint);
     }
     let mut others = joints.split_off(file.body.len());
     let modal = others.split_off(file.rigid_body.len());

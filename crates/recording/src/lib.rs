@@ -5,10 +5,12 @@
 pub mod acting;
 pub mod fan;
 pub mod grid;
+pub mod outlines;
 pub mod packed;
 pub mod recording;
 pub mod run;
 pub mod signals;
+pub mod turbine;
 
 pub use fan::{Fan, FanRun};
 pub use grid::Grid;

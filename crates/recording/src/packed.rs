@@ -1,8 +1,10 @@
 //! A run in the format of the page: a description as JSON, and single-precision numbers in base64.
 
 use crate::acting::Event;
+use crate::outlines::AerofoilScene;
 use crate::recording::{BodyScene, Frame, Recording, Scene};
 use crate::signals::Signals;
+use crate::turbine::SolidScene;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use foldwing_engine::machine::Travel;
@@ -17,7 +19,7 @@ pub const MAXIMUM_NUMBERS: usize = 1_200_000;
 const MAXIMUM_NUMBERS_OF_FILM: usize = 40_000_000;
 
 /// Version of the format read by `run.js`; a page of another version cannot be compared.
-pub const FORMAT: u64 = 3;
+pub const FORMAT: u64 = 4;
 
 /// A run as text.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,7 +197,9 @@ fn description(
         .iter()
         .zip(&columns)
         .map(|(surface, columns)| {
-            json!({ "body": surface.body, "columns": columns, "panels": surface.chord_panels, "places": surface.places_m })
+            json!({
+                "body": surface.body, "columns": columns, "panels": surface.chord_panels, "places": surface.places_m,
+            })
         })
         .collect();
     let wake_columns = |surface: &SurfaceLattice| surface.wake_node_m.first().map_or(0, Vec::len);
@@ -248,6 +252,9 @@ fn description(
         "edgeForces": first.is_some_and(|frame| !frame.edge_forces_n.is_empty()),
         "panelForces": first.is_some_and(|frame| !frame.lattice.is_empty()),
         "rotor": scene.is_rotor,
+        "aerofoils": scene.aerofoils.iter().map(|aerofoil| aerofoil.as_ref().map(aerofoil_json)).collect::<Vec<_>>(),
+        "solids": solids_json(&scene.solids),
+        "notes": scene.notes,
         "events": events,
         "begins": begins,
         "rows": rows,
@@ -256,6 +263,30 @@ fn description(
         "points": signals.points,
         "recorded": seen,
     })
+}
+
+/// Rounded to 1e-5 of the chord, which is invisible.
+fn aerofoil_json(aerofoil: &AerofoilScene) -> Value {
+    let rounded = |value: &f64| (value * 1e5).round() / 1e5;
+    let heights = |side: usize| -> Vec<Vec<f64>> {
+        aerofoil.heights.iter().map(|edge| edge.iter().map(|pair| rounded(&pair[side])).collect()).collect()
+    };
+    json!({
+        "stations": aerofoil.stations.iter().map(rounded).collect::<Vec<_>>(), "upper": heights(0), "lower": heights(1),
+        "hidesSpar": aerofoil.hides_spar,
+    })
+}
+
+fn solids_json(solids: &[SolidScene]) -> Value {
+    let solid = |solid: &SolidScene| {
+        let rings: Vec<Vec<[f32; 3]>> = solid
+            .rings_m
+            .iter()
+            .map(|ring| ring.iter().map(|point| point.map(|number| number as f32)).collect())
+            .collect();
+        json!({ "part": solid.part, "body": solid.body, "rings": rings, "round": solid.is_round })
+    };
+    solids.iter().map(solid).collect()
 }
 
 #[cfg(test)]

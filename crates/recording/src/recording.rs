@@ -1,9 +1,11 @@
 //! Recording of a run for pictures: histories of scalars, and frames with the whole wing.
 
 use crate::acting::{Acting, HingeScene, MassScene, StationScene, Watch, hinges, masses, stations};
+use crate::outlines::{self, AerofoilScene, aerofoils};
+use crate::turbine::{SolidScene, Turbine};
 use foldwing_engine::beam::section::Outline;
 use foldwing_engine::load::Wrench;
-use foldwing_engine::machine::{Machine, Parent, Travel};
+use foldwing_engine::machine::{Parent, Travel};
 use foldwing_engine::math::strain::STRAINS;
 use foldwing_engine::plant::{EnergyOutputs, Plant, SectionPlace, SectionState, SurfaceLattice};
 use nalgebra::Vector3;
@@ -117,6 +119,12 @@ pub struct Scene {
     pub load_places: Vec<Vec<SectionPlace>>,
     /// The aerodynamics are those of a rotor.
     pub is_rotor: bool,
+    /// Aerofoil of each lifting surface; `None` for plates.
+    pub aerofoils: Vec<Option<AerofoilScene>>,
+    /// Nacelle and hub of a turbine.
+    pub solids: Vec<SolidScene>,
+    /// Sentences that name the drawn dimensions that are not in the model.
+    pub notes: Vec<String>,
 }
 
 /// Scalars over time.
@@ -292,7 +300,9 @@ impl Scene {
     pub fn of(plant: &Plant) -> Self {
         let machine = plant.machine();
         let name = |body: &usize| machine.bodies[*body].name.clone();
-        let bodies: Vec<_> = (0..machine.bodies.len()).map(|body| body_scene(plant, machine, body)).collect();
+        let turbine = Turbine::of(plant);
+        let bodies: Vec<_> = (0..machine.bodies.len()).map(|body| body_scene(plant, turbine.as_ref(), body)).collect();
+        let aerofoils = aerofoils(machine);
         Self {
             name: machine.name.clone(),
             description: machine.description.clone(),
@@ -316,6 +326,9 @@ impl Scene {
             masses: masses(machine),
             stations: stations(machine),
             surfaces: surfaces(plant),
+            notes: turbine.iter().map(Turbine::note).chain(outlines::note(machine, &aerofoils)).collect(),
+            aerofoils,
+            solids: turbine.map_or_else(Vec::new, |turbine| turbine.solids(plant)),
         }
     }
 }
@@ -332,7 +345,8 @@ fn surfaces(plant: &Plant) -> Vec<SurfaceScene> {
         .collect()
 }
 
-fn body_scene(plant: &Plant, machine: &Machine, index: usize) -> BodyScene {
+fn body_scene(plant: &Plant, turbine: Option<&Turbine>, index: usize) -> BodyScene {
+    let machine = plant.machine();
     let body = &machine.bodies[index];
     let mesh_m = plant.mesh_m(index);
     let parts = INTERVALS.div_ceil(mesh_m.len().saturating_sub(1).max(1));
@@ -344,6 +358,10 @@ fn body_scene(plant: &Plant, machine: &Machine, index: usize) -> BodyScene {
     let rim = |place_m: &f64| {
         if body.is_rigid() {
             return rim(Outline::Rectangle, 0.0, 0.0); // a point
+        }
+        if let Some(turbine) = turbine.filter(|turbine| turbine.tower == Some(index)) {
+            let radius_m = turbine.tower_radius_m(machine, *place_m);
+            return rim(Outline::Ellipse, radius_m, radius_m);
         }
         let section = body.section.at(*place_m);
         let outline = body.section.solid_at(*place_m).map_or(Outline::Rectangle, |solid| solid.outline);
@@ -387,6 +405,7 @@ fn rim(outline: Outline, half_width_m: f64, half_height_m: f64) -> Vec<[f64; 2]>
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use foldwing_engine::machine::Machine;
     use foldwing_file as config;
     use std::sync::Arc;
 
@@ -396,7 +415,7 @@ pub(super) mod tests {
         config::parse(&std::fs::read_to_string(path).unwrap(), name).unwrap()
     }
 
-    fn started(machine: Machine) -> Plant {
+    pub fn started(machine: Machine) -> Plant {
         let mut plant = Plant::new(Arc::new(machine));
         plant.initialize(0.0).unwrap();
         plant

@@ -1,6 +1,7 @@
 //! Writes the page of the documentation in which models run: `live_site OUTPUT`, which `make live-site` calls.
 //!
-//! OUTPUT gets `index.html`, which is the viewer page with an editor, and `models.js` with the texts of the gallery, other files embedded.
+//! OUTPUT gets `index.html`, which is the viewer page with an editor, and `models.js` with the schema of the model
+//! file and the texts of the gallery, other files embedded.
 //! The engine itself, `engine.js`, is written by `tools/live_site.py`.
 
 use foldwing_command::report::viewer::page_of_runs;
@@ -11,6 +12,8 @@ use std::path::Path;
 const CODEMIRROR: &str = include_str!("../page/vendor/codemirror.js");
 const STYLES: &str = include_str!("../page/editor.css");
 const WORKER: &str = include_str!("../page/worker.js");
+const COMPLETION: &str = include_str!("../page/completion.js");
+const SCHEMA: &str = include_str!("../../../examples/models/foldwing.schema.json");
 const EDITOR: &str = include_str!("../page/editor.js");
 const GALLERY: &str = include_str!("../page/gallery.json");
 
@@ -21,8 +24,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let models = gallery.iter().map(|row| model(&root, row)).collect::<Result<Vec<_>, _>>()?;
     std::fs::create_dir_all(&output)?;
     let write = |name: &str, text: String| std::fs::write(Path::new(&output).join(name), text);
-    write("models.js", format!("const MODELS = {};\n", script(&json!(models))))?;
-    let scripts = format!("const WORKER = {};\n{EDITOR}", script(&json!(WORKER)));
+    let schema: Value = serde_json::from_str(SCHEMA)?;
+    write("models.js", format!("const MODELS = {};\nconst SCHEMA = {};\n", script(&json!(models)), script(&schema)))?;
+    let scripts = format!("const WORKER = {};\n{COMPLETION}{EDITOR}", script(&json!(WORKER)));
     write(
         "index.html",
         page_of_runs("Models that run", STYLES, CODEMIRROR, &scripts, "<script src=\"models.js\"></script>\n"),

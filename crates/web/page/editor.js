@@ -1,14 +1,14 @@
-// ---- the page of a model that runs while its text is typed: editor, engine's thread, viewer --------------------------------
+// ---- the page that simulates a model while its text is edited: editor, worker with the engine, viewer --------------------------------
 
-// Parts of the page that the viewer fills: each run gets new ones.
+// Parts of the page that the viewer fills; they are renewed for each run.
 const PLOTS = "main > aside", FILLED = ["#views", "#display", "#runs", "#scales", PLOTS, "footer"];
 const whole = selector => document.querySelector(selector);
 const pristine = FILLED.map(selector => whole(selector).cloneNode(true));
 
-// `latest` is the last text that was given to the engine; `shown` the last picture with its times in ms from the key to it.
+// `latest` is the number of the last text sent to the engine; `shown` the last picture, with the times in ms from the key stroke.
 const page = { viewer: null, plotted: null, ender: null, kept: null, latest: 0, given: new Map(), shown: null, refused: null, model: "", waiting: null };
 
-// Shows a run in place of the one before it.
+// Shows a run instead of the previous one.
 function showRun({ id, about, numbers, summary, done, ms }) {
   const before = page.viewer;
   const kept = before?.keptNow();
@@ -45,7 +45,7 @@ function tellRun(summary, done, ms) {
   whole("#engine-state").textContent = text;
 }
 
-// Marks of the text: in the lines, and as a list below that leads to them.
+// Marks of errors and warnings: in the lines, and as a list whose entries select the location.
 function setMarks(marks, message) {
   if (!marks.length && !message && !whole("#engine-marks").children.length) return;
   const length = editor.state.doc.length;
@@ -71,11 +71,11 @@ function refuse({ id, marks, message, ms }) {
   page.refused = { id, marks, message, ms, all: performance.now() - page.given.get(id) };
   setMarks(marks, message);
   const count = marks.filter(mark => mark.severity === "error").length;
-  const last = page.viewer ? "; the picture is that of the last text that ran" : "";
+  const last = page.viewer ? "; the picture shows the last valid model" : "";
   whole("#engine-state").textContent = `${count ? `${count} error${count > 1 ? "s" : ""}` : "no run"}${last}`;
 }
 
-// Pictures that come faster than they are drawn: the last one counts.
+// If pictures arrive faster than they are drawn, only the last one is shown.
 function receive(message) {
   if (message.kind === "ready" || message.id !== page.latest) return;
   page.refused = null;
@@ -85,7 +85,7 @@ function receive(message) {
   if (idle) queueMicrotask(() => { const next = page.waiting; page.waiting = null; if (next && next.id === page.latest) showRun(next); });
 }
 
-// Gives the engine the text of the editor.
+// Sends the text of the editor to the engine.
 function give() {
   const id = ++page.latest;
   page.given.clear();
@@ -95,7 +95,7 @@ function give() {
 
 // Model of the address: `#name`, or `?name` where another page leads here.
 const named = () => location.hash.slice(1) || location.search.slice(1);
-// Puts a model of the gallery into the editor, the first if there is none of that name.
+// Loads a model of the gallery into the editor, the first one if the name is unknown.
 function open(name) {
   const model = MODELS.find(one => one.name === name) || MODELS[0];
   whole("#model").value = page.model = model.name;
@@ -111,6 +111,9 @@ const styles = CodeMirror.EditorView.theme({
   "&.cm-focused .cm-selectionBackground, .cm-selectionBackground, .cm-content ::selection": { backgroundColor: "color-mix(in srgb, var(--accent) 26%, transparent) !important" },
   ".cm-gutters": { color: inkOf("faint"), backgroundColor: inkOf("panel"), borderRightColor: inkOf("line") },
   ".cm-activeLine, .cm-activeLineGutter": { backgroundColor: "color-mix(in srgb, var(--accent) 7%, transparent)" },
+  ".cm-tooltip-autocomplete > ul > li[aria-selected]": { color: inkOf("text"), backgroundColor: "color-mix(in srgb, var(--accent) 26%, var(--panel))" },
+  ".cm-completionDetail": { color: inkOf("faint"), fontStyle: "normal" },
+  ".cm-completionInfo p": { margin: "0 0 .2rem" },
   ".cm-tooltip": { maxWidth: "32rem", color: inkOf("text"), backgroundColor: inkOf("panel"), borderColor: inkOf("line") },
 });
 const { tags } = CodeMirror;
@@ -121,11 +124,11 @@ const inksOfText = CodeMirror.HighlightStyle.define([
   { tag: [tags.heading, tags.bracket, tags.squareBracket, tags.keyword], fontWeight: "600" },
 ]);
 
-// The panel before the stage.
+// The editor panel, before the stage.
 whole("main").insertAdjacentHTML("afterbegin", `<section id="editor" aria-label="Model file">
-  <div class="bar"><select id="model" aria-label="Model"></select><button type="button" id="again" title="The text as it was">undo all</button>
-  <button type="button" id="save-text" title="The model file as text">save</button></div>
-  <div id="model-text"></div><ul id="engine-marks" aria-label="Errors and warnings"></ul><p id="engine-state" role="status">The engine is loading.</p></section>`);
+  <div class="bar"><select id="model" aria-label="Model"></select><button type="button" id="again" title="Restore the original text">undo all</button>
+  <button type="button" id="save-text" title="Save the model file">save</button></div>
+  <div id="model-text"></div><ul id="engine-marks" aria-label="Errors and warnings"></ul><p id="engine-state" role="status">loading the engine</p></section>`);
 for (const { name } of MODELS) whole("#model").add(new Option(name.replaceAll("_", " "), name));
 
 const editor = new CodeMirror.EditorView({
@@ -135,14 +138,15 @@ const editor = new CodeMirror.EditorView({
     extensions: [
       CodeMirror.lineNumbers(), CodeMirror.highlightActiveLine(), CodeMirror.history(), CodeMirror.drawSelection(), CodeMirror.bracketMatching(),
       CodeMirror.lintGutter(), CodeMirror.StreamLanguage.define(CodeMirror.toml), CodeMirror.syntaxHighlighting(inksOfText), styles,
-      CodeMirror.keymap.of([...CodeMirror.defaultKeymap, ...CodeMirror.historyKeymap, ...CodeMirror.lintKeymap]),
+      CodeMirror.autocompletion({ override: [completionAt], icons: false }),
+      CodeMirror.keymap.of([...CodeMirror.completionKeymap, ...CodeMirror.defaultKeymap, ...CodeMirror.historyKeymap, ...CodeMirror.lintKeymap]),
       CodeMirror.EditorView.contentAttributes.of({ "aria-label": "Text of the model" }),
       CodeMirror.EditorView.updateListener.of(update => { if (update.docChanged) give(); }),
     ],
   }),
 });
 
-// A worker from a text, since browsers refuse files beside a page that was opened from the disk.
+// The worker is created from a text, since browsers do not load workers for pages that were opened from the disk.
 const worker = new Worker(URL.createObjectURL(new Blob([WORKER], { type: "text/javascript" })));
 worker.addEventListener("message", event => receive(event.data));
 worker.addEventListener("error", event => { whole("#engine-state").textContent = `The engine cannot run in this browser: ${event.message}`; });
@@ -170,3 +174,12 @@ whole("#save-text").addEventListener("click", () => {
 });
 open(named());
 loadEngine().catch(error => { whole("#engine-state").textContent = `The engine cannot run in this browser: ${error.message}`; });
+
+// In a frame of the documentation: the height of the content, where it is in one column. 0 where it has the height of the frame.
+if (window.parent !== window) {
+  document.documentElement.classList.add("framed");
+  const narrow = matchMedia("(max-width: 860px)");
+  const tellHeight = () => window.parent.postMessage({ foldwingHeight: narrow.matches ? document.body.offsetHeight : 0 }, "*");
+  new ResizeObserver(tellHeight).observe(document.body);
+  narrow.addEventListener("change", tellHeight);
+}

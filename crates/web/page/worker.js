@@ -1,10 +1,10 @@
-// ---- the engine's thread: texts come in, pictures go out; a text that is typed over is given up ----------------------------
+// ---- worker with the engine: receives texts, sends pictures; the run of an outdated text is abandoned ----------------------------
 
-// A run that lasts shows its beginning after so long (ms), and more of it whenever its time has grown by the factor.
+// A long run shows its beginning after this time (ms), and more of it whenever the elapsed time has grown by the factor.
 const FIRST_MS = 4, LATER = 4;
-// Between slices of so long (ms) it is seen whether there is another text.
+// Duration (ms) of a slice; between slices the worker checks for a new text.
 const SLICE_MS = 4;
-// Frames of a picture after the first.
+// Maximum number of frames of a picture after the first.
 const FRAMES = 150;
 
 let module = null, engine = null, wanted = null, busy = false;
@@ -20,7 +20,7 @@ function begin(text) {
 }
 const start = async () => { engine = (await WebAssembly.instantiate(module)).exports; };
 
-// Lets a message in.
+// Yields to the event loop, so that messages are received.
 const bell = new MessageChannel();
 const turn = () => new Promise(done => { bell.port1.onmessage = done; bell.port2.postMessage(0); });
 
@@ -61,7 +61,7 @@ async function work() {
     try {
       await run(task);
     } catch (error) {
-      // the module is beyond use after a fault: the next text has a new one
+      // the instance is unusable after a fault; the next text uses a new one
       postMessage({ kind: "refused", id: task.id, marks: [], message: `The engine stopped: ${error.message}. Please report this model.` });
       await start();
     }

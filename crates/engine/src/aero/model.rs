@@ -40,6 +40,14 @@ impl AirOptions {
         matches!(self, Self::Strips(_))
     }
 
+    /// The settings of a rotor, if this is one.
+    pub fn rotor(&self) -> Option<&RotorOptions> {
+        match self {
+            Self::Rotor(options) => Some(options),
+            Self::Lattice(_) | Self::Strips(_) => None,
+        }
+    }
+
     /// Whether this is a rotor.
     pub fn is_rotor(&self) -> bool {
         matches!(self, Self::Rotor(_))

@@ -76,6 +76,8 @@ pub struct Body {
     pub length_m: f64,
     /// Cross-section along the body; unused for a rigid body.
     pub section: SectionLaw,
+    /// Outline of the aerofoil whose skin is the section, for pictures only, see `BodyBuilder::aerofoil`; empty if there is none.
+    pub aerofoil: Vec<[f64; 2]>,
     /// Kind of strain element.
     pub element: ElementKind,
     /// Number of elements along the body (a linear element is one pair of halves); 0 makes the body rigid.

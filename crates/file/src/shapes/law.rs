@@ -197,6 +197,14 @@ impl Shape {
         }
     }
 
+    /// Outline of a profile as fractions of its chord; empty for other shapes.
+    pub fn aerofoil(&self) -> &[[f64; 2]] {
+        match self {
+            Self::Profile(profile) => &profile.outline,
+            Self::Tube(..) | Self::Box(..) | Self::I(..) | Self::C(..) | Self::Angle(..) | Self::Laminate(..) => &[],
+        }
+    }
+
     /// All dimensions.
     fn dimensions(&self) -> Vec<&Dimension> {
         match self {

@@ -13,6 +13,7 @@ pub(super) const FAINT: Rgb = hex(0x5d6b79);
 pub(super) const GRID: Rgb = hex(0xd3dbe3);
 pub(super) const EDGE: Rgb = hex(0x33424f);
 pub(super) const SURFACE: Rgb = hex(0xb9d3cd);
+pub(super) const BODY: Rgb = hex(0xb7c2cc);
 pub(super) const ACCENT: Rgb = hex(0x0b62a4);
 pub(super) const JOINT: Rgb = hex(0x5b6773);
 pub(super) const LATCH_CLOSED: Rgb = hex(0x2e9e5b);

@@ -3,7 +3,7 @@
 
 use super::colours::{self, Rgb, share, tint};
 use super::drawing::{Drawing, Face, Line, Vertex};
-use super::solids;
+use super::{skin, solids};
 use crate::report::film::run::{Body, Extents, Hinge, Run, Section, State, Vector};
 
 /// Opacities of the lattice lines and of the wake.
@@ -66,7 +66,8 @@ impl Measures {
 
     /// Returns whether there are strains to colour.
     pub fn has_strain(&self, run: &Run) -> bool {
-        self.strain > NO_STRAIN && run.about.bodies.iter().any(|body| !body.rigid)
+        self.strain > NO_STRAIN
+            && run.about.bodies.iter().enumerate().any(|(b, body)| !body.rigid && !skin::is_enclosed(run, b))
     }
 
     fn circulation_range(&self) -> f64 {
@@ -77,11 +78,12 @@ impl Measures {
 /// Draws the machine in a state.
 pub(super) fn draw(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     for (b, body) in run.about.bodies.iter().enumerate() {
-        if !body.rigid {
+        if !body.rigid && !skin::is_enclosed(run, b) {
             draw_body(body, b, measures, state, into);
         }
     }
     draw_surfaces(run, measures, state, into);
+    skin::draw_solids(run, state, into);
     draw_wake(measures, state, into);
     for hinge in &run.about.hinges {
         draw_hinge(run, hinge, measures.width_m, state, into);
@@ -121,7 +123,11 @@ fn ring(rim: &[[f64; 2]]) -> Vec<([f64; 2], [f64; 2])> {
 fn draw_body(body: &Body, index: usize, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     let sections: Vec<Section> = (0..body.rims.len()).map(|i| state.section(index, i)).collect();
     let vertex = |section: &Section, point: [f64; 2], normal: Vector| {
-        let rgb = tint(&colours::STRAIN, share(section.strain(point), measures.strain));
+        let rgb = if measures.strain > NO_STRAIN {
+            tint(&colours::STRAIN, share(section.strain(point), measures.strain))
+        } else {
+            colours::BODY
+        };
         Vertex { at: section.point(point), normal, rgb }
     };
     let rings: Vec<Vec<Vertex>> = sections
@@ -155,6 +161,18 @@ fn draw_body(body: &Body, index: usize, measures: &Measures, state: &State<'_>, 
 fn draw_surfaces(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     let mut strip = 0;
     for (s, surface) in run.about.surfaces.iter().enumerate() {
+        let circulation = |strip: usize| {
+            if run.about.strips > 0 {
+                tint(&colours::CIRCULATION, share(state.circulation(strip), measures.circulation_range()))
+            } else {
+                colours::SURFACE
+            }
+        };
+        if let Some(aerofoil) = run.about.aerofoils[s].as_ref().filter(|_| skin::has_aerofoils(run)) {
+            skin::draw_aerofoil(run, s, aerofoil, &|own| circulation(strip + own), state, into);
+            strip += surface.columns - 1;
+            continue;
+        }
         let corner = |column: usize, edge: usize| state.corner(s, column, edge);
         let along = |column: usize, share: f64| {
             let (leading, trailing) = (corner(column, 0), corner(column, 1));
@@ -174,11 +192,7 @@ fn draw_surfaces(run: &Run, measures: &Measures, state: &State<'_>, into: &mut D
             }
         }
         for column in 1..surface.columns {
-            let rgb = if run.about.strips > 0 {
-                tint(&colours::CIRCULATION, share(state.circulation(strip), measures.circulation_range()))
-            } else {
-                colours::SURFACE
-            };
+            let rgb = circulation(strip);
             strip += 1;
             into.sheet([corner(column - 1, 0), corner(column, 0), corner(column, 1), corner(column - 1, 1)], rgb);
         }

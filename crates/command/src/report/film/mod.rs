@@ -13,6 +13,7 @@ mod machine;
 mod mp4;
 mod raster;
 mod run;
+mod skin;
 mod solids;
 mod stage;
 

@@ -34,6 +34,8 @@ pub(super) struct About {
     edge_forces: bool,
     #[serde(rename = "panelForces")]
     panel_forces: bool,
+    pub aerofoils: Vec<Option<Aerofoil>>,
+    pub solids: Vec<Solid>,
     wakes: Vec<usize>,
     begins: Vec<usize>,
     rows: Vec<Vec<usize>>,
@@ -76,6 +78,25 @@ pub(super) struct Surface {
     pub body: usize,
     pub columns: usize,
     pub panels: usize,
+    pub places: Vec<f64>,
+}
+
+/// Heights of an aerofoil over its chord line, relative to the chord, at positions along it and at every edge of the strips.
+#[derive(Debug, Deserialize)]
+pub(super) struct Aerofoil {
+    pub stations: Vec<f64>,
+    pub upper: Vec<Vec<f64>>,
+    pub lower: Vec<Vec<f64>>,
+    #[serde(rename = "hidesSpar")]
+    pub hides_spar: bool,
+}
+
+/// Nacelle or hub: rings of points in the frame of its body.
+#[derive(Debug, Deserialize)]
+pub(super) struct Solid {
+    pub body: usize,
+    pub rings: Vec<Vec<[f64; 3]>>,
+    pub round: bool,
 }
 
 /// Offsets of the parts of a frame in its array of numbers.
@@ -228,6 +249,24 @@ impl Run {
             || !freedoms.into_iter().all(|freedom| freedom < about.joints.len())
         {
             return Err("surfaces or joints");
+        }
+        let is_aerofoil = |(surface, aerofoil): (&Surface, &Option<Aerofoil>)| {
+            aerofoil.as_ref().is_none_or(|own| {
+                let fits = |side: &Vec<Vec<f64>>| {
+                    side.len() == surface.columns && side.iter().all(|edge| edge.len() == own.stations.len())
+                };
+                own.stations.len() > 1 && fits(&own.upper) && fits(&own.lower)
+            })
+        };
+        let is_solid = |solid: &Solid| {
+            let around = solid.rings.first().map_or(0, Vec::len);
+            solid.body < about.bodies.len() && around > 2 && solid.rings.iter().all(|ring| ring.len() == around)
+        };
+        if about.aerofoils.len() != about.surfaces.len()
+            || !about.surfaces.iter().zip(&about.aerofoils).all(is_aerofoil)
+            || !about.solids.iter().all(is_solid)
+        {
+            return Err("aerofoils or solids");
         }
         for (begin, rows) in about.begins.iter().zip(&about.rows) {
             let wakes = about.wakes.iter().zip(rows);

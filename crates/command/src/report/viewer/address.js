@@ -1,7 +1,7 @@
 
-// ---- what is shown, in the fragment of the address: a link opens the page as it was ---------------------------------------
+// ---- the state of the page in the fragment of its address, so that a link restores it ---------------------------------------
 
-// Pages of live simulations and those with an editor have addresses of their own; modes are at the start of their cycle.
+// Pages of live simulations and pages with an editor use their addresses otherwise; modes start at the beginning of their cycle.
 const addressed = !live && !again && !modal;
 const VIEW_DIGITS = 5;
 const short = (value, digits) => String(Number(value.toPrecision(digits)));
@@ -20,7 +20,7 @@ function addressNow() {
   return found;
 }
 
-// Written once things are at rest: browsers limit how often an address may change.
+// Written when nothing has changed for a moment: browsers limit the rate of changes of an address.
 let addressTimer = null;
 function noteAddress() {
   if (!addressed || state.playing || !addressNow.ready) return;
@@ -34,7 +34,7 @@ function writeAddress() {
   if (location.hash.slice(1) !== text) history.replaceState(null, "", `#${text}`);
 }
 
-// Shows what an address asks for; whatever does not fit this page is named and left out.
+// Restores the state given by an address; parts that do not apply to this page are ignored and listed.
 function readAddress() {
   const bad = [];
   const known = {
@@ -50,7 +50,7 @@ function readAddress() {
       if (values.length !== 6 || !values.every(Number.isFinite) || !(values[2] > 0)) return false;
       [camera.azimuth, camera.elevation, camera.distance] = values;
       followed = followPoint();
-      // where something is followed, the target is given from there
+      // relative to the point that is followed
       camera.target = plus(values.slice(3), followed || [0, 0, 0]);
       camera.preset = null;
       return true;
@@ -73,14 +73,14 @@ function readAddress() {
     const [name, ...rest] = part.split("=");
     try { return [name, decodeURIComponent(rest.join("="))]; } catch { return [name, ""]; }
   }));
-  // in the order in which they depend on each other, whatever the address has
+  // in the order of their dependence, independent of that in the address
   for (const [name, set] of Object.entries(known)) if (asked.has(name) && !set(asked.get(name))) bad.push(`${name}=${asked.get(name)}`);
   for (const name of asked.keys()) if (!Object.hasOwn(known, name)) bad.push(name);
   setScales();
-  say(bad.length ? `not on this page, from the address: ${bad.join(", ")}` : "");
+  say(bad.length ? `parts of the address that do not apply to this page: ${bad.join(", ")}` : "");
 }
 
-// What an address names: a section (body and distance from its inner end in m), a gauge, a joint or a mass.
+// The selected item: a section (body and distance from its inner end in m), a gauge, a joint or a mass.
 function thingAt(text) {
   const [kind, ...rest] = text.split(":"), name = rest.join(":");
   const marked = (list, meshes) => { const i = list.findIndex(one => one.name === name); return i < 0 ? null : meshes[i].userData.describe(); };

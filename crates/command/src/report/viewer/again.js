@@ -1,5 +1,5 @@
 
-// ---- a page that shows one run after another: what the reader has set stays ----------------------------------------------
+// ---- a page that shows one run after another and keeps the settings of the reader ----------------------------------------------
 
 const KEPT_LISTS = ["field", "surface-field", "speed", "follow"];
 const keptBoxes = () => [...document.querySelectorAll("#display input[type=checkbox], #repeat")];
@@ -12,7 +12,7 @@ function keptNow() {
     lists: Object.fromEntries(KEPT_LISTS.map(id => [id, get(id).value])),
     charts: again.done ? charts.map(chart => chart.names) : again.kept?.charts, dark: chosenDark,
     open: get("display").open, scrolled: document.querySelector("main > aside").scrollTop,
-    // where a run goes on, it is shown at the time that the one before it had
+    // if the same run continues, it is shown at the time of the previous picture
     time: state.wanted === undefined || again.done ? main.timeAt(main.position) : state.wanted, playing: state.playing,
   };
 }
@@ -27,7 +27,7 @@ function keep(kept) {
   const { azimuth, elevation, flat, target, distance } = kept.camera;
   Object.assign(camera, { azimuth, elevation, flat });
   get("flat").setAttribute("aria-pressed", String(flat));
-  // a machine of about the same size stays where the reader has placed it; the beginning of a run says nothing about its size
+  // the camera is kept for a machine of about the same size; the size is unknown until the run is complete
   if (again.done && Math.abs(Math.log(extents.size / kept.size)) > 0.2) frameAll(extents.points); else Object.assign(camera, { target, distance });
   followed = followPoint();
   state.wanted = kept.time;
@@ -38,7 +38,7 @@ function keep(kept) {
 }
 if (again.kept) keep(again.kept); else if (again.play) play(true);
 
-// Ends this run in the page, and its plots when the next one has some; `dispose` frees what the graphics hold of it, after the next one is
+// Ends this run in the page, and its plots when the next run has plots; `dispose` frees its graphics memory after the next run has been
 // drawn.
 function endRun() { state.playing = false; }
 function endPlots() { for (const chart of charts) chart.plot?.destroy(); }

@@ -10,7 +10,7 @@ const DIAGRAMS = [
 ];
 const along = { chain: [], charts: [], extremes: new Map() };
 
-// Bodies from the root to one that ends freely, each with the distance of its inner end from that of the first, and where the next begins.
+// Bodies from the root to a free end, each with the distance of its inner end from that of the first body and the position of the next one.
 function chainTo(last) {
   const chain = [];
   for (let body = last, until = Infinity; body !== undefined;) {
@@ -27,11 +27,11 @@ function chainTo(last) {
   return chain;
 }
 
-// Whether a diagram has anything on a chain.
+// Whether a diagram has values on a chain of bodies.
 const shownOn = (chain, { series: [[, part]] }) => chain.some(({ body }) => (part === null
   ? about.edgeForces && about.surfaces.some(surface => surface.body === body) : about.bodies[body].loaded));
 
-// Distances and values of a series now, or at a frame: bodies are parted by a gap, in which another body may carry none.
+// Distances and values of a series at the present time or at a frame; gaps separate bodies.
 function valuesAlong(run, part, frame) {
   const found = [[], []], gap = 1e-9 * (along.length || 1);
   const add = (x, value) => { found[0].push(x); found[1].push(value); };
@@ -49,7 +49,7 @@ function valuesAlong(run, part, frame) {
   return found;
 }
 
-// Least and largest values of a series over the run.
+// Smallest and largest values of a series over the run.
 function extremesOf(part) {
   const key = `${get("along-end").value} ${part}`;
   if (along.extremes.has(key)) return along.extremes.get(key);
@@ -63,7 +63,7 @@ function extremesOf(part) {
   return [least, most];
 }
 
-// Runs whose bodies have the same places.
+// Runs whose bodies have the same sections.
 const likeMain = run => run === main || (run.shown && JSON.stringify(run.about.bodies.map(body => [body.places, Boolean(body.loaded)]))
   === JSON.stringify(about.bodies.map(body => [body.places, Boolean(body.loaded)]))
   && JSON.stringify(run.about.surfaces.map(surface => surface.places)) === JSON.stringify(about.surfaces.map(surface => surface.places)));
@@ -103,7 +103,7 @@ class Diagram {
     }, alongData(about), this.box);
     this.plot.over.addEventListener("click", event => pickAlong(this.plot.posToVal(event.clientX - this.plot.over.getBoundingClientRect().left, "x")));
   }
-  // The legend is at the pointer, else at the picked section, else at the root.
+  // The legend shows the values at the pointer, otherwise at the selected section, otherwise at the root.
   refresh() {
     this.plot.setData(alongData(this.about));
     const { left } = this.plot.cursor;
@@ -116,7 +116,7 @@ class Diagram {
   }
 }
 
-// Lines where bodies begin, and where the picked section is.
+// Lines at the inner ends of the bodies and at the selected section.
 function drawJoints(plot) {
   const { ctx, bbox } = plot, line = (x, ink, dash) => {
     const left = Math.round(plot.valToPos(x, "x", true)) + 0.5;
@@ -134,13 +134,13 @@ function drawJoints(plot) {
   ctx.restore();
 }
 
-// Distance along the chain of the picked section.
+// Distance of the selected section along the chain.
 function pickedAlong() {
   const link = picked?.on && along.chain.find(({ body }) => body === picked.on.body);
   return link ? link.from + picked.on.place : null;
 }
 
-// The section at a distance along the chain is picked, as by a click on the machine.
+// Selects the section at a distance along the chain, as a click on the machine does.
 function pickAlong(x) {
   const link = [...along.chain].reverse().find(({ from }) => x >= from) || along.chain[0];
   choose(sectionPicked(link.body, x - link.from));
@@ -161,7 +161,7 @@ function buildAlong() {
   again?.signal.addEventListener("abort", () => sizes.disconnect());
 }
 
-// The diagrams are built while they are open.
+// The diagrams exist only while the panel is open.
 function buildAlongCharts() {
   for (const { plot, box } of along.charts) { plot.destroy(); box.remove(); }
   along.charts = [];

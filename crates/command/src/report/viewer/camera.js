@@ -1,5 +1,5 @@
 
-// ---- camera: turns about a target; the root frame's z points up ------------------------------------------------------
+// ---- camera: orbits a target; z of the root frame points up ------------------------------------------------------
 
 // Azimuth of the eye from x towards y, elevation.
 const VIEWS = {
@@ -13,7 +13,7 @@ const lens = () => (camera.flat ? lenses.flat : lenses.deep);
 function look(name) {
   [camera.azimuth, camera.elevation] = VIEWS[name];
   camera.preset = name;
-  // what is followed fills the view where it is, not its whole path
+  // if an item is followed, its present extent fills the view, not its path
   frameAll(get("follow").value === "machine" ? machinePoints() : extents.points);
 }
 
@@ -36,7 +36,7 @@ function aim() {
 }
 let wakeReach = 0;
 
-// Places the target and the distance so that all points just fit, seen from where the eye is.
+// Sets target and distance so that all points just fit into the view, in the present direction.
 function frameAll(points) {
   aim();
   const [right, up, outward] = camera.axes;
@@ -55,7 +55,7 @@ function frameAll(points) {
   aim();
 }
 
-// Points of the machine now.
+// Points of the machine at the present time.
 function machinePoints() {
   const points = [];
   about.bodies.forEach((body, b) => body.rims.forEach((rim, i) => rim.forEach(p => points.push(pointOf(main.section(b, i), p)))));
@@ -66,7 +66,7 @@ function machinePoints() {
   return points;
 }
 
-// The same with the near wake where it is shown: the far one, of hundreds of spans in steady flow, would make the machine a speck.
+// The same with the near wake if it is shown: with the far wake, which has a length of hundreds of spans in steady flow, the machine would be a speck.
 function presentPoints() {
   const points = machinePoints();
   const ends = [0, 1, 2].map(i => [Math.min(...points.map(p => p[i])), Math.max(...points.map(p => p[i]))]);
@@ -80,17 +80,17 @@ function presentPoints() {
   return points;
 }
 
-// Mean place of all sections now.
+// Mean position of all sections at the present time.
 function middle() {
   let sum = [0, 0, 0], count = 0;
   about.bodies.forEach((body, b) => body.rims.forEach((_, i) => { sum = plus(sum, main.section(b, i).at); count++; }));
   return sum.map(c => c / count);
 }
-// A machine whose first bodies leave their place by half its size flies.
+// A machine is in flight if its first bodies move by more than half of its size.
 const fliesAway = () => about.bodies.some((body, b) =>
   !body.carrier && Math.hypot(...plus(main.section(b, 0, main.last).at, main.section(b, 0, 0).at, -1)) > 0.5 * extents.wing);
 
-// A machine that flies far is followed, or a tip, or what was picked; moving the target by hand goes on from there.
+// The camera follows the machine, a tip or the selected item; the target can be moved relative to it.
 let followed = null;
 function followPoint() {
   const name = get("follow").value;
@@ -128,8 +128,8 @@ function zoom(factor) {
   aim();
 }
 
-// Mouse: drag turns, with Shift or another button it moves; wheel zooms. Touch: one finger turns, two move and zoom. A click or
-// tap without a drag picks.
+// Mouse: a drag rotates the view, with Shift or another button it moves it; the wheel zooms. Touch: one finger rotates, two move and zoom. A
+// click or tap without a drag selects.
 function listenToPointers(changed, hover, pick) {
   const held = new Map();
   let moved = 0, pulls = false;

@@ -1,10 +1,10 @@
 
-// ---- fields and their colours: maps that people with colour-blindness read -------------------------------------------
+// ---- fields and their colour maps, which are readable with colour blindness -------------------------------------------
 
 const DIVERGING = [[5, 48, 97], [67, 147, 195], [240, 240, 240], [244, 135, 75], [127, 30, 8]];
 const WAKE_MAP = [[94, 60, 153], [178, 171, 210], [236, 236, 240], [253, 190, 110], [222, 104, 20]];
 const RISING = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
-// Of lift and pressure, told from the strain of bodies and the circulation of wakes.
+// For lift and pressure; different from the maps of strain and circulation.
 const LIFT_MAP = [[0, 92, 82], [98, 182, 170], [240, 240, 240], [222, 184, 110], [140, 82, 12]];
 const RUN_INKS = ["#0b62a4", "#d55e00", "#8a4fb0", "#008060", "#a07800"];
 
@@ -12,7 +12,7 @@ const runInk = run => run.ink || RUN_INKS[run.index % RUN_INKS.length];
 
 // A number with a true minus sign, and none before a zero.
 const compact = (value, digits) => value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
-// So many digits that the largest value has as many as asked for.
+// Number of decimals with which the largest value has the wanted number of digits.
 const digitsFor = (largest, wanted) => Math.max(0, Math.min(9, wanted - 1 - Math.floor(Math.log10(largest || 1))));
 const figures = (value, wanted = 4) => {
   if (!Number.isFinite(value)) return "–";
@@ -33,7 +33,7 @@ const LOADS = [
   { key: "torsion", title: "torsion Mx (N·m)" }, { key: "bending_y", title: "bending moment My (N·m)" }, { key: "bending_z", title: "bending moment Mz (N·m)" },
 ];
 
-// What bodies are coloured by: value at a section and a point of it. Strain measures of a mode are those of the mode alone.
+// Fields of the bodies: value at a section and a point of it. For a mode, strain measures are those of the mode without the state.
 const FIELDS = {
   ...(modal && { amplitude: { title: "displacement amplitude (m)", rising: true, value: (run, b, i) => amplitudes[b][i] } }),
   strain: { title: "longitudinal strain (µm/m)", factor: 1e6, value: (run, b, i, s, point) => strainAt(s.measures, point) },
@@ -52,7 +52,7 @@ const FIELDS = {
 };
 let field = modal ? FIELDS.amplitude : FIELDS.strain;
 
-// Largest magnitudes over the run, found when first asked for.
+// Largest magnitudes over the run, computed on first use.
 const largestOf = new Map();
 function largest(wanted) {
   if (!wanted.value) return 1;
@@ -65,7 +65,7 @@ function largest(wanted) {
     if (wanted === FIELDS.strain) about.gauges.forEach((_, g) => {
       for (let frame = 0; frame < main.count; frame++) most = Math.max(most, Math.abs(main.valueAt(frame, main.layout.strains + g)));
     });
-    // round-off has no colour: strains below 0.1 µm/m are pale
+    // strains below 0.1 µm/m are round-off and remain pale
     largestOf.set(wanted, Math.max(most, wanted === FIELDS.strain ? 1e-7 : 1e-9));
   }
   return largestOf.get(wanted);
@@ -81,11 +81,11 @@ let largestCirculation = (() => {
   return most;
 })();
 
-// Ends of the scales: what was typed, else the largest of the run.
+// Ends of the scales: the value entered, otherwise the largest of the run.
 const ranges = { body: null, surface: null };
 const bodyRange = () => ranges.body === null ? largest(field) : ranges.body / (field.factor || 1);
 const circulationRange = () => (ranges.surface !== null && surfaceField === SURFACE_FIELDS.circulation ? ranges.surface : largestCirculation || 1);
-// Whether there is anything of a field to paint: round-off is nothing, as of the strain of modal bodies, which have none.
+// Whether a field has values above round-off; modal bodies have no strain.
 const NOTHING = new Map([[FIELDS.strain, 1e-7]]);
 const painted = wanted => Boolean(wanted.value) && largest(wanted) > (NOTHING.get(wanted) || 1e-9);
 

@@ -3,7 +3,7 @@
 
 const controls = []; // { control, set(value) } in the order of `live.controls`
 
-// Groups that are closed at first: many rows, rarely used.
+// Groups that are closed at the start: they have many rows and are rarely used.
 const FOLDED = /^(load|gravity|root|body|solver)\b/;
 const groupOf = name => (/^(load|body|failure|section)\./.test(name) ? name.split(".").slice(0, 2).join(".") : name.split(".")[0]);
 
@@ -27,7 +27,7 @@ function buildLive() {
       box.open = any && (wanted ? true : !FOLDED.test(box.dataset.group));
     }
   });
-  // the weight at a tenth of the longest body
+  // the weight of the machine at a deflection of a tenth of the longest body
   const raw = live.weight_n / (0.1 * (live.reach_m || extents.wing)), power = 10 ** Math.floor(Math.log10(raw));
   get("stiffness").value = String(+(power * Math.round(raw / power)).toPrecision(1));
   for (const id of ["save-film", "save-table", "repeat", "open"]) (get(id).closest("label") || get(id)).hidden = id !== "save-table";
@@ -35,7 +35,7 @@ function buildLive() {
   get("back").title = "Back by one frame (left arrow)";
   get("back").setAttribute("aria-label", "Back by one frame");
   get("forth").title = `One step of ${live.step_s} s (right arrow)`;
-  get("forth").setAttribute("aria-label", "One step on");
+  get("forth").setAttribute("aria-label", "One step forward");
   get("keys").textContent = "Space runs · → step · ← back · drag the machine to pull · drag elsewhere to turn · drag the bar to go back in time · 1–4 views · O ortho · A frame all · + − zoom · R start · F follow · P PNG · T light or dark";
 }
 
@@ -49,7 +49,7 @@ function groupBox(name) {
   return box;
 }
 
-// A button that is pressed while the value is true.
+// A toggle button for a Boolean value.
 function switchOf(control) {
   const button = document.createElement("button");
   Object.assign(button, { type: "button", textContent: control.name, title: control.description });
@@ -66,7 +66,7 @@ function sliderOf(control, group, box) {
   row.className = "control";
   row.dataset.name = control.name.toLowerCase();
   row.title = `${control.name}: ${control.description}${allowedText(control)}`;
-  // words may break where they are joined
+  // allow line breaks at the joints of names
   name.textContent = (control.name.slice(group.length + 1) || control.name).replaceAll("_", "_\u200b");
   const [low, high] = control.slider;
   Object.assign(range, { type: "range", min: low, max: high, step: "any" });
@@ -78,7 +78,7 @@ function sliderOf(control, group, box) {
   const whole = control.kind === "integer" ? Math.round : value => value;
   const send = value => sendSoon(control.name, { do: "set", name: control.name, value: whole(value) / control.factor });
   range.addEventListener("input", () => { field.value = shortNumber(whole(Number(range.value))); send(Number(range.value)); });
-  // twice back to where it began
+  // restored when it is clicked again
   range.addEventListener("dblclick", () => send(control.start));
   field.addEventListener("change", () => { if (field.value.trim() !== "") send(Number(field.value)); });
   const set = value => {
@@ -92,7 +92,7 @@ function sliderOf(control, group, box) {
   box.append(row);
   return { control, set };
 }
-// short enough for its field, and read by it
+// short enough for the field, and valid as its input
 const shortNumber = value => (Math.abs(value) >= 1e6 ? String(+value.toPrecision(5)).length > 7 ? value.toExponential().replace(/(\.\d{0,4})\d*/, "$1").replace("e+", "e") : String(+value.toPrecision(5)) : String(Number(value.toPrecision(5))));
 function allowedText({ allowed: [least, most], unit, slider }) {
   const of = value => `${shortNumber(value)} ${unit}`.trim();

@@ -9,11 +9,11 @@ function save(blob, extension) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-// What the stage shows, with time and scales, on a canvas of its own.
+// A copy of the stage with time and scales, on a separate canvas.
 function compose(into) {
   const ratio = canvas.width / canvas.clientWidth, pen = into.getContext("2d");
   if (into.width !== canvas.width || into.height !== canvas.height) Object.assign(into, { width: canvas.width, height: canvas.height });
-  render(); // in the same turn as the copy, else the buffer may be empty
+  render(); // in the same task as the copy, otherwise the buffer may be empty
   pen.drawImage(canvas, 0, 0);
   pen.scale(ratio, ratio);
   pen.fillStyle = inks.text;
@@ -47,7 +47,7 @@ function pictureBlob() {
 const filmType = window.MediaRecorder && ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find(type => MediaRecorder.isTypeSupported(type));
 let filming = null;
 
-// Plays the run once from its first frame and records what the stage shows.
+// Plays the run once from its first frame and records the stage.
 function filmBlob() {
   return new Promise((done, fail) => {
     const into = document.createElement("canvas"), pieces = [];
@@ -67,7 +67,7 @@ function filmBlob() {
       ended = performance.now();
       hold();
     };
-    // the last picture stays for a moment, and until the recorder has written something
+    // keep the last picture for a moment, and until the recorder has delivered data
     const hold = () => {
       compose(into);
       const held = performance.now() - ended;
@@ -78,7 +78,7 @@ function filmBlob() {
   });
 }
 
-// Signals of all plots at the times that they show, in the units of the CSV files.
+// Signals of all plots within their present range of time, in the units of the CSV files.
 function tableText() {
   const names = [...new Set(charts.flatMap(chart => chart.names))];
   const found = names.flatMap(name => sourcesOf(name).map(source => ({ ...source, name })));
@@ -93,10 +93,10 @@ function tableText() {
   });
   return `${lines.join("\n")}\n`;
 }
-// As many digits as a single-precision number has.
+// Digits of a single-precision number.
 const shortest = value => String(Number(value.toPrecision(8)));
 
-// A table that somebody opens or drops on the page.
+// Adds a table that the reader opens or drops on the page.
 async function openTable(file) {
   const lines = (await file.text()).split(/\r?\n/).filter(line => line.trim() && !line.startsWith("#"));
   const header = (lines.shift() || "").split(",").map(name => name.trim().replace(/^"|"$/g, "")), at = header.indexOf("time");
@@ -105,7 +105,7 @@ async function openTable(file) {
     line.split(",").every((cell, i) => cell.trim() === "" || Number.isFinite(row[i]));
   const bad = rows.findIndex((row, i) => !fits(row, lines[i]));
   if (at < 0 || header.length < 2 || bad >= 0 || !rows.length) {
-    say(at < 0 ? `${file.name}: there is no column “time” (s)` : bad >= 0 ? `${file.name}: row ${bad + 1} below the header does not fit it` : `${file.name}: there is nothing to draw`);
+    say(at < 0 ? `${file.name}: there is no column “time” (s)` : bad >= 0 ? `${file.name}: row ${bad + 1} below the header has another number of columns or text that is no number` : `${file.name}: no rows or columns to draw`);
     return;
   }
   rows.sort((a, b) => a[at] - b[at]);

@@ -5,7 +5,7 @@ const fan = (element => element && { ...JSON.parse(element.textContent), numbers
 const fanPoints = fan ? fan.points.reduce((a, b) => a + b, 0) : 0;
 const fanTimes = fan ? Array.from(fan.numbers.subarray(0, fan.times)) : [];
 
-// Share of a run from 0 to 1: by the value of the first quantity that varies, where it is a number, else by its order.
+// Position of a run on the scale, from 0 to 1: by the value of the first quantity that varies, if it is a number, otherwise by the order of the runs.
 const fanShares = (() => {
   if (!fan) return [];
   const key = fan.keys.findIndex((_, k) => new Set(fan.labels.map(values => values[k])).size > 1), values = fan.labels.map(label => Number(label[Math.max(0, key)]));
@@ -30,11 +30,11 @@ function buildFan() {
   fanLines.geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
   scene.add(fanLines);
   addScale("fan-scale");
-  const { name, least, most } = fan.scale || { name: "number of the run", least: 1, most: fan.labels.length };
+  const { name, least, most } = fan.scale || { name: "run", least: 1, most: fan.labels.length };
   setScale(get("fan-scale"), `${name}, ${fan.labels.length} of ${fan.count} runs`, RISING, [least, (least + most) / 2, most], value => figures(value, 3));
 }
 
-// Place of a point of a run in the numbers at a time.
+// Offset of a point of a run in the numbers at a time.
 const fanPlace = (run, time, point) => fan.times + 3 * ((run * fan.times + time) * fanPoints + point);
 
 function updateFan() {
@@ -59,13 +59,13 @@ function updateFan() {
   fanLines.geometry.getAttribute("position").needsUpdate = true;
 }
 
-// Curves of the bands of a signal, from the least to the largest: values at the times of the fan.
+// Curves of the bands of a signal, from the smallest to the largest: values at the times of the sweep.
 function bandsOf(name) {
   const signal = fan && get("fan").checked ? fan.signals.indexOf(name) : -1;
   if (signal < 0) return [];
   const from = fan.times + 3 * fanPoints * fan.times * fan.labels.length + signal * fan.times * fan.fractions.length, { factor } = signals.get(name);
   return fan.fractions.map((fraction, k) => ({
     fraction, name, time: fanTimes, values: fanTimes.map((_, i) => factor * fan.numbers[from + i * fan.fractions.length + k]),
-    label: `${name} (${k === 0 ? "least" : fraction === 1 ? "largest" : `${100 * fraction} %`} of ${fan.like} runs)`,
+    label: `${name} (${k === 0 ? "smallest" : fraction === 1 ? "largest" : `${100 * fraction} %`} of ${fan.like} runs)`,
   }));
 }

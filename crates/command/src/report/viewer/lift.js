@@ -1,13 +1,13 @@
 
-// ---- what the air does to the surfaces: lift per span, pressure on the panels --------------------------------------------
+// ---- aerodynamic loads on the surfaces: lift per span, pressure on the panels --------------------------------------------
 
-// Leading or trailing edge of a column of a surface now, or at a frame.
+// Leading or trailing edge of a column of a surface at the present time or at a frame.
 function edgeAt(run, index, column, edge, frame) {
   const place = run.layout.surfaces[index] + 6 * column + 3 * edge;
   return frame === undefined ? vector(run.present, place) : vector(run.numbers, run.about.begins[frame] + place);
 }
 
-// Chord times span of a surface at a column: the side towards which the air pushes where the circulation about the span is positive.
+// Chord × span of a surface at a column: the direction of the aerodynamic force if the circulation about the span is positive.
 function pushedSide(run, index, column, frame) {
   const { columns } = run.about.surfaces[index], [a, b] = [Math.max(0, column - 1), Math.min(columns - 1, column + 1)];
   const chord = plus(edgeAt(run, index, column, 1, frame), edgeAt(run, index, column, 0, frame), -1);
@@ -28,7 +28,7 @@ function sides(run) {
     const begin = run.about.begins[0], wind = winds ? vector(run.numbers, begin + run.layout.winds + 3 * surface.body) : [0, 0, 0];
     const gravity = vector(run.numbers, begin + run.layout.gravity).map(c => -c);
     const normal = Array.from({ length: surface.columns }, (_, c) => pushedSide(run, i, c, 0)).reduce((a, b) => plus(a, b)).map(c => c / surface.columns);
-    // the first of these that is not along the surface
+    // the first of these directions that is not parallel to the surface
     const ups = [...(rotor ? [wind] : []), gravity, [0, 0, 1], [0, 1, 0], [1, 0, 0]].map(up => dot(normal, unit(up)));
     found.push((ups.find(part => Math.abs(part) > 0.3) ?? 1) < 0 ? -1 : 1);
   });
@@ -36,7 +36,7 @@ function sides(run) {
   return found;
 }
 
-// Span in m that belongs to a column: half of the strips beside it.
+// Span in m of a column: half of the adjacent strips.
 function spanOf({ columns, places }, column) {
   return 0.5 * (places[Math.min(columns - 1, column + 1)] - places[Math.max(0, column - 1)]);
 }
@@ -58,8 +58,8 @@ function continued(run, index, column) {
   return continuedOf.get(run)[index].get(column) || [];
 }
 
-// Lift per span in N/m at a column: force of the air per length of the span, normal to the span and to the air as the section meets it. An
-// edge that two surfaces share has the forces of both over the span of both.
+// Lift per span in N/m at a column: aerodynamic force per length of the span, normal to the span and to the relative wind of the section. An
+// edge that two surfaces share has the forces of both, divided by the span of both.
 function liftAt(run, index, column, frame) {
   let [force, span] = [liftOf(run, index, column, frame), spanOf(run.about.surfaces[index], column)];
   for (const [other, its] of continued(run, index, column)) {
@@ -82,7 +82,7 @@ function liftOf(run, index, column, frame) {
   return dot(force, way);
 }
 
-// Pressure below less pressure above in Pa on a panel: its normal force at the end of the step of the air over its area.
+// Pressure below minus pressure above in Pa on a panel: its normal force at the end of the aerodynamic step divided by its area.
 function pressureAt(run, index, strip, row, frame) {
   const surface = run.about.surfaces[index], strips = surface.columns - 1;
   const place = run.layout.panelForces[index] + row * strips + strip;
@@ -93,7 +93,7 @@ function pressureAt(run, index, strip, row, frame) {
   return sides(run)[index] * force / area;
 }
 
-// What surfaces are painted by; `of` gives the value at a corner of a panel: surface, strip, row, column of the corner.
+// Fields of the surfaces; `of` gives the value at a corner of a panel: surface, strip, row, column of the corner.
 const SURFACE_FIELDS = {
   ...(!modal && about.edgeForces && about.surfaces.length && {
     lift: { title: "lift per span (N/m)", map: LIFT_MAP, of: (run, i, strip, row, column) => liftAt(run, i, column) },
@@ -109,7 +109,7 @@ const SURFACE_FIELDS = {
 let surfaceField = Object.values(SURFACE_FIELDS)[0];
 const firstStripOf = (run, index) => run.about.surfaces.slice(0, index).reduce((sum, surface) => sum + surface.columns - 1, 0);
 
-// Largest magnitudes over the run, found when first asked for; of a live simulation those so far.
+// Largest magnitudes over the run, computed on first use; for a live simulation those so far.
 const largestOnSurfaces = new Map();
 function largestOnSurface(wanted) {
   if (wanted === SURFACE_FIELDS.circulation) return largestCirculation || 1;

@@ -1,15 +1,15 @@
 
-// ---- a live simulation: socket, orders, frames, time bar -----------------------------------------------------------------
+// ---- a live simulation: socket, commands, frames, time bar -----------------------------------------------------------------
 
 const link = live && {
   socket: null, running: false, looking: false, dragging: false, watched: new Set(), pull: null, ended: false, plotted: 0, scaled: 0, waiting: new Map(), factor: null,
 };
 
-// An order to the simulation.
+// Sends a command to the simulation.
 function send(order) {
   if (link.socket && link.socket.readyState === WebSocket.OPEN) link.socket.send(JSON.stringify(order));
 }
-// The same for continuous input: the last order per frame is sent.
+// The same for continuous input: only the last command per frame is sent.
 function sendSoon(key, order) {
   if (!link.waiting.size) requestAnimationFrame(() => { const all = [...link.waiting.values()]; link.waiting.clear(); all.forEach(send); });
   link.waiting.set(key, order);
@@ -42,7 +42,7 @@ function receive(message) {
   if (message.kind === "connected" || message.kind === "rolled_back") listEvents();
 }
 
-// A header in JSON, samples of the plots, a state: documented at `Session::next_frame`.
+// A message has a header in JSON, samples of the plots and a frame, in the format of `Session::next_frame`.
 function takeFrame(data) {
   const length = new DataView(data).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
@@ -52,11 +52,11 @@ function takeFrame(data) {
   if (time > main.timeOf(main.last) + 1e-7) main.append(header.rows, numbers.subarray(samples));
   else if (main.timeOf(main.last) <= time + 1e-7) replaceLast(header.rows, numbers.subarray(samples));
   main.forgetBefore(header.oldest);
-  // the page has the first frame of the simulation: a page that connects later drops it
+  // the page contains the first frame of the simulation; a page that connects later discards it
   if (link.fresh && time > main.timeOf(0) + 1e-6) main.forget(main.last);
   link.fresh = false;
   if (header.events.length) { about.events.push(...header.events); listEvents(); }
-  if (header.failure) say(`stopped: ${header.failure}`);
+  if (header.failure) say(`the simulation failed: ${header.failure}`);
   Object.assign(link, { running: header.running, pull: header.pull, factor: header.factor, lost: header.lost, speed: header.speed });
   get("time").max = main.last;
   if (!link.looking && !link.dragging) main.goTo(main.last);
@@ -65,7 +65,7 @@ function takeFrame(data) {
   showRunning();
   changed();
 }
-// A frame of the same time, as after a value was set during a pause.
+// A frame of the same time, for example after a value was changed during a pause.
 function replaceLast(rows, frame) {
   main.end = about.begins.pop();
   about.rows.pop();
@@ -86,7 +86,7 @@ function showPace() {
     : `${compact(factor, 2)} × real time${slow ? `: this computer is too slow for ${speed} ×` : ""}${lost > 0 ? `; ${figures(lost, 3)} s lost so far` : ""}`;
 }
 
-// Scales and arrows grow with what is seen.
+// Scales and arrows grow with the largest values so far.
 function growScales() {
   for (const wanted of new Set([field, FIELDS.strain])) {
     if (!wanted.value || !largestOf.has(wanted)) continue;
@@ -107,14 +107,14 @@ function growScales() {
   for (const set of arrowSets) if (set.text) set.text.textContent = arrowText(set);
 }
 
-// Plots scroll at fifteen frames per second.
+// Plots are updated fifteen times per second.
 function refreshCharts() {
   const now = performance.now();
   if (now - link.plotted < 66 && link.running) return;
   link.plotted = now;
   for (const chart of charts) chart.refresh();
 }
-// Outputs in plots that the simulation does not send yet.
+// Requests the outputs of new plots from the simulation.
 function watchCharts() {
   if (!live || !link.socket) return;
   const names = [...new Set(charts.flatMap(chart => chart.names))].filter(name => !link.watched.has(name));
@@ -122,7 +122,7 @@ function watchCharts() {
   names.forEach(name => link.watched.add(name));
   send({ do: "watch", names });
 }
-// Times that plots show unless zoomed.
+// Range of time of the plots unless they are zoomed.
 function plotWindow() {
   const span = Number(get("window").value), begin = main.times.length ? main.times[0] : main.timeOf(0);
   const end = link.looking || link.dragging ? main.timeAt(main.position) + span / 2 : main.timeOf(main.last);
@@ -179,7 +179,7 @@ function updatePull() {
   spring.line.material.color.set(inks.accent);
 }
 
-// Where the pointer is on the plane through a place that faces the eye.
+// Point under the pointer on the plane through a position that is normal to the view.
 function onPlane(x, y, place) {
   const box = canvas.getBoundingClientRect(), outward = camera.axes[2];
   ray.setFromCamera(new THREE.Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height), lens());
@@ -187,7 +187,7 @@ function onPlane(x, y, place) {
   return plus(from, way, dot(plus(place, from, -1), outward) / (dot(way, outward) || -1));
 }
 
-// Begins a pull where the pointer hits the machine; nothing elsewhere.
+// Starts to pull if the pointer is on the machine.
 function startPull(x, y) {
   if (!live || !ray || link.ended) return null;
   const box = canvas.getBoundingClientRect();
@@ -205,7 +205,7 @@ function startPull(x, y) {
   }
   const nearest = own.reduce((best, i) => (away(i) < away(best) ? i : best));
   const begin = stationPlace(nearest), from = onPlane(x, y, begin);
-  // the spring has no force at first: a click does not pull
+  // the spring is unstretched at the start, so that a click has no effect
   return spring.held = { station: nearest, place: (px, py) => plus(plus(begin, onPlane(px, py, begin)), from, -1) };
 }
 function pullTo(x, y) {

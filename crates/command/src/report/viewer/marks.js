@@ -13,7 +13,7 @@ function markMesh(geometry, colour, describe) {
   return mesh;
 }
 
-// Sizes of what is drawn at the inner end of a body: from its section, within what the eye finds.
+// Sizes of the symbols at the inner end of a body: from its section, within limits of visibility.
 function sizeAt(body) {
   const rim = about.bodies[body].rims[0], [wide, high] = [0, 1].map(i => Math.max(...rim.map(p => Math.abs(p[i]))));
   const within = (value, least, most) => Math.max(least * WIDTH, Math.min(most * WIDTH, value));
@@ -54,7 +54,7 @@ const gaugeMarks = about.gauges.map((gauge, i) => markMesh(new THREE.SphereGeome
 const microstrain = strain => compact(strain * 1e6, digitsFor(largest(FIELDS.strain) * 1e6, 4));
 
 const massMarks = about.masses.map(mass => {
-  // as a ball of steel, within what the eye finds
+  // as a ball of steel, within limits of visibility
   const radius = Math.max(0.006 * WIDTH, Math.min(0.03 * WIDTH, Math.cbrt(mass.kg / (7800 * 4.19))));
   return markMesh(new THREE.SphereGeometry(radius, 24, 16), "#9a7b4f", () => ({
     title: `mass ${mass.name}`,
@@ -64,7 +64,7 @@ const massMarks = about.masses.map(mass => {
   }));
 });
 
-// Lines of rigid bodies, and from axes to what stands off them.
+// Lines that represent rigid bodies, and lines from axes to parts with an offset.
 const links = lines(new THREE.LineBasicMaterial());
 function linkPoints() {
   const points = [];
@@ -73,7 +73,7 @@ function linkPoints() {
     if (!body.rigid) return;
     const hub = main.section(b, 0).at;
     about.gauges.forEach((gauge, i) => { if (gauge.body === b) points.push(hub, vector(main.present, main.layout.gauges + 3 * i)); });
-    // rigid bodies carry others: the ones that begin within a machine's width of it and name it
+    // lines to the bodies that a rigid body carries
     about.surfaces.forEach((surface, i) => {
       if (surface.body === b) points.push(hub, mix(vector(main.present, main.layout.surfaces[i]), vector(main.present, main.layout.surfaces[i] + 3), 0.5));
     });
@@ -88,7 +88,7 @@ function tracePoints() {
     let last = null;
     const add = point => { if (last) points.push(last, point); last = point; };
     const end = body.rims.length - 1, until = modal ? main.last : main.position, stride = Math.max(1, Math.ceil(until / 400));
-    // of what goes on for long, the last five seconds of frames
+    // of long runs, the last five seconds of frames
     for (let frame = live ? Math.max(0, Math.floor(until) - 150) : 0; frame <= until; frame += stride) add(main.section(b, end, frame).at);
     if (!modal) add(main.section(b, end).at);
   });
@@ -97,7 +97,7 @@ function tracePoints() {
 
 // ---- arrows ----------------------------------------------------------------------------------------------------------
 
-// Begins and vectors per set; the longest of the run is as long as a fifth of the machine.
+// Start points and vectors of each set; the largest of the run has a fifth of the machine's length.
 const stationVectors = offset => () => about.stations.map((_, i) => {
   const place = main.layout.stations + PER_STATION * i;
   return [vector(main.present, place), vector(main.present, place + offset)];

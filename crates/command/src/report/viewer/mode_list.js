@@ -25,7 +25,7 @@ function listModes() {
     head.append(label);
     row.append(head);
     if (!mode) row.className = "absent";
-    const texts = mode ? modeTexts(mode) : ["–", "–", stateOfModes().words ? "" : "not found here"];
+    const texts = mode ? modeTexts(mode) : ["–", "–", stateOfModes().words ? "" : "not found in this state"];
     for (const text of texts) row.insertCell().textContent = text;
     if (mode?.grows) {
       row.cells[2].classList.add("grows");
@@ -36,7 +36,7 @@ function listModes() {
   }));
 }
 
-// Marks the mode of the list that is shown; the list stays, and with it the keyboard's focus.
+// Marks the selected mode in the list; the list is not rebuilt, so that the keyboard focus remains.
 function markMode() {
   [...get("mode-list").tBodies[0].rows].forEach((row, i) => {
     row.classList.toggle("chosen", i === chosen.mode);
@@ -44,7 +44,7 @@ function markMode() {
   });
 }
 
-// Brings page and film to the state, the mode and the amplitude that are chosen.
+// Updates page and cycle to the selected state, mode and amplitude.
 function refill(follow) {
   const share = main.last ? main.position / main.last : 0;
   fillCycle();
@@ -64,7 +64,7 @@ function refill(follow) {
   changed();
 }
 
-// Speeds of the film as cycles per second, or as multiples of real time over a turn.
+// Speeds as cycles per second, or as multiples of real time over a revolution.
 function listSpeeds(mode, state) {
   const turning = state.period !== null, cycle = cycleOf(mode), rate = Math.abs(mode.eigenvalue[0]);
   const decays = chosen.decay && !oscillates(mode) && rate > 0 && !turning;
@@ -84,7 +84,7 @@ function setMode(index) {
   markMode();
   refill(true);
 }
-// Another mode of the list, those that are there.
+// Selects another mode among those that the state has.
 function chooseMode(step) {
   const { modes } = stateOfModes();
   let index = chosen.mode + step;
@@ -112,7 +112,7 @@ function setDecay() {
   refill(true);
 }
 
-// Frequency and damping of all modes over the states; a click chooses the state.
+// Frequency and damping of all modes over the states; a click selects the state.
 class ModePlot {
   constructor(title, valueOf) {
     this.box = document.createElement("div");
@@ -153,7 +153,7 @@ class ModePlot {
     this.keep();
   }
 }
-// The line of no damping.
+// The line at zero damping.
 function drawZero(plot) {
   const { ctx, bbox } = plot, y = Math.round(plot.valToPos(0, "y", true)) + 0.5;
   if (y < bbox.top || y > bbox.top + bbox.height) return;
@@ -167,7 +167,7 @@ function drawZero(plot) {
 }
 function buildModePlots() { modePlots.forEach(plot => plot.build()); }
 
-// The part of the page that modes have in the place of plots over time.
+// The panel for modes, instead of plots over time.
 function buildModes() {
   get("modes").hidden = false;
   for (const id of ["plots", "save-table"]) get(id).hidden = true;

@@ -3,7 +3,7 @@
 
 const PHASES = 48, PER_CHANGE = 20;
 const DECAYED = 20, MOST_CYCLES = 12, MOST_TURNS = 12;
-// What is shown: state, mode, amplitude, whether it decays or grows at its rate.
+// Selected state, mode and amplitude, and whether the amplitude decays or grows at the rate of the mode.
 const chosen = { state: 0, mode: 0, amplitude: 1, decay: false };
 if (modal) {
   chosen.state = Math.max(0, modal.states.findIndex(state => state.words.startsWith("flutter")));
@@ -13,7 +13,7 @@ const stateOfModes = () => modal.states[chosen.state];
 const modeShown = () => stateOfModes().modes[chosen.mode];
 const oscillates = mode => Math.abs(mode.eigenvalue[1]) > 1e-9 * Math.hypot(...mode.eigenvalue);
 
-// A vector turned by a rotation vector.
+// A vector rotated by a rotation vector.
 function turned(v, rotation) {
   const angle = Math.hypot(...rotation);
   if (angle === 0) return v;
@@ -22,7 +22,7 @@ function turned(v, rotation) {
   return v.map((x, i) => c * x + s * across[i] + along * axis[i]);
 }
 
-// Axes of a section at right angles, and a point in them.
+// Orthogonal axes of a section, and a point in these axes.
 function axesOf(s) {
   const x = unit(cross(s.y, s.z));
   return [x, s.y, cross(x, s.y)];
@@ -42,7 +42,7 @@ function changesAt(mode, frame, factor) {
   }));
 }
 
-// Change between two sections, at a place on a body.
+// Interpolated change at a position on a body.
 function changeAt(changes, body, place) {
   const places = about.bodies[body].places, list = changes[body];
   if (places.length === 1) return list[0];
@@ -54,7 +54,7 @@ function changeAt(changes, body, place) {
 }
 
 // Writes the frame `index` of the cycle: the state `frame` displaced by a mode. Rotations are finite; the axis of a body follows from
-// its turned parts, so that it keeps its length at any amplitude.
+// its rotated parts, so that it keeps its length at any amplitude.
 function displace(index, frame, mode, factor) {
   const changes = changesAt(mode, frame - stateOfModes().frame, factor), { layout, numbers } = main, begin = about.begins[index];
   const write = (place, list) => list.forEach((value, i) => { numbers[begin + place + i] = value; });
@@ -90,20 +90,20 @@ function displace(index, frame, mode, factor) {
   });
 }
 
-// Time of a cycle in s; of a mode that does not oscillate, which sways between its extremes, 1 s.
+// Duration of a cycle in s; 1 s for a mode that does not oscillate, which moves between its extremes.
 function cycleOf(mode) {
   const rate = Math.abs(mode.exponent[1]);
   return oscillates(mode) && rate > 0 ? 2 * Math.PI / rate : 1;
 }
 
-// Amplitude over that of the start, at a time: held, or at the rate of the mode; growth ends where decay starts.
+// Amplitude relative to that at the start: constant, or at the rate of the mode; growth ends at the amplitude where decay starts.
 function growthAt(mode, time, end) {
   if (!chosen.decay) return 1;
   const rate = mode.eigenvalue[0];
   return Math.exp(rate < 0 ? rate * time : rate * (time - end));
 }
 
-// Frames of the film: cycles of the mode, or turns of the shaft.
+// Frames: cycles of the mode, or revolutions of the shaft.
 function fillCycle() {
   const state = stateOfModes(), mode = modeShown();
   const turning = state.period !== null;
@@ -111,7 +111,7 @@ function fillCycle() {
   const rate = Math.abs(mode.eigenvalue[0]);
   let units = turning ? Math.max(1, Math.min(MOST_TURNS, Math.ceil(2 * cycleOf(mode) / state.period))) : 1;
   if (chosen.decay && rate > 0) units = Math.max(units, Math.min(MOST_CYCLES, Math.ceil(Math.log(DECAYED) / rate / unitTime)));
-  // without oscillation the decay is seen by itself
+  // decay without oscillation
   const real = !oscillates(mode), span = real && chosen.decay && rate > 0 && !turning ? Math.log(DECAYED) / rate : units * unitTime;
   const count = per * units + 1, { length } = main.layout;
   if (main.numbers === still.numbers || main.numbers.length !== count * length) main.numbers = new Float32Array(count * length);
@@ -121,7 +121,7 @@ function fillCycle() {
     const frame = state.frame + (turning ? k % state.frames : 0), from = still.about.begins[frame];
     main.numbers.set(still.numbers.subarray(from, from + length), k * length);
     const time = span * k / (count - 1);
-    // a mode that does not oscillate sways, unless it decays or grows
+    // a mode that does not oscillate moves between its extremes, unless it decays or grows
     const phase = real && !turning ? (chosen.decay ? 0 : 2 * Math.PI * k / per) : mode.exponent[1] * time;
     const size = chosen.amplitude * growthAt(mode, time, span);
     main.numbers[k * length + main.layout.time] = time;
@@ -146,16 +146,16 @@ function amplitudesOf(state, mode) {
   return most;
 }
 
-// Place of the state among its frames: it turns with the shaft.
+// Frame of the state, which rotates with the shaft.
 const stillPosition = () => {
   const { frame, frames, period } = stateOfModes();
   return period === null ? frame : frame + main.position % frames;
 };
 
-// The phase of the cycle in degrees, or of the shaft's turn, for people.
+// The phase of the cycle, or the azimuth of the shaft, as text.
 function phaseText() {
   const state = stateOfModes(), mode = modeShown(), time = main.timeAt(main.position);
-  if (state.period !== null) return `turn ${compact((main.position / state.frames) % 1 * 360, 0)}°, t = ${figures(time, 3)} s`;
+  if (state.period !== null) return `azimuth ${compact((main.position / state.frames) % 1 * 360, 0)}°, t = ${figures(time, 3)} s`;
   const real = !oscillates(mode);
   if (real) return chosen.decay ? `t = ${figures(time, 3)} s` : `phase ${compact(main.position / PHASES % 1 * 360, 0)}°`;
   return `phase ${compact(main.position / PHASES % 1 * 360, 0)}°, t = ${figures(time, 3)} s`;

@@ -5,7 +5,7 @@ let SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10,
 const state = { playing: false, last: 0, slow: 0, economy: 0 };
 const shapes = []; // of bodies and surfaces, of all runs
 
-// Rows of the table: heading, or name with a text of the present numbers.
+// Rows of the table: a heading, or a name with the present value as text.
 const rows = [];
 function addRow(heading, name, text, swatch) {
   const row = get("values").tBodies[0].insertRow();
@@ -34,7 +34,7 @@ function buildTable() {
   about.energies.forEach((name, i) => addRow(false, name, () => `${live ? figures(present[layout.energies + i], 4) : compact(present[layout.energies + i], digitsFor(energy, 4))} J`));
 }
 
-// The scales of what is painted.
+// The colour scales.
 function addScale(id) {
   const box = document.createElement("div");
   box.className = "scale";
@@ -51,8 +51,9 @@ function setScale(box, title, map, ends, text) {
   ends.forEach((value, i) => { box.lastChild.children[i].textContent = text(value); });
 }
 function setScales() {
+  setNotes();
   const factor = field.factor || 1, most = bodyRange() * factor, body = get("body-scale");
-  body.hidden = !painted(field) || about.bodies.every(one => one.rigid);
+  body.hidden = !painted(field) || about.bodies.every((one, b) => one.rigid || enclosed(main, b));
   const text = value => (Math.abs(most) < 1e-2 ? figures(value, 2) : compact(value, digitsFor(most, modal ? 2 : 3)));
   setScale(body, field.title, field.rising ? RISING : DIVERGING, field.rising ? [0, most / 2, most] : [-most, 0, most], text);
   const air = get("air-scale"), range = circulationRange(), ofWake = about.wakes.length && get("wake").checked;
@@ -66,7 +67,20 @@ function setScales() {
   setScale(surface, surfaceField.title, surfaceField.map, [-reach, 0, reach], value => (Math.abs(reach) < 1e-2 ? figures(value, 2) : compact(value, digitsFor(reach, 3))));
 }
 
-// A round length near a sixth of the stage.
+// What is drawn with dimensions that the model does not have.
+function addNotes() {
+  const box = document.createElement("p");
+  box.id = "notes";
+  box.className = "scale";
+  get("scales").append(box);
+}
+function setNotes() {
+  const box = get("notes"), shown = about.notes.filter(note => solid() || !note.startsWith("Aerofoils"));
+  box.textContent = shown.join(" ");
+  box.hidden = !shown.length;
+}
+
+// A round length of at most a sixth of the stage.
 function showRuler() {
   const per = pixelsPerMetre(), raw = canvas.clientWidth / 6 / per, power = 10 ** Math.floor(Math.log10(raw));
   const length = power * [5, 2, 1].find(step => step * power <= raw), ruler = get("ruler");
@@ -79,7 +93,7 @@ function render() {
   if (!renderer) return;
   follow();
   const [width, height] = [canvas.clientWidth, canvas.clientHeight].map(length => Math.max(1, length));
-  // where frames take long, a film of fewer pixels and without shadow is better than one that jumps
+  // if pictures take long, fewer pixels without shadow are better than a motion that jumps
   const economy = state.playing && !filming ? state.economy : 0;
   const ratio = Math.min(window.devicePixelRatio || 1, 2) * (economy > 1 ? 0.6 : 1);
   if (canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio)) {
@@ -97,9 +111,10 @@ function render() {
   }
   for (const shape of shapes) {
     const { mesh, lattice, run } = shape;
-    mesh.visible = run.shown;
-    if (lattice) lattice.visible = run.shown;
-    if (run.shown) shape.update();
+    const seen = run.shown && !(shape instanceof BodyShape && enclosed(run, shape.index));
+    mesh.visible = seen;
+    if (lattice) lattice.visible = seen;
+    if (seen) shape.update();
   }
   updateMarks();
   updateArrows();
@@ -112,7 +127,7 @@ function render() {
   renderer.render(scene, lens());
 }
 
-// Brings everything to the position; once per frame of the browser at most.
+// Updates everything to the present position; at most once per frame of the browser.
 function show() {
   const time = main.timeAt(main.position);
   for (const run of runs) if (run !== main) run.goTo(run === still ? stillPosition() : run.positionAt(time));
@@ -220,7 +235,7 @@ function setFollow(name) {
 function frameNow() { camera.preset = null; frameAll(presentPoints()); changed(); }
 const savePicture = async () => save(await pictureBlob(), ".png");
 async function saveFilm() {
-  say("filming: the run plays once");
+  say("recording the film: the run plays once");
   save(await filmBlob(), ".webm");
   say("");
 }
@@ -238,7 +253,7 @@ const TURNS = { ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, -0.12
 document.addEventListener("keydown", event => {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const { tagName: tag, type } = event.target;
-  // lists, texts and the slider have their own use for keys, buttons and boxes for the space bar
+  // lists, text fields and sliders use keys themselves, buttons and boxes use the space bar
   if (event.target.isContentEditable || tag === "SELECT" || (tag === "INPUT" && !["range", "checkbox", "file"].includes(type))) return;
   if (tag === "INPUT" && type === "range" && event.key !== " " && event.key.length > 1) return;
   if (["BUTTON", "INPUT", "SUMMARY"].includes(tag) && event.key === " " && type !== "range") return;
@@ -262,7 +277,7 @@ function listen() {
   click("save-film", saveFilm);
   click("save-table", () => save(new Blob([tableText()], { type: "text/csv" }), ".csv"));
   if (live) listenLive(); else get("time").addEventListener("input", event => { play(false); seek(Number(event.target.value)); });
-  for (const id of ["wake", "trace", "joints", "gauges", "lattice", "glass", "ground", "shadow"]) get(id).addEventListener("change", () => { setScales(); changed(); });
+  for (const id of ["wake", "trace", "joints", "gauges", "lattice", "aerofoils", "glass", "ground", "shadow"]) get(id).addEventListener("change", () => { setScales(); changed(); });
   get("surface-field").addEventListener("change", event => { surfaceField = SURFACE_FIELDS[event.target.value]; ranges.surface = null; get("surface-range").value = ""; setScales(); changed(); });
   get("follow").addEventListener("change", event => setFollow(event.target.value));
   get("field").addEventListener("change", event => { field = FIELDS[event.target.value]; ranges.body = null; get("range").value = ""; setScales(); changed(); });
@@ -285,7 +300,7 @@ function listen() {
   listenToPointers(changed, hover, pick);
 }
 
-// Boxes of runs and tables that can be hidden.
+// Check boxes that show and hide runs and tables.
 function listRuns() {
   const all = [...runs, ...tables];
   get("runs").hidden = all.length < 2;
@@ -312,7 +327,7 @@ function buildControls() {
     Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(SPEEDS[best] / wanted)) ? i : best, 0);
   for (const [name, { title }] of Object.entries(FIELDS)) get("field").add(new Option(title, name));
   for (const name of ["nothing", "machine", ...about.tips, "picked"]) {
-    get("follow").add(new Option({ nothing: "nothing", machine: "the machine", picked: "what is picked" }[name] || `end of ${name}`, name));
+    get("follow").add(new Option({ nothing: "nothing", machine: "the machine", picked: "the selected item" }[name] || `end of ${name}`, name));
   }
   get("follow").querySelector("[value=picked]").disabled = true;
   for (const set of arrowSets) {
@@ -330,19 +345,21 @@ function buildControls() {
   for (const element of document.querySelectorAll(".airy")) element.hidden = !hasAir;
   for (const [name, { title }] of Object.entries(SURFACE_FIELDS)) get("surface-field").add(new Option(title, name));
   get("surface-field").value = Object.keys(SURFACE_FIELDS).find(name => SURFACE_FIELDS[name] === surfaceField);
+  get("aerofoils-label").hidden = !about.aerofoils.some(Boolean);
+  get("aerofoils").checked = aerofoilsAtStart;
   get("wake-label").hidden = !about.wakes.length;
   get("fan-label").hidden = !fan;
   get("fan").addEventListener("change", () => { charts.forEach(chart => chart.build()); get("fan-scale").hidden = !get("fan").checked; changed(); });
-  if (!filmType) Object.assign(get("save-film"), { disabled: true, title: "This browser records no WebM" });
+  if (!filmType) Object.assign(get("save-film"), { disabled: true, title: "This browser cannot record WebM" });
   const left = [];
   if (modal && modal.states.length < modal.found) left.push(`${modal.states.length} of ${modal.found} states are on this page`);
   if (!modal && !live && main.count < about.recorded) left.push(`${main.count} of ${about.recorded} points in time are drawn`);
   if (!live && about.signalRows < about.points) left.push(`plots have ${about.signalRows} of ${about.points} points`);
-  if (fan && fan.like < fan.count) left.push(`${fan.count - fan.like} of ${fan.count} runs failed or are unlike this one, and are left out`);
-  if (fan && fan.labels.length < fan.like) left.push(`${fan.labels.length} of ${fan.like} runs are drawn, and the bands are those of all`);
+  if (fan && fan.like < fan.count) left.push(`${fan.count - fan.like} of ${fan.count} runs are left out: they failed or have another structure than this one`);
+  if (fan && fan.labels.length < fan.like) left.push(`${fan.labels.length} of ${fan.like} runs are drawn; the bands include all`);
   for (const table of tables) if (table.rows < table.recorded) left.push(`${table.label} has ${table.rows} of ${table.recorded} rows`);
   get("thinned").hidden = !left.length;
-  get("thinned").textContent = `${left.join("; ")}, at equal intervals${modal ? "" : ": peaks between them do not show"}.`;
+  get("thinned").textContent = `${left.join("; ")}, at equal intervals${modal ? "" : ": short peaks may be missing"}.`;
   listEvents();
 }
 
@@ -367,6 +384,7 @@ function buildScene() {
     run.about.bodies.forEach((body, b) => { if (!body.rigid) shapes.push(new BodyShape(run, b)); });
     run.about.surfaces.forEach((_, i) => shapes.push(new SurfaceShape(run, i)));
   }
+  for (const run of runs) if (run.about.solids.length) shapes.push(new SolidShape(run));
   for (const { mesh, lattice } of shapes) { scene.add(mesh); if (lattice) scene.add(lattice); }
   if (wakeMesh) scene.add(wakeMesh);
   for (const object of [links, traces, pickMark]) { object.frustumCulled = false; scene.add(object); }
@@ -387,7 +405,8 @@ function begin() {
   buildFan();
   addScale("surface-scale");
   addScale("air-scale");
-  // the beginning of a run is shown without plots and values: those of the run before it stay until it is complete
+  addNotes();
+  // the beginning of a run is shown without plots and values; those of the previous run remain until it is complete
   if (!again || again.done) {
     buildTable();
     if (live) buildLive();

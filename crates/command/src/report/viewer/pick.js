@@ -1,18 +1,18 @@
 
-// ---- what lies under the pointer -------------------------------------------------------------------------------------
+// ---- selection with the pointer -------------------------------------------------------------------------------------
 
 let picked = null;
 const pickables = [];
 const ray = hasWebGL ? new THREE.Raycaster() : null;
 const pickMark = new THREE.Mesh(new THREE.TorusGeometry(1, 0.22, 8, 28), new THREE.MeshBasicMaterial({ depthTest: false, transparent: true }));
 
-// The nearest thing at a place of the window, as { title, rows(), place() }.
+// The nearest item at a position in the window, as { title, rows(), place() }.
 function under(x, y) {
   if (!ray) return null;
   const box = canvas.getBoundingClientRect();
   ray.setFromCamera(new THREE.Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height), lens());
   const hits = ray.intersectObjects(pickables.filter(mesh => mesh.visible), false);
-  // gauges and joints lie half inside a body: what is behind its skin by their own size is still meant
+  // gauges and joints lie partly inside a body: they are selected up to their own size behind its surface
   const first = hits[0], mark = hits.find(hit => marks.children.includes(hit.object));
   const hit = mark && mark.distance - first.distance < 0.02 * WIDTH ? mark : first;
   return hit ? hit.object.userData.describe(hit) : null;
@@ -47,7 +47,7 @@ function showHover() {
   tip.style.top = `${Math.max(4, Math.min(box.height - height - 4, hovered.y - box.top - height / 2))}px`;
 }
 
-// A click keeps what it hits among the readings; a click beside everything lets it go.
+// A click selects an item, whose values are then shown in the panel; a click on the background ends the selection.
 function pick(x, y) {
   choose(under(x, y));
 }
@@ -60,7 +60,7 @@ function choose(thing) {
   changed();
 }
 
-// The section of a body at a distance from its inner end, on the axis.
+// The point of the axis of a body at a distance from its inner end.
 function sectionPicked(body, place) {
   const { places } = about.bodies[body];
   if (places.length === 1) return bodyPlace(main, body, 0, 0, [0, 0]);

@@ -1,5 +1,5 @@
 
-// ---- plots: any recorded signals over time, in step with the stage ---------------------------------------------------
+// ---- plots: recorded signals over time, synchronous with the stage ---------------------------------------------------
 
 const SERIES_INKS = {
   light: ["#0072b2", "#d55e00", "#009e73", "#c0568f", "#a07800", "#2a9fd6", "#7a5195", "#6b6b6b"],
@@ -9,7 +9,7 @@ const seriesInk = n => SERIES_INKS[document.documentElement.dataset.dark === "tr
 const SHOWN_UNITS = { rad: ["°", 180 / Math.PI], "rad/s": ["°/s", 180 / Math.PI], "rad/s2": ["°/s²", 180 / Math.PI], "N.m": ["N·m", 1],
   "N.m.s": ["N·m·s", 1], "N.s": ["N·s", 1], "m/s2": ["m/s²", 1], "m2/s": ["m²/s", 1], 1: ["–", 1], "": ["–", 1] };
 
-// Unit and factor in which a signal is shown.
+// Displayed unit of a signal and its factor.
 function shownUnit(name, given) {
   if (given === "1" && /(^|\.)strain/.test(name)) return ["µm/m", 1e6];
   return SHOWN_UNITS[given] || [given.replaceAll(".", "·"), 1];
@@ -26,7 +26,7 @@ function adoptTables() {
 }
 adoptTables();
 
-// Everything there is of a signal: this run solid, other runs dashed, tables as dots.
+// All curves of a signal: this run solid, other runs dashed, tables as dots.
 function sourcesOf(name) {
   const { factor } = signals.get(name), scaled = values => values.map(value => (value === null ? null : factor * value));
   const found = [];
@@ -40,7 +40,7 @@ function sourcesOf(name) {
   return found;
 }
 
-// Numbers at an axis.
+// Tick labels of an axis.
 const ticked = (plot, ticks) => ticks.map(tick => {
   const text = String(+tick.toPrecision(10));
   return (text.length > 8 ? tick.toExponential(1) : text).replace(/-/g, "−");
@@ -54,7 +54,7 @@ const rangeOf = (plot, low, high) => {
 };
 
 const charts = [];
-let zoomed = null; // times that the plots show, where not all
+let zoomed = null; // range of time of the plots, `null` for all
 
 class Chart {
   constructor(names) {
@@ -67,7 +67,7 @@ class Chart {
     this.build();
   }
 
-  // At most two units have an axis: a third starts a plot of its own.
+  // A plot has axes for at most two units; a third unit starts a new plot.
   add(name) {
     const units = new Set([...this.names, name].map(other => signals.get(other).unit));
     if (units.size > 2) { charts.push(new Chart([name])); return; }
@@ -87,7 +87,7 @@ class Chart {
       const chip = document.createElement("button");
       chip.type = "button";
       chip.textContent = `${name} ×`;
-      chip.setAttribute("aria-label", `Take ${name} out of the plot`);
+      chip.setAttribute("aria-label", `Remove ${name} from the plot`);
       chip.addEventListener("click", () => { this.names = this.names.filter(other => other !== name); if (this.names.length) this.build(); else this.remove(); });
       return chip;
     }));
@@ -135,7 +135,7 @@ class Chart {
     watchCharts();
   }
 
-  // What a live simulation has sent of the signals, within the window and a little around it.
+  // Samples of a live simulation within the window of time and a margin.
   recent() {
     const [low, high] = zoomed || plotWindow(), { times } = main;
     const from = Math.max(0, indexAt(times, low) - 1), to = Math.min(times.length, indexAt(times, high) + 2);
@@ -158,7 +158,7 @@ class Chart {
     this.keep();
   }
 
-  // The line and the legend go with the time.
+  // The line and the legend show the present time.
   keep() {
     const time = main.timeAt(main.position), { plot, line } = this, left = plot.valToPos(time, "x");
     line.style.display = left >= -1 && left <= plot.over.clientWidth + 1 ? "" : "none";
@@ -167,7 +167,7 @@ class Chart {
   }
 }
 
-// Of the runs of a sweep: the median dashed, the others as edges of areas, without a line in the legend.
+// Curves of a sweep: the median dashed, the others as edges of areas, without an entry in the legend.
 const bandSeries = ({ label, name, ink, fraction }) => ({
   label, scale: signals.get(name).unit, stroke: fraction === 0.5 ? ink : `${ink}60`, width: fraction === 0.5 ? 1 : 0.6, dash: fraction === 0.5 ? [2, 3] : undefined,
   spanGaps: true, points: { show: false }, class: "extreme",
@@ -181,7 +181,7 @@ function bandFills(found, bands) {
   return fills;
 }
 
-// What the names of an axis have in common: `fold.angle` and `tip_fold.angle` are angles.
+// Common ending of the names on an axis: `fold.angle` and `tip_fold.angle` are angles.
 function quantity(names) {
   const ends = new Set(names.map(name => name.split(".").slice(1).join(".") || name));
   if (ends.size === 1) return [...ends][0].replaceAll(".", " ").replaceAll("_", " ");
@@ -194,7 +194,7 @@ function indexAt(times, time) {
   while (low < high) { const middle = (low + high + 1) >> 1; if (times[middle] <= time + 1e-9) low = middle; else high = middle - 1; }
   return low;
 }
-// Where a row belongs to another run or table: the last value before it.
+// If a row belongs to another run or table: the last value before it.
 function nearest(values, at) {
   for (let i = at; i >= 0; i--) if (values[i] !== null && values[i] !== undefined) return values[i];
   return NaN;
@@ -221,13 +221,13 @@ function drawEvents(plot, ink) {
 const EVENT_INKS = { latch: "#2e9e5b", open: "#8b98a5", release: "#d97706", hold: "#b45309", gust: "#0284c7" };
 const eventsSeen = () => about.events.filter(event => event.t >= main.timeOf(0) - 1e-9 && event.t <= main.timeOf(main.last) + 1e-9);
 
-// All plots show the same times.
+// All plots have the same range of time.
 let spreading = false;
 function spread(from, low, high) {
   if (spreading || low === null || high === null) return;
   spreading = true;
   const whole = [main.timeOf(0), main.timeOf(main.last)], slack = 1e-6 * main.duration;
-  // of a live run a double click shows all that was sent, and goes on with the window
+  // in a live run a double click resets the range to the moving window
   if (live) [whole[0], whole[1]] = [Math.max(main.times[0] || 0, whole[0]), Math.min(whole[1], main.times[main.times.length - 1] || 0)];
   zoomed = low <= whole[0] + slack && high >= whole[1] - slack ? null : [low, high];
   for (const chart of charts) if (chart !== from && chart.plot) chart.plot.setScale("x", { min: low, max: high });
@@ -235,7 +235,7 @@ function spread(from, low, high) {
   for (const chart of charts) if (chart.plot) chart.keep();
 }
 
-// First plots: angles, strains, what acts at the root or the energies, as far as they are recorded.
+// Initial plots: angles, strains, loads at the root or energies, as far as they are recorded.
 function buildPlots() {
   const names = [...signals.keys()], list = get("signal-names");
   list.replaceChildren(...names.map(name => new Option(signals.get(name).unit, name)));
@@ -245,7 +245,7 @@ function buildPlots() {
     names.includes("energy.kinetic") ? ["energy.kinetic", "energy.elastic", "energy.total"].filter(name => names.includes(name)) : [],
   ].filter(group => group.length);
   if (!wanted.length && names.length) wanted.push(names.slice(0, 3));
-  // what is measured and not computed has a plot of its own
+  // columns of tables without a computed counterpart have separate plots
   const computed = new Set(runs.flatMap(run => run.about.signals.map(([name]) => name)));
   const measured = names.filter(name => !computed.has(name)).slice(0, 4);
   if (measured.length) wanted.push(measured);

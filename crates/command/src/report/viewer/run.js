@@ -3,7 +3,7 @@
 
 const get = id => document.getElementById(id);
 
-// Little-endian single precision, whatever the machine is.
+// Decodes little-endian single-precision numbers on any computer.
 function numbersOf(text) {
   const bytes = Uint8Array.from(atob(text.trim()), letter => letter.charCodeAt(0));
   if (new Uint8Array(new Uint16Array([1]).buffer)[0] === 1) return new Float32Array(bytes.buffer);
@@ -13,7 +13,7 @@ function numbersOf(text) {
 
 const PER_SECTION = 16, PER_STATION = 12, PER_LOAD = 6;
 
-// Where things stand in the part of a frame that has the same length in all frames.
+// Offsets in the part of a frame that has the same length in all frames.
 function layoutOf(about) {
   let next = 0;
   const take = count => { const begin = next; next += count; return begin; };
@@ -71,7 +71,7 @@ class Run {
     return low + (time - this.timeOf(low)) / (this.timeOf(high) - this.timeOf(low));
   }
 
-  // The fixed part between two frames; lengths of axes are put right again by `section`.
+  // Interpolates the fixed part between two frames; `section` normalises the axes.
   goTo(position) {
     this.position = position;
     const before = Math.min(Math.floor(position), this.last), after = Math.min(before + 1, this.last);
@@ -81,7 +81,7 @@ class Run {
     for (let i = 0; i < this.about.joints.length; i++) present[this.layout.latched + i] = numbers[a + this.layout.latched + i];
   }
 
-  // Section of a body now, or at a frame: position, axes y and z, velocity of the axis, measures (γ, k₁, k₂, k₃).
+  // Section of a body at the present time or at a frame: position, axes y and z, velocity of the axis, measures (γ, k₁, k₂, k₃).
   section(body, index, frame) {
     const list = frame === undefined ? this.present : this.numbers;
     const place = (frame === undefined ? 0 : this.about.begins[frame]) + this.layout.bodies[body] + PER_SECTION * index;
@@ -128,7 +128,7 @@ const unit = a => { const length = Math.hypot(...a) || 1; return a.map(c => c / 
 const mix = (a, b, share) => a.map((c, i) => c + share * (b[i] - c));
 const pointOf = (s, [y, z]) => plus(plus(s.at, s.y, y), s.z, z);
 
-// A run that goes on: frames come from a socket, and the oldest are forgotten. Rows of signals have times of their own.
+// A run in progress: frames arrive from a socket, and the oldest are removed. Rows of signals have separate times.
 const MOST_NUMBERS = 8_000_000, MOST_FRAMES = 1800, MOST_SAMPLES = 40_000;
 class LiveRun extends Run {
   constructor(about, numbers, label, index) {
@@ -140,7 +140,7 @@ class LiveRun extends Run {
     this.samples = new Map(); // by name: values at `times`, null where they were not asked for
   }
 
-  // The times of the plots, and of one signal its values.
+  // Values of one signal; column 0 is the time.
   signal(column) {
     if (column === 0) return this.times;
     return this.samples.get(this.about.signals[column - 1][0]) || Array(this.times.length).fill(null);
@@ -217,20 +217,20 @@ const besides = JSON.parse(get("beside").textContent);
 // A page of a live simulation has a run that goes on.
 const live = (element => element && JSON.parse(element.textContent))(document.querySelector("script.live"));
 const RunKind = live ? LiveRun : Run;
-// A page with an editor starts the viewer for one run after another, with what stays: `again`, which is `null` in other pages.
+// A page with an editor starts the viewer for one run after another and passes what is kept as `again`, which is `null` in other pages.
 const sources = again ? [again] : [...document.querySelectorAll("script.run")].map(element =>
   ({ about: JSON.parse(element.textContent), numbers: numbersOf(element.nextElementSibling.textContent) }));
 const runs = sources.map(({ about, numbers }, i) => new RunKind(about, numbers, i ? besides.runs[i - 1] : "this run", i));
-// Of what outlives a run, listeners end with it.
+// Listeners on objects that outlive a run are removed with it.
 const listening = again ? { signal: again.signal } : {};
 
-// A page of mode shapes has no run: its frames are states, about which `modes.js` makes those of the mode that is shown.
+// A page of mode shapes has no run: its frames are states, from which `modes.js` computes the frames of the selected mode.
 const modal = (element => element && { ...JSON.parse(element.textContent), numbers: numbersOf(element.nextElementSibling.textContent) })(document.querySelector("script.modes"));
 const still = modal ? runs[0] : null;
 if (modal) runs[0] = new Run({ ...still.about, begins: [0], rows: [[]] }, still.numbers, still.label, 0);
 if (modal) {
   runs[0].label = "mode";
-  // the state stays behind the mode as a ghost
+  // the state is drawn as a ghost
   runs.push(Object.assign(still, { label: "state", index: 1, ink: "#8b98a5" }));
 }
 const main = runs[0], about = main.about;
@@ -247,7 +247,7 @@ function addTable(label, names, rows, numbers, recorded) {
   addTable(label, names, rows, numbersOf(element.textContent), recorded);
 });
 
-// Extents over a run: of the machine at the start, of all that it reaches, of what is painted.
+// Extents over a run: of the machine at the start and of its whole motion.
 function extentsOf(run) {
   const least = [Infinity, Infinity, Infinity], most = [-Infinity, -Infinity, -Infinity], points = [];
   const { about, layout, numbers } = run;
@@ -270,7 +270,7 @@ function extentsOf(run) {
     if (frame === 0) wing = Math.hypot(...most.map((c, i) => c - least[i]));
   }
   if (live) {
-    // the motion is unknown: the length of the unfolded machine in all directions
+    // the motion is unknown: use the length of the unfolded machine in all directions
     const reach = Math.max(live.reach_m - wing, 0.15 * wing);
     least.forEach((c, i) => { least[i] = c - reach; });
     most.forEach((c, i) => { most[i] = c + reach; });
@@ -280,13 +280,13 @@ function extentsOf(run) {
   return { least, most, points, size, wing: Math.max(wing, 1e-6) };
 }
 
-// Place of a mass now or at a frame.
+// Position of a mass at the present time or at a frame.
 function massPlace(run, mass, frame) {
   const s = sectionAt(run, mass.body, mass.place, frame);
   return [0, 1, 2].map(i => s.at[i] + mass.offset[0] * cross(s.y, s.z)[i] + mass.offset[1] * s.y[i] + mass.offset[2] * s.z[i]);
 }
 
-// Section anywhere on a body, between those that are recorded.
+// Section at any position on a body, interpolated between the recorded ones.
 function sectionAt(run, body, place, frame) {
   const places = run.about.bodies[body].places;
   let i = 0;

@@ -7,7 +7,7 @@ const canvas = get("view");
 const styleOf = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const WIDTH = Math.max(extents.wing, 1e-6);
 
-// Asked for before the library is: it writes to the console where there is no WebGL.
+// Checked before the library starts, which writes to the console if WebGL is missing.
 const hasWebGL = Boolean(again?.renderer) || (() => {
   const probe = document.createElement("canvas").getContext("webgl2");
   probe?.getExtension("WEBGL_lose_context")?.loseContext();
@@ -19,7 +19,7 @@ const sun = new THREE.DirectionalLight(0xffffff, 1.5);
 const renderer = again?.renderer || (hasWebGL ? makeRenderer() : null);
 
 function makeRenderer() {
-  THREE.ColorManagement.enabled = false; // colours are those of the scales
+  THREE.ColorManagement.enabled = false; // displayed colours equal those of the scales
   const made = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
   made.outputColorSpace = THREE.LinearSRGBColorSpace;
   made.shadowMap.enabled = true;
@@ -33,7 +33,7 @@ const gridLines = lines(new THREE.LineBasicMaterial({ transparent: true, opacity
 const shade = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.ShadowMaterial({ depthWrite: false }));
 const gridLabels = [];
 
-// Line segments whose points are set later.
+// Line segments; `setPoints` sets their points.
 function lines(material) {
   const found = new THREE.LineSegments(new THREE.BufferGeometry(), material);
   found.frustumCulled = false;
@@ -49,7 +49,7 @@ function setPoints(object, points) {
   object.geometry.setDrawRange(0, points.length);
 }
 
-// Pictures of texts, which outlive a run where there is another.
+// Textures of labels, which the next run in the page reuses.
 const textPictures = again?.textPictures || new Map();
 function textPicture(text, pixels) {
   const key = `${pixels} ${text}`;
@@ -69,7 +69,7 @@ function textPicture(text, pixels) {
   return map;
 }
 
-// A text that faces the eye, of a height in pixels of the page.
+// A label that faces the camera, with a height in pixels of the page.
 function sign(text, pixels = 13) {
   const map = textPicture(text, pixels);
   const material = new THREE.SpriteMaterial({ map, transparent: true, depthTest: true, depthWrite: false });
@@ -144,7 +144,7 @@ function buildLights() {
   scene.add(sun, sun.target, new THREE.HemisphereLight(0xffffff, 0xb8c0c8, 1.75));
 }
 
-// The sun goes with the machine, so that the shadow's grain stays the same wherever it flies.
+// The light moves with the machine, so that the resolution of its shadow is constant.
 function aimSun(middle, radius) {
   const [x, y, z] = middle;
   sun.target.position.set(x, y, z);

@@ -31,6 +31,7 @@ pub struct BodyBuilder {
     pub(super) name: String,
     pub(super) length_m: f64,
     section: SectionLaw,
+    aerofoil: Vec<[f64; 2]>,
     element: ElementKind,
     elements: usize,
     natural_strain: NaturalStrain,
@@ -53,6 +54,7 @@ impl Body {
             name: name.into(),
             length_m,
             section: section.into(),
+            aerofoil: Vec::new(),
             element: ElementKind::Linear,
             elements: 0,
             natural_strain: [0.0; STRAINS].into(),
@@ -107,6 +109,12 @@ impl BodyBuilder {
     /// Number of elements along the body: 1 to 1000. Required.
     pub fn elements(self, elements: usize) -> Self {
         Self { elements, ..self }
+    }
+
+    /// Outline of the aerofoil whose skin is the section, used in pictures only: points `[x, z]` as fractions of the chord, `x` from the
+    /// leading edge, from the trailing edge over one side to the leading edge and back along the other. Default: none.
+    pub fn aerofoil(self, outline: impl Into<Vec<[f64; 2]>>) -> Self {
+        Self { aerofoil: outline.into(), ..self }
     }
 
     /// Kind of strain element. Default [`ElementKind::Linear`].
@@ -193,6 +201,7 @@ impl BodyBuilder {
             name: self.name.clone(),
             length_m: self.length_m,
             section: self.section.clone(),
+            aerofoil: self.aerofoil.clone(),
             element: self.element,
             elements: self.elements,
             natural_strain: self.natural_strain.clone(),

@@ -1,0 +1,189 @@
+"""Aerofoils, tower, nacelle and hub in the page that plays a run."""
+
+import shutil
+import subprocess
+
+import pytest
+from conftest import ROOT
+from test_viewer import settled
+
+FILES = {name: ROOT / f"examples/{path}.toml" for name, path in {
+    "goland_wing": "models/goland_wing", "flared_wing_tip": "models/flared_wing_tip", "folding_wing_in_tunnel": "models/folding_wing_in_tunnel",
+    "nrel_5mw": "turbine/nrel_5mw", "nrel_5mw_wind": "turbine/nrel_5mw_wind"}.items()}
+STOP_S = {"nrel_5mw": "1", "nrel_5mw_wind": "0.4", "folding_wing_in_tunnel": "0.05"}
+
+# A wing of sections whose skin is NACA 2412, in the wind.
+PROFILE = """
+name = "profile_wing"
+[section.skin]
+shape = "profile"
+chord_m = 0.5
+aerofoil = "naca2412"
+skin_wall_m = 1e-3
+material = "aluminium 2024-T3"
+[body.wing]
+length_m = 3.0
+section = "skin"
+elements = 3
+[joint.clamp]
+type = "clamped"
+parent = "root"
+child = "wing"
+[aerodynamics]
+model = "strip"
+density_kg_m3 = 1.2
+wind_m_s = [0.0, -30.0, 0.0]
+[surface.wing]
+body = "wing"
+chord_m = 0.5
+strips = 6
+[simulation]
+stop_time_s = 0.1
+step_s = 0.01
+"""
+
+# Vertices of the aerofoil of surface 0 as [x along the chord, height over it, height of the normal], for the edges of strip 2.
+AEROFOIL = """(() => {
+  const shape = shapes.find(one => one instanceof SurfaceShape), { position, normal } = shape.mesh.geometry.attributes;
+  const intervals = about.aerofoils[0].stations.length - 1, strip = 2, found = [[], []];
+  const nose = shape.corner(strip, 0), chord = plus(shape.corner(strip, 1), nose, -1), span = plus(shape.corner(strip + 1, 0), nose, -1);
+  const length = Math.hypot(...chord), up = unit(cross(chord, span));
+  for (const side of [0, 1]) for (let k = 0; k < intervals; k++) for (let corner = 0; corner < 4; corner++) {
+    const q = 4 * (2 * intervals * strip + side * intervals + k) + corner, at = plus(vector(position.array, 3 * q), nose, -1);
+    if (Math.abs(dot(at, unit(span))) > 0.02 * Math.hypot(...span)) continue;
+    found[side].push([dot(at, chord) / length ** 2, dot(at, up) / length, dot(vector(normal.array, 3 * q), up)]);
+  }
+  return found;
+})()"""
+
+
+@pytest.fixture(scope="module")
+def pages(foldwing, tmp_path_factory):
+    """Pages of two wings, a plate in the tunnel, turbines, and a wing of profiles."""
+    folder = tmp_path_factory.mktemp("solids")
+    (folder / "profile_wing.toml").write_text(PROFILE, encoding="utf-8")
+    for name, file in {**FILES, "profile_wing": folder / "profile_wing.toml"}.items():
+        stop = ["--stop", STOP_S[name]] if name in STOP_S else []
+        subprocess.run([foldwing, "simulate", file, "--quiet", *stop, "--view", folder / f"{name}.html"], check=True)
+    return folder
+
+
+def opened(browser, page):
+    """Opens a page at half of its run."""
+    browser.open(page)
+    browser.value("play(false), seek(Math.floor(main.last / 2)), true")
+    settled(browser)
+
+
+def test_f383_aerofoils_have_the_thickness_of_the_legend(browser, pages):
+    """F-383. Goland's wing, without outline: symmetric, 12 % thick to 1 % (positions along the chord are 9), closed at both edges, normals outward; one draw call
+    for it, the rod in it is not drawn; the legend names the assumption, and without aerofoils it does not.
+    """
+    opened(browser, pages / "goland_wing.html")
+    upper, lower = browser.value(AEROFOIL)
+    heights = {round(x, 3): height for x, height, _ in upper}
+    assert max(heights.values()) == pytest.approx(0.06, rel=0.01)
+    assert heights[0.0] == pytest.approx(0.0, abs=1e-6) and heights[1.0] == pytest.approx(0.0, abs=1e-6)
+    assert {round(x, 3): pytest.approx(-height, abs=1e-6) for x, height, _ in lower} == heights
+    assert all(normal > 0 for x, _, normal in upper if x > 0.01) and all(normal < 0 for x, _, normal in lower if x > 0.01)
+    assert browser.value("get('notes').textContent") == "Aerofoils: symmetric, 12 % thick where the model has no outline or thickness."
+    assert browser.value("shapes.filter(one => one instanceof BodyShape).every(one => !one.mesh.visible)") and browser.value("get('body-scale').hidden")
+    browser.value("get('aerofoils').click(), true")
+    settled(browser)
+    assert browser.value("shapes.every(one => one.mesh.visible) && get('notes').hidden")
+    assert browser.complaints() == []
+
+
+def test_f384_profiles_have_their_outline(browser, pages):
+    """F-384. A wing of NACA 2412 sections: camber line and thickness of the four-digit series at the positions along the chord, 2e-3 of the chord (straight
+    lines between 100 points); no note.
+    """
+    opened(browser, pages / "profile_wing.html")
+    upper, lower = ({round(x, 3): height for x, height, _ in side} for side in browser.value(AEROFOIL))
+    assert browser.value("get('aerofoils').checked && get('notes').hidden")
+    for x in upper:
+        camber = 0.125 * (0.8 * x - x * x) if x < 0.4 else 0.02 / 0.36 * (0.2 + 0.8 * x - x * x)
+        assert 0.5 * (upper[x] + lower[x]) == pytest.approx(camber, abs=2e-3), x
+    assert max(upper[x] - lower[x] for x in upper) == pytest.approx(0.12, abs=2e-3)
+    assert browser.complaints() == []
+
+
+def test_f385_spars_stay_visible(browser, pages):
+    """F-385. A spar with an outline, and plates, are drawn as before; the box of the display list draws the aerofoils around the spar, and taking
+    its mark away restores the picture to the pixel.
+    """
+    pixels = "(() => { render(); return canvas.toDataURL(); })()"
+    opened(browser, pages / "flared_wing_tip.html")
+    assert not browser.value("get('aerofoils').checked || get('aerofoils-label').hidden")
+    before = browser.value(pixels)
+    assert browser.value(pixels) == before, "two pictures of one time are the same"
+    browser.value("get('aerofoils').click(), true")
+    settled(browser)
+    assert browser.value(pixels) != before and browser.value("!get('notes').hidden")
+    assert browser.value("shapes.filter(one => one instanceof BodyShape).every(one => !one.mesh.visible)")
+    browser.value("get('glass').click(), true")
+    settled(browser)
+    assert browser.value("shapes.every(one => one.mesh.visible)"), "see-through aerofoils show the spar"
+    browser.value("get('glass').click(), get('aerofoils').click(), true")
+    settled(browser)
+    assert browser.value(pixels) == before
+    opened(browser, pages / "folding_wing_in_tunnel.html")
+    assert browser.value("get('aerofoils-label').hidden && get('notes').hidden")
+    assert browser.complaints() == []
+
+
+def test_f386_a_turbine_has_tower_nacelle_and_hub(browser, pages):
+    """F-386. The 5 MW turbine: hub and nacelle lie where their bodies are, turned with them; the tower has the proportion of the legend, and with
+    `[tower]` its diameters; blades in the wind are round at the root. One draw call for hub and nacelle.
+    """
+    opened(browser, pages / "nrel_5mw.html")
+    parts = browser.value("about.solids.map(({ part, body }) => [part, about.bodies[body].name])")
+    assert parts == [["hub", "hub"], ["nacelle", "nacelle"]]
+    off = browser.value("""(() => {
+      const shape = shapes.find(one => one instanceof SolidShape), { array } = shape.mesh.geometry.attributes.position;
+      let next = 0, most = 0;
+      for (const { body, triangles } of shape.parts) {
+        const s = main.section(body, 0), x = cross(s.y, s.z);
+        for (const { at } of triangles) {
+          const place = vector(array, next), from = plus(place, s.at, -1);
+          most = Math.max(most, Math.hypot(dot(from, x) - at[0], dot(from, s.y) - at[1], dot(from, s.z) - at[2]));
+          next += 3;
+        }
+      }
+      return most;
+    })()""")
+    assert off < 1e-4, "single precision at 90 m"
+    tower = "about.bodies.find(body => body.name === 'tower').rims"
+    assert browser.value(f"{tower}[0][0][0]") == pytest.approx(0.034 * 87.6) and "not in the model" in browser.value("get('notes').textContent")
+    calls = browser.value("render(), renderer.info.render.calls")
+    browser.value("shapes.find(one => one instanceof SolidShape).run = { ...main, shown: false, section: main.section }, true")
+    assert calls - browser.value("render(), renderer.info.render.calls") in (1, 2), "one, and one for its shadow"
+    opened(browser, pages / "nrel_5mw_wind.html")
+    root = browser.value("about.aerofoils[0].upper.map((upper, c) => Math.max(...upper.map((height, k) => height - about.aerofoils[0].lower[c][k])))")
+    assert root[0] == pytest.approx(1.0, abs=0.01) and root[-1] == pytest.approx(0.18, rel=0.02)
+    assert browser.complaints() == []
+
+
+def test_f387_frames_have_the_height_of_their_content(browser, tmp_path):
+    """F-387. A page in a frame of the documentation sends its height where it is in one column, and the frame takes it; a message of another
+    window, or without a number, changes nothing.
+    """
+    shutil.copy(ROOT / "tools/site/frames.js", tmp_path)
+    script = (ROOT / "crates/web/page/editor.js").read_text(encoding="utf-8")
+    sender = script[script.index("// In a frame of the documentation"):]
+    (tmp_path / "inner.html").write_text(f"<!doctype html><body style='margin:0'><div style='height:1234px'></div><script>{sender}</script>", encoding="utf-8")
+    (tmp_path / "outer.html").write_text("<!doctype html><iframe class='live-model' style='border:0' width='360' src='inner.html'></iframe><script src='frames.js'></script>", encoding="utf-8")
+    height = "document.querySelector('iframe').style.height"
+    browser.open(tmp_path / "outer.html", 390, 800)
+    for _ in range(200):
+        if browser.value(height):
+            break
+    assert browser.value(height) == "1236px"
+    browser.value("postMessage({ foldwingHeight: 99 }, '*'), postMessage({ other: 1 }, '*'), postMessage('x', '*'), true")
+    browser.value("new Promise(done => setTimeout(done, 50))")
+    assert browser.value(height) == "1236px"
+    browser.value("document.querySelector('iframe').width = 1000, true")
+    for _ in range(200):
+        if not browser.value(height):
+            break
+    assert browser.value(height) == "", "in two columns it has the height of the frame"
