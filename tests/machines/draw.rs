@@ -267,7 +267,10 @@ pub fn body(dice: &mut Dice, draft: &mut Draft, kind: Kind, count: Option<usize>
             if dice.once_in(4) {
                 table.set("stiffness_damping_factors", vec![1.0, dice.number(0.0, 2.0), 1.0, dice.number(0.5, 1.5)]);
             }
-            // without drawing a random number, so that everything else is unchanged
+            // without drawing a random number, so that everything else is unchanged; modes of round sections come in pairs
+            if digits(length_m) % 4 == 1 {
+                table.set("modal_damping_ratios", vec![0.03, 0.03]);
+            }
             if digits(length_m).is_multiple_of(3) {
                 table.set("shear", true);
                 outlined = false; // strains normal to the axis are not recovered
@@ -887,6 +890,29 @@ fn linkage(dice: &mut Dice, draft: &mut Draft) {
         }
         draft.add(closure);
         draft.loops.push(name.to_owned());
+    }
+    // without drawing a random number, so that everything else is unchanged
+    let draws = digits(angle_deg);
+    if draws.is_multiple_of(2) {
+        // a soft tie from the middle of the crank to the root, in either order
+        let at = Vector3::new(angle_deg.to_radians().cos(), 0.0, angle_deg.to_radians().sin()) * 0.15;
+        let mut ends =
+            [("b0", 0.15, Value::Polar(Vector3::zeros(), Frame::Body)), ("root", 0.0, Value::Polar(at, Frame::Root))];
+        if draws.is_multiple_of(4) {
+            ends.reverse();
+        }
+        let [(first, first_m, first_offset), (second, second_m, second_offset)] = ends;
+        let mut tie = Table::new("loop.l2")
+            .with("bodies", vec![first, second])
+            .with("positions_m", vec![first_m, second_m])
+            .with("offsets_m", Value::List(vec![first_offset, second_offset]))
+            .with("stiffness_N_m", 30.0)
+            .with("damping_N_s_m", 0.2);
+        if draws % 3 == 0 {
+            tie.set("inertia_kg", 0.01);
+        }
+        draft.add(tie);
+        draft.loops.push("l2".to_owned());
     }
 }
 

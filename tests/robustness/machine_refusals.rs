@@ -14,6 +14,10 @@ use foldwing::machine::builder::{GustBuilder, MachineBuilder};
 use foldwing::machine::*;
 use nalgebra::{Matrix3, Vector3};
 
+fn on(index: usize, position_m: f64) -> LoopEnd {
+    LoopEnd::Body { index, position_m }
+}
+
 fn plate() -> Solid {
     Solid::rectangle(0.05, 0.002, Material::isotropic(2.83e9, 0.3, 1425.0))
 }
@@ -462,10 +466,15 @@ fn gauges_and_loops() {
             (|m| cut(m, 0, -1e-3), "internal_load \"cut\", position_m", "a length from 0 to 0.15 m"),
             (|m| cut(m, 0, NAN), "internal_load \"cut\", position_m", "a length from 0 to 0.15 m"),
             (|m| cut(m, 0, 0.15), "internal_load \"cut\", side", "there is no part outboard of it"),
-            (|m| m.closures[0].places[1].0 = 9, "loop \"pin\", bodies", "one of the 6 bodies"),
-            (|m| m.closures[0].places[1].1 = 0.2, "loop \"pin\", positions_m", "\"outer\" is 0.15 m long"),
-            (|m| m.closures[0].places = [(0, 0.1); 2], "loop \"pin\", positions_m", "one is joined to itself"),
-            (|m| m.closures[0].places[1].1 = 0.01, "loop \"pin\"", "points that coincide"),
+            (|m| m.closures[0].ends[1] = on(9, 0.0), "loop \"pin\", bodies", "one of the 6 bodies"),
+            (|m| m.closures[0].ends[1] = on(1, 0.2), "loop \"pin\", positions_m", "\"outer\" is 0.15 m long"),
+            (|m| m.closures[0].ends = [on(0, 0.1); 2], "loop \"pin\", positions_m", "one is joined to itself"),
+            (|m| m.closures[0].ends = [LoopEnd::Root; 2], "loop \"pin\", bodies", "both points are on the root"),
+            (|m| m.closures[0].ends[1] = LoopEnd::Root, "loop \"pin\"", "points that coincide"),
+            (|m| m.closures[0].ends[1] = on(1, 0.01), "loop \"pin\"", "points that coincide"),
+            (|m| m.bodies[0].modal_damping_ratios = vec![-0.1], "body \"inner\", modal_damping_ratios", "ratios >= 0"),
+            (|m| m.bodies[0].modal_damping_ratios = vec![NAN], "body \"inner\", modal_damping_ratios", "ratios >= 0"),
+            (|m| m.bodies[0].modal_damping_ratios = vec![0.1; 13], "body \"inner\", modal_damping_ratios", "up to"),
             (|m| m.closures[0].offsets_m[0].x = NAN, "loop \"pin\", offsets_m", "6 finite lengths"),
             (|m| m.closures[0].stiffness_n_m = 0.0, "loop \"pin\", stiffness_n_m", "a finite stiffness > 0 N/m"),
             (|m| m.closures[0].damping_n_s_m = -1.0, "loop \"pin\", damping_n_s_m", ">= 0 N·s/m"),
@@ -733,8 +742,8 @@ fn parts_by_name() {
         (inner().gauge(Gauge::on("g", "inner", 0.0).direction([0.0; 3])), "gauge \"g\", direction: [0, 0, 0]"),
         (inner().closure(Closure::between("pin", ["inner", "x"], 1.0)), "loop \"pin\", bodies: \"x\""),
         (
-            inner().closure(Closure::between("pin", ["root", "inner"], 1.0)),
-            "two bodies: a loop cannot be closed on the root",
+            inner().closure(Closure::between("pin", ["root", "inner"], 1.0).positions_m([0.1, 0.1])),
+            "loop \"pin\", positions_m: [0.1, 0.1]",
         ),
         (
             inner().surface(LiftingSurface::on("inner", 4)),

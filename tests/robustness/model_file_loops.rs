@@ -2,8 +2,12 @@
 
 use crate::model_file::{MODEL, message_of};
 use foldwing::config;
-use foldwing::machine::Closure;
+use foldwing::machine::{Closure, LoopEnd};
 use nalgebra::Vector3;
+
+fn on(index: usize, position_m: f64) -> LoopEnd {
+    LoopEnd::Body { index, position_m }
+}
 
 /// A loop appended to the small model, whose fold joint starts at `fold_deg`; its table is on line 55.
 fn model(fold_deg: f64, lines: &str) -> String {
@@ -27,7 +31,7 @@ fn accepted_loops_mean_what_they_say() {
         machine.closures,
         [Closure {
             name: "pin".into(),
-            places: [(0, 0.05), (1, 0.1)],
+            ends: [on(0, 0.05), on(1, 0.1)],
             offsets_m: [Vector3::new(0.0, 0.0, 0.01), Vector3::new(-0.2, 0.0, 0.01)],
             inertia_kg: 1e-3,
             damping_n_s_m: 20.0,
@@ -43,7 +47,7 @@ fn defaults_of_a_loop() {
     let lines = "bodies = [\"outer\", \"inner\"]\noffsets_m = [[-0.1, 0, 0], [0, 0, 0]]\nstiffness_N_m = 1e5";
     let machine = config::parse(&model(0.0, lines), "wing.toml").unwrap_or_else(|error| panic!("{error}"));
     let closure = &machine.closures[0];
-    assert_eq!(closure.places, [(1, 0.1), (0, 0.15)]);
+    assert_eq!(closure.ends, [on(1, 0.1), on(0, 0.15)]);
     assert_eq!((closure.inertia_kg, closure.damping_n_s_m), (0.0, 0.0));
 }
 
@@ -57,9 +61,13 @@ fn bodies_of_a_loop() {
     );
     assert_eq!(
         message(&CLOSED.replace("outer", "root")),
-        "wing.toml:57: key 'loop.pin.bodies': [\"inner\", \"root\"] is not allowed; allowed: two bodies: a \
-         loop cannot be closed on the root. Attach one of the bodies by a joint with parent = \"root\" and close \
-         the loop between two bodies"
+        "wing.toml:58: key 'loop.pin.positions_m': [0.05, 0.1] is not allowed; allowed: 0 for the root: the point is \
+         fixed in the root frame at its offset in offsets_m"
+    );
+    assert_eq!(
+        message(&CLOSED.replace("outer", "root").replace("inner", "root").replace("[0.05, 0.1]", "[0, 0]")),
+        "wing.toml:57: key 'loop.pin.bodies': [\"root\", \"root\"] is not allowed; allowed: one body at least: both \
+         points are on the root"
     );
     assert_eq!(
         message("bodies = [\"inner\", \"inner\"]\nstiffness_N_m = 1e5"),
@@ -74,7 +82,7 @@ fn bodies_of_a_loop() {
     assert_eq!(
         message(&CLOSED.replace("[\"inner\", \"outer\"]", "[\"inner\"]")),
         "wing.toml:57: key 'loop.pin.bodies': [\"inner\"] is not allowed; allowed: an array of 2 names of \
-         bodies"
+         bodies, or of a body and \"root\""
     );
 }
 
@@ -156,7 +164,33 @@ fn a_ring_is_a_loop() {
     let ring = model(0.0, "bodies = [\"inner\", \"inner\"]\npositions_m = [0, 0.15]\nstiffness_N_m = 1e5")
         .replace("load_stations = 4", "load_stations = 4\nnatural_curvature_1_m = [0, 0, 41.887902]");
     let machine = config::parse(&ring, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(machine.closures[0].places, [(0, 0.0), (0, 0.15)]);
+    assert_eq!(machine.closures[0].ends, [on(0, 0.0), on(0, 0.15)]);
+}
+
+/// A point on the root is at its offset in the root frame, in either place; positions are optional, and 0 for the root.
+#[test]
+fn a_loop_ends_on_the_root() {
+    for (lines, ends) in [
+        ("bodies = [\"outer\", \"root\"]\noffsets_m = [[0, 0, 0.01], [0.25, 0, 0.01]]", [on(1, 0.1), LoopEnd::Root]),
+        (
+            "bodies = [\"root\", \"inner\"]\npositions_m = [0, 0.1]\noffsets_m = [[0.1, 0, 0], [0, 0, 0]]",
+            [LoopEnd::Root, on(0, 0.1)],
+        ),
+    ] {
+        let text = model(0.0, &format!("{lines}\nstiffness_N_m = 1e5"));
+        let machine = config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(machine.closures[0].ends, ends);
+    }
+    // the point on the root is 0.01 m below that of the wing
+    let lines = "bodies = [\"outer\", \"root\"]\noffsets_m = [[0, 0, 0.01], [0.25, 0, 0]]\nstiffness_N_m = 1e5";
+    assert!(
+        message(lines).starts_with(
+            "wing.toml:56: key 'loop.pin': a gap of 0.010000 m, from the first point to the second [0.000000, 0.000000, \
+             -0.010000],"
+        ),
+        "{}",
+        message(lines)
+    );
 }
 
 /// No joint may have the name of the group of the loops' outputs.

@@ -81,6 +81,11 @@ pub(super) struct BodyFile {
     /// Factors on `stiffness_damping_s` for shear along `y` and `z`, for a body with `shear = true`; default 1 each.
     #[schemars(inner(range(min = 0.0)))]
     pub shear_damping_factors: Option<[f64; 2]>,
+    /// Damping ratios of the lowest modes of this body, in ascending frequency: clamped at its inner end, with its attached masses, unloaded and
+    /// in its natural shape. Modes beyond the list are not damped by them. Up to 12. The forces act on the rates of this body's strains.
+    #[serde(default)]
+    #[schemars(length(max = 12), inner(range(min = 0.0)))]
+    pub modal_damping_ratios: Vec<f64>,
     /// Number of load stations, at the centres of equal segments, default 4.
     #[schemars(range(min = 0, max = 1000))]
     pub load_stations: Option<usize>,
@@ -148,6 +153,7 @@ pub(super) fn build(name: &str, file: &BodyFile, law: Option<SectionLaw>, checke
         .stiffness_damping_s(file.stiffness_damping_s)
         .stiffness_damping_factors(file.stiffness_damping_factors.unwrap_or([1.0; STRAINS]))
         .shear_damping_factors(file.shear_damping_factors.unwrap_or([1.0; 2]))
+        .modal_damping_ratios(file.modal_damping_ratios.clone())
         .load_frame(file.load_frame.into());
     if file.shear_damping_factors.is_some() && !file.shear {
         checker.refuse(&["body", name, "shear_damping_factors"], "this key only on a body with shear = true");

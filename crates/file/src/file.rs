@@ -289,18 +289,19 @@ pub(super) struct TableSection {
     pub along: Option<SectionsAlong>,
 }
 
-/// Loop closure: connects two points of two bodies by the penalty force `m g̈ + c ġ + k g` on the gap `g` between them,
+/// Loop closure: connects two points, of two bodies or of a body and the root, by the penalty force `m g̈ + c ġ + k g` on the gap `g` between them,
 /// as a ball joint. Two loop closures on one axis form a hinge. A stiffer spring gives a smaller gap.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LoopFile {
-    /// The two bodies. A loop cannot be closed on the root.
-    #[schemars(extend("x-allowed" = "an array of 2 names of bodies"))]
+    /// The two bodies; `"root"` in place of one is a point fixed in the root frame, which moves with the root.
+    #[schemars(extend("x-allowed" = "an array of 2 names of bodies, or of a body and \"root\""))]
     pub bodies: [String; 2],
-    /// Distances of the sections from the inner ends of the bodies, default: their outer ends.
+    /// Distances of the sections from the inner ends of the bodies, 0 for the root; default: the outer ends.
     #[schemars(inner(range(min = 0.0)))]
     pub positions_m: Option<[f64; 2]>,
-    /// Offsets of the points from the beam axes, section frames. The points coincide at the start.
+    /// Offsets of the points from the beam axes, section frames; for the root its position in the root frame. The points coincide at the
+    /// start.
     #[serde(default)]
     #[schemars(extend("x-allowed" = "an array of 2 arrays of 3 finite lengths in m"))]
     pub offsets_m: [[f64; 3]; 2],

@@ -3,7 +3,9 @@
 use crate::counting_allocator::allocations;
 use crate::plant::machines::*;
 use foldwing::load::LoadFrame;
-use foldwing::machine::{Closure, ElementKind, JointKind, JointMotion, Machine, Method, Motion, SpatialFreedom};
+use foldwing::machine::{
+    Closure, ElementKind, JointKind, JointMotion, LoopEnd, Machine, Method, Motion, SpatialFreedom,
+};
 use nalgebra::Vector3;
 
 /// Allocations in a run of 0.3 s after its first step: inputs, loads, root motion and parameters change, the latch closes, opens and closes
@@ -99,7 +101,7 @@ fn a03_other_joints_bodies_and_methods_allocate_nothing() {
         let mut machine = shipped("double_pendulum.toml");
         machine.closures.push(Closure {
             name: "thread".into(),
-            places: [(0, 0.9), (1, 0.9)],
+            ends: [0, 1].map(|index| LoopEnd::Body { index, position_m: 0.9 }),
             offsets_m: [Vector3::zeros(); 2],
             inertia_kg: 0.1,
             damping_n_s_m: 1.0,

@@ -2,6 +2,7 @@
 //!
 //! Cases are numbered F-210 and on.
 
+mod braced_wing;
 mod flared_tip;
 mod roll_fold;
 mod slender_wing;

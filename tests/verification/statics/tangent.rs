@@ -323,11 +323,12 @@ fn s04_closed_loops() {
         let mut case = Case::new(seed, HINGES, [false; 4], seed == 9);
         let mut dice = Dice(seed);
         let mut closure = |first: usize, second: usize, stiffness_n_m: f64| Closure {
-            nodes: [case.model.bodies[first].last_node(), case.model.bodies[second].last_node()],
+            nodes: [first, second].map(|body| Some(case.model.bodies[body].last_node())),
             offsets_m: [dice.vector() * 0.1, dice.vector() * 0.1],
             penalty: Penalty { inertia_kg: 0.1, damping_n_s_m: 1.0, stiffness_n_m },
         };
-        case.model.closures = vec![closure(1, 3, 300.0), closure(0, 1, 80.0)];
+        case.model.closures = vec![closure(1, 3, 300.0), closure(0, 1, 80.0), closure(2, 2, 120.0)];
+        case.model.closures[2].nodes[seed as usize % 2] = None; // on the root
         let worst = case.worst_column();
 
         let n = case.model.coordinates;

@@ -428,8 +428,10 @@ impl LoopSummary {
     fn new(closure: &Closure, machine: &Machine) -> Self {
         Self {
             name: closure.name.clone(),
-            bodies: closure.places.map(|(body, _)| machine.bodies[body].name.clone()),
-            positions_m: closure.places.map(|(_, position_m)| position_m),
+            bodies: closure.ends.map(|end| {
+                end.on_body().map_or_else(|| "root".to_owned(), |(body, _)| machine.bodies[body].name.clone())
+            }),
+            positions_m: closure.ends.map(|end| end.on_body().map_or(0.0, |(_, position_m)| position_m)),
             stiffness_n_m: closure.stiffness_n_m,
             damping_n_s_m: closure.damping_n_s_m,
             inertia_kg: closure.inertia_kg,
@@ -437,10 +439,18 @@ impl LoopSummary {
     }
 
     fn text(&self) -> String {
-        let ([first, second], [at, on]) = (&self.bodies, self.positions_m);
+        let end = |side: usize| match self.bodies[side].as_str() {
+            "root" => "root".to_owned(),
+            body => format!("{body} at {} m", self.positions_m[side]),
+        };
         format!(
-            "  {}: {first} at {at} m to {second} at {on} m, k {} N/m, c {} N.s/m, m {} kg\n",
-            self.name, self.stiffness_n_m, self.damping_n_s_m, self.inertia_kg
+            "  {}: {} to {}, k {} N/m, c {} N.s/m, m {} kg\n",
+            self.name,
+            end(0),
+            end(1),
+            self.stiffness_n_m,
+            self.damping_n_s_m,
+            self.inertia_kg
         )
     }
 }

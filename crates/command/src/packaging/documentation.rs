@@ -207,8 +207,11 @@ fn loops_section(html: &mut String, machine: &Machine) {
         &head,
         machine.closures.iter().map(|closure| {
             let mut row = vec![escape(&closure.name).into_owned()];
-            for ((body, position_m), offset_m) in closure.places.into_iter().zip(&closure.offsets_m) {
-                row.push(format!("{} at {} m", escape(&machine.bodies[body].name), number(position_m)));
+            for (end, offset_m) in closure.ends.into_iter().zip(&closure.offsets_m) {
+                row.push(end.on_body().map_or_else(
+                    || "root".to_owned(),
+                    |(body, position_m)| format!("{} at {} m", escape(&machine.bodies[body].name), number(position_m)),
+                ));
                 row.push(vector(offset_m.as_slice()));
             }
             row.extend([closure.stiffness_n_m, closure.damping_n_s_m, closure.inertia_kg].map(number));
@@ -401,8 +404,7 @@ pub(super) fn table(html: &mut String, head: &[&str], rows: impl Iterator<Item =
 mod tests {
     use super::*;
     use crate::packaging::drawing::tests::two_body_machine;
-    use foldwing_engine::machine::Closure;
-    use foldwing_engine::machine::JointKind;
+    use foldwing_engine::machine::{Closure, JointKind, LoopEnd};
 
     /// The page contains the names of the model, escapes its texts, has no external references and closes its tags.
     #[test]
@@ -448,7 +450,7 @@ mod tests {
         let mut machine = two_body_machine();
         machine.closures.push(Closure {
             name: "pin".into(),
-            places: [(0, 0.1), (1, 0.05)],
+            ends: [LoopEnd::Body { index: 0, position_m: 0.1 }, LoopEnd::Body { index: 1, position_m: 0.05 }],
             offsets_m: [nalgebra::Vector3::zeros(), nalgebra::Vector3::new(0.0, 0.02, 0.0)],
             inertia_kg: 0.0,
             damping_n_s_m: 25.0,

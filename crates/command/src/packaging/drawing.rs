@@ -218,9 +218,11 @@ pub(super) fn places(machine: &Machine, wing: &[Vec<Frame>]) -> Vec<(Role, Vecto
         places.push((Role::Joint, frames[0].position_m, format!("joint {}", body.joint.name)));
     }
     for closure in &machine.closures {
-        for ((body, position_m), offset_m) in closure.places.into_iter().zip(&closure.offsets_m) {
-            let frame = pose::along(&machine.bodies[body], &wing[body][0], position_m);
-            let at = frame.position_m + frame.attitude * offset_m;
+        for (end, offset_m) in closure.ends.into_iter().zip(&closure.offsets_m) {
+            let at = end.on_body().map_or(*offset_m, |(body, position_m)| {
+                let frame = pose::along(&machine.bodies[body], &wing[body][0], position_m);
+                frame.position_m + frame.attitude * offset_m
+            });
             places.push((Role::Loop, at, format!("loop {}", closure.name)));
         }
     }

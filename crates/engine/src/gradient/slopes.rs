@@ -130,6 +130,9 @@ impl System {
         {
             return refuse("bodies with mode shapes", &body.name);
         }
+        if let Some(mode) = self.equations.model.damped_modes.first() {
+            return refuse("damping by ratios of modes", &machine.bodies[mode.body].name);
+        }
         if let Some(body) = machine.bodies.iter().find(|body| body.has_shear()) {
             return refuse("bodies with shear", &body.name);
         }

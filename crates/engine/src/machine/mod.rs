@@ -5,6 +5,7 @@
 
 mod body_kind;
 pub mod builder;
+mod closure;
 pub(crate) mod edges;
 pub mod failure;
 pub mod fault;
@@ -15,6 +16,7 @@ pub mod travel;
 pub mod units;
 pub mod validate;
 
+pub use closure::{Closure, LoopEnd};
 pub use failure::{Effect, Failure};
 pub use fault::{Fault, Refused};
 pub use one_freedom::{OneFreedom, Revolute};
@@ -97,6 +99,9 @@ pub struct Body {
     pub stiffness_damping_factors: Strain,
     /// Factors of the stiffness-proportional damping in both shears of a body with shear.
     pub shear_damping_factors: [f64; 2],
+    /// Damping ratios of the lowest modes of a beam clamped at its inner end with its attached masses, ≥ 0; modes beyond the list are not damped
+    /// by them.
+    pub modal_damping_ratios: Vec<f64>,
     /// Distances of the load stations from the body's inner end in m, ascending.
     pub station_positions_m: Vec<f64>,
     /// Frame of the station loads.
@@ -272,23 +277,6 @@ pub struct Latch {
     pub initially_closed: bool,
     /// Start value of the enable input.
     pub enable: bool,
-}
-
-/// Two sections whose points coincide: a ball joint that closes a loop. Two of them on one axis form a hinge.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Closure {
-    /// Identifier.
-    pub name: String,
-    /// Indices into [`Machine::bodies`] and distances from the bodies' inner ends in m.
-    pub places: [(usize, f64); 2],
-    /// Positions of the points relative to the sections' axes, section frames, m.
-    pub offsets_m: [Vector3<f64>; 2],
-    /// Inertia of the penalty on the gap in kg.
-    pub inertia_kg: f64,
-    /// Damping of the penalty on the gap in N·s/m.
-    pub damping_n_s_m: f64,
-    /// Stiffness of the penalty on the gap in N/m.
-    pub stiffness_n_m: f64,
 }
 
 /// A strain gauge: strain of a fibre at a point of a section.

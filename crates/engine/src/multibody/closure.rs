@@ -1,6 +1,6 @@
-//! Closed loops by the penalty method: a joint between two nodes of the tree.
+//! Closed loops by the penalty method: a joint between two nodes of the tree, or between a node and a point of the root frame.
 //!
-//! The gap `g` between a point of each node is kept small by `m g̈ + c ġ + k g`, \[O\] section 1 and NOTATION eqs. (C1)–(C3). Its
+//! The gap `g` between both points is kept small by `m g̈ + c ġ + k g`, \[O\] section 1 and NOTATION eqs. (C1)–(C4). Its
 //! contribution to the Newton matrix couples distant branches; it has low rank, so the O(n) factorisation of the tree is kept and the
 //! Woodbury formula adds the loops.
 
@@ -25,9 +25,9 @@ pub struct Penalty {
 /// Description of a closure for meshing: two points that coincide.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosureDescription {
-    /// Bodies and the distances of the sections from their inner ends in m.
-    pub places: [(usize, f64); 2],
-    /// Positions of the points relative to the sections' axes, section frames, m.
+    /// Bodies and the distances of the sections from their inner ends in m; `None` for a point on the root.
+    pub places: [Option<(usize, f64)>; 2],
+    /// Positions of the points relative to the sections' axes, section frames, m; on the root its position in the root frame.
     pub offsets_m: [Vector3<f64>; 2],
     /// Penalty on the gap.
     pub penalty: Penalty,
@@ -36,9 +36,9 @@ pub struct ClosureDescription {
 /// Closure in the tree: two points that must coincide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Closure {
-    /// Nodes that carry the points.
-    pub nodes: [usize; 2],
-    /// Positions of the points relative to the nodes, node frames, m.
+    /// Nodes that carry the points; `None` for a point on the root.
+    pub nodes: [Option<usize>; 2],
+    /// Positions of the points relative to the nodes, node frames, m; on the root its position in the root frame.
     pub offsets_m: [Vector3<f64>; 2],
     /// Penalty on the gap.
     pub penalty: Penalty,
@@ -59,7 +59,9 @@ impl Closure {
     /// Gap at the motion of the last sweep, eq. (C1).
     pub fn gap(&self, work: &Workspace) -> Gap {
         let point = |side: usize| {
-            let node = &work.nodes[self.nodes[side]];
+            let Some(node) = self.nodes[side].map(|n| &work.nodes[n]) else {
+                return [self.offsets_m[side], Vector3::zeros(), Vector3::zeros()]; // the motion is relative to the root frame
+            };
             let arm = node.rotation * self.offsets_m[side];
             let swing = node.spin.cross(&arm);
             [
@@ -97,20 +99,27 @@ impl Closure {
         self.penalty.damping_n_s_m * self.gap(work).velocity_m_s.norm_squared()
     }
 
-    /// Adds the penalty force to the wrenches of both nodes, eq. (C2).
-    pub(crate) fn apply(&self, work: &mut Workspace) {
+    /// Adds the penalty force to the wrenches of the nodes, eq. (C2). Returns the wrench about the origin on the root, with the sign of the
+    /// nodes' wrenches, if the loop ends there.
+    pub(crate) fn apply(&self, work: &mut Workspace) -> Option<Pair> {
         let force = self.force_n(&self.gap(work));
+        let mut on_root = None;
         for (side, force) in [(0, -force), (1, force)] {
-            let node = &mut work.nodes[self.nodes[side]];
+            let Some(n) = self.nodes[side] else {
+                on_root = Some(Pair { linear: force, angular: self.offsets_m[side].cross(&force) });
+                continue;
+            };
+            let node = &mut work.nodes[n];
             let moment = (node.rotation * self.offsets_m[side]).cross(&force);
             node.add_fixed(&force, &moment);
         }
+        on_root
     }
 
     /// Change of the gap due to the node displacements in `work.bias`.
     fn gap_change(&self, work: &Workspace) -> Vector3<f64> {
         let change = |side: usize| {
-            let n = self.nodes[side];
+            let Some(n) = self.nodes[side] else { return Vector3::zeros() };
             let arm = work.nodes[n].rotation * self.offsets_m[side];
             work.bias[n].linear + work.bias[n].angular.cross(&arm)
         };
@@ -118,10 +127,23 @@ impl Closure {
     }
 }
 
-/// Workspace for the closures of a model.
+/// Applies all closures; returns the sum of their wrenches on the root, see [`Closure::apply`].
+pub(crate) fn apply_all(model: &Model, work: &mut Workspace) -> Option<Pair> {
+    let mut on_root: Option<Pair> = None;
+    for closure in &model.closures {
+        if let Some(own) = closure.apply(work) {
+            let sum = on_root.get_or_insert(Pair::ZERO);
+            sum.linear += own.linear;
+            sum.angular += own.angular;
+        }
+    }
+    on_root
+}
+
+/// Workspace for the closures and the damped modes of a model.
 #[derive(Debug, Clone)]
 pub(crate) struct ClosureFactor {
-    /// Columns `Z = A⁻¹ Gᵀ`, one per row of the gaps.
+    /// Columns `Z = A⁻¹ Gᵀ`, one per row of the gaps, then one per damped mode.
     columns: Vec<Vec<f64>>,
     /// Lower Cholesky factor of `S = D⁻¹ + G Z`, by rows.
     cholesky: Vec<f64>,
@@ -129,9 +151,8 @@ pub(crate) struct ClosureFactor {
 }
 
 impl ClosureFactor {
-    /// Workspace for `closures` closures and `coordinates` coordinates.
-    pub(crate) fn new(closures: usize, coordinates: usize) -> Self {
-        let rows = 3 * closures;
+    /// Workspace for `rows` rows and `coordinates` coordinates.
+    pub(crate) fn new(rows: usize, coordinates: usize) -> Self {
         Self { columns: vec![vec![0.0; coordinates]; rows], cholesky: vec![0.0; rows * rows], gaps: vec![0.0; rows] }
     }
 }
@@ -139,22 +160,34 @@ impl ClosureFactor {
 /// Value that replaces an absent penalty; its inverse and the square of the inverse are still finite.
 const ABSENT: f64 = 1e-150;
 
-/// Adds the closures to a factorisation of the tree. `None` if the small matrix cannot be factorised.
+/// Adds the closures and damped modes to a factorisation of the tree. `None` if the small matrix cannot be factorised.
 pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -> Option<()> {
-    let rows = 3 * model.closures.len();
+    let gaps = 3 * model.closures.len();
+    let rows = gaps + model.damped_modes.len();
     let mut factor = std::mem::replace(&mut work.closure_factor, ClosureFactor::new(0, 0));
     for row in 0..rows {
-        let closure = &model.closures[row / 3];
-        project_unit_force(model, work, closure, row % 3, &mut factor.columns[row]);
-        solve_tree(model, work, &mut factor.columns[row]);
+        let column = &mut factor.columns[row];
+        let penalty = if row < gaps {
+            let closure = &model.closures[row / 3];
+            project_unit_force(model, work, closure, row % 3, column);
+            let Penalty { inertia_kg, damping_n_s_m, stiffness_n_m } = closure.penalty;
+            weights.mass * inertia_kg + weights.damping * damping_n_s_m + weights.stiffness * stiffness_n_m
+        } else {
+            let mode = &model.damped_modes[row - gaps];
+            column.fill(0.0);
+            column[mode.first..mode.first + mode.momenta.len()].copy_from_slice(&mode.momenta);
+            weights.damping * mode.rate_1_s
+        };
+        solve_tree(model, work, column);
         for (other, closure) in model.closures.iter().enumerate() {
             let change = closure.gap_change(work);
             for axis in 0..3 {
                 factor.cholesky[(3 * other + axis) * rows + row] = change[axis];
             }
         }
-        let Penalty { inertia_kg, damping_n_s_m, stiffness_n_m } = closure.penalty;
-        let penalty = weights.mass * inertia_kg + weights.damping * damping_n_s_m + weights.stiffness * stiffness_n_m;
+        for (other, mode) in model.damped_modes.iter().enumerate() {
+            factor.cholesky[(gaps + other) * rows + row] = mode.rate(column);
+        }
         // without penalty inertia the mass matrix does not contain the loop
         factor.cholesky[row * rows + row] += 1.0 / penalty.max(ABSENT);
     }
@@ -163,13 +196,17 @@ pub(crate) fn factorize(model: &Model, work: &mut Workspace, weights: Weights) -
     outcome
 }
 
-/// Corrects a solution of the tree for the closures, eq. (C3); returns its kinematic norm. The node displacements of the tree's solution
+/// Corrects a solution of the tree for the closures and damped modes, eq. (C3); returns its kinematic norm. The node displacements of the tree's solution
 /// must be in `work.bias`.
 pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
-    let rows = 3 * model.closures.len();
+    let gaps = 3 * model.closures.len();
+    let rows = gaps + model.damped_modes.len();
     let mut factor = std::mem::replace(&mut work.closure_factor, ClosureFactor::new(0, 0));
     for (i, closure) in model.closures.iter().enumerate() {
         factor.gaps[3 * i..3 * i + 3].copy_from_slice(closure.gap_change(work).as_slice());
+    }
+    for (i, mode) in model.damped_modes.iter().enumerate() {
+        factor.gaps[gaps + i] = mode.rate(x);
     }
     let (l, w) = (&factor.cholesky, &mut factor.gaps);
     for i in 0..rows {
@@ -197,7 +234,7 @@ fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, ax
     let mut unit = Vector3::zeros();
     unit[axis] = 1.0;
     for (side, force) in [(0, -unit), (1, unit)] {
-        let n = closure.nodes[side];
+        let Some(n) = closure.nodes[side] else { continue };
         let node: &Node = &work.nodes[n];
         work.bias[n].linear += force;
         work.bias[n].angular += (node.rotation * closure.offsets_m[side]).cross(&force);

@@ -7,6 +7,7 @@ use crate::beam::element::ElementKind;
 use crate::load::{RootMotion, Wrench};
 use crate::math::so3::hat;
 use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
+use crate::multibody::closure;
 use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
 use crate::multibody::slope;
@@ -89,10 +90,12 @@ fn sweep_forces<const PROJECT: bool>(
     }
     react_on_carriers(model, work, environment.damping);
     let rotors_on_root = react_of_rotors::<PROJECT>(model, work, motion, environment.root, residual);
-    for closure in &model.closures {
-        closure.apply(work);
-    }
+    let loops_on_root = closure::apply_all(model, work);
     sweep_inward::<PROJECT>(model, work, residual);
+    if let Some(wrench) = loops_on_root {
+        work.root_force += wrench.linear;
+        work.root_moment += wrench.angular;
+    }
     if let Some(moment) = rotors_on_root {
         work.root_moment += moment;
     }
@@ -330,6 +333,9 @@ fn elastic_forces(model: &Model, work: &Workspace, motion: Motion, damping: &[Da
             false => body_elastic_forces::<STRAINS>(model, body, damping, motion, residual),
             true => body_elastic_forces::<SHEARED>(model, body, damping, motion, residual),
         }
+    }
+    for mode in &model.damped_modes {
+        mode.add_forces(motion.v, residual);
     }
 }
 

@@ -130,9 +130,10 @@ pub fn elastic(model: &Model, q: &[f64]) -> f64 {
         + model.bodies.iter().filter_map(|body| body.modal.as_ref()).map(|modal| modal.elastic_j(q)).sum::<f64>()
 }
 
-/// Power in W dissipated by the damping of modal bodies.
+/// Power in W dissipated by the damping of modal bodies and by that of modes of beams.
 pub fn modal_damping_power(model: &Model, v: &[f64]) -> f64 {
-    model.bodies.iter().filter_map(|body| body.modal.as_ref()).map(|modal| modal.damping_w(v)).sum()
+    let bodies: f64 = model.bodies.iter().filter_map(|body| body.modal.as_ref()).map(|modal| modal.damping_w(v)).sum();
+    model.damped_modes.iter().fold(bodies, |sum, mode| sum + mode.power_w(v))
 }
 
 /// Power `Σ β_body q̇ᵀ K q̇` dissipated by the stiffness-proportional damping, in W.

@@ -67,7 +67,7 @@ pub fn factorize(
     tangents: &[FreedomTangent],
 ) -> Result<(), BadPivot> {
     factorize_tree(model, work, weights, damping, tangents)?;
-    if model.closures.is_empty() {
+    if !model.is_bordered() {
         return Ok(());
     }
     closure::factorize(model, work, weights).ok_or(BadPivot { coordinate: 0 })
@@ -363,10 +363,10 @@ fn moves_only(strains: usize, strain: usize) -> bool {
 /// `x`. Not finite if an entry is not finite. Allocates nothing.
 pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let norm = solve_tree(model, work, x);
-    if model.closures.is_empty() { norm } else { closure::correct(model, work, x) }
+    if model.is_bordered() { closure::correct(model, work, x) } else { norm }
 }
 
-/// [`solve`] without closed loops; the displacements of the nodes stay in `bias`.
+/// [`solve`] without closed loops and damped modes; the displacements of the nodes stay in `bias`.
 pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     work.bias.fill(Pair::ZERO);
     for (index, body) in model.bodies.iter().enumerate().rev() {

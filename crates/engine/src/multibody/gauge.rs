@@ -200,17 +200,39 @@ where
             nalgebra::Cholesky::new(*stiffness).map_or(rate, |factor| factor.solve(&stress))
         }
     };
+    let by_modes = |sigma: f64, stiffness: &StrainMatrix<N>| -> Strain<N> {
+        if model.damped_modes.iter().all(|mode| mode.body != body) {
+            return Strain::zeros();
+        }
+        let stress = stress_of_modes(model, body, halves, motion.v, sigma);
+        nalgebra::Cholesky::new(*stiffness).map_or(stress, |factor| factor.solve(&stress))
+    };
     let sigma = offset_m / (2.0 * halves[0].length_m);
     let [at_inner, at_outer] = [halves[0].elastic().section_stiffness[0], halves[1].elastic().section_stiffness[1]];
     let values = [
         end_strain(model, work, body, (first_node, Side::Outboard), &at_inner)
-            - viscous(raw(&rate, 0.0), &at_inner) * beta,
+            - viscous(raw(&rate, 0.0), &at_inner) * beta
+            - by_modes(0.0, &at_inner),
         raw(&strain, GAUSS_2[0]),
         raw(&strain, GAUSS_2[1]),
         end_strain(model, work, body, (first_node + 2, Side::Inboard), &at_outer)
-            - viscous(raw(&rate, 1.0), &at_outer) * beta,
+            - viscous(raw(&rate, 1.0), &at_outer) * beta
+            - by_modes(1.0, &at_outer),
     ];
     cubic(&values, sigma)
+}
+
+/// Stress resultants of the damping of modes at `sigma` from 0 to 1 along a pair: the linear field whose work on the strains of the halves is
+/// that of their damping forces `f`. With (D8) its values at the halves are `(7f_A − f_B)/(3L)` and `(7f_B − f_A)/(3L)`, `L` the pair's length.
+fn stress_of_modes<const N: usize>(model: &Model, body: usize, halves: &[Element], v: &[f64], sigma: f64) -> Strain<N> {
+    let [mut inner, mut outer] = [Strain::<N>::zeros(); 2];
+    for mode in model.damped_modes.iter().filter(|mode| mode.body == body) {
+        inner += Strain::from(mode.forces_on::<N>(&halves[0], v));
+        outer += Strain::from(mode.forces_on::<N>(&halves[1], v));
+    }
+    let share = 1.0 / (6.0 * halves[0].length_m);
+    let (a, b) = ((inner * 7.0 - outer) * share, (outer * 7.0 - inner) * share);
+    (a + b) * 0.5 + (b - a) * (1.5 * (sigma - 0.5))
 }
 
 /// Strain measures that balance the wrench of the part outboard of a node (including damping), eq. (G2).

@@ -13,6 +13,7 @@ pub mod internal_load;
 pub mod joint;
 pub mod kinematics;
 pub mod modal;
+pub mod mode_damping;
 pub mod model;
 pub mod norm;
 pub(crate) mod slope;

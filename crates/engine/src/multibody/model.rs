@@ -12,6 +12,7 @@ use crate::multibody::closure::{Closure, ClosureDescription};
 pub use crate::multibody::element::{Elastic, Element, Strained};
 use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::modal::Modal;
+use crate::multibody::mode_damping::DampedMode;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
 /// Description of a body for meshing.
@@ -178,6 +179,8 @@ pub struct Model {
     pub stations: Vec<Station>,
     /// Closed loops.
     pub closures: Vec<Closure>,
+    /// Modes of beams damped by their ratios.
+    pub damped_modes: Vec<DampedMode>,
     /// Number of coordinates.
     pub coordinates: usize,
     /// Whether at least one body has elements with six strains.
@@ -187,6 +190,11 @@ pub struct Model {
 }
 
 impl Model {
+    /// Whether closed loops or damped modes add a matrix of low rank to that of the tree.
+    pub fn is_bordered(&self) -> bool {
+        !(self.closures.is_empty() && self.damped_modes.is_empty())
+    }
+
     /// Meshes the bodies. Bodies must be sorted parent before child; positions must be on their bodies.
     pub fn new(descriptions: &[BodyDescription]) -> Self {
         Self::with_closures(descriptions, &[])
@@ -200,6 +208,7 @@ impl Model {
             nodes: Vec::new(),
             stations: Vec::new(),
             closures: Vec::new(),
+            damped_modes: Vec::new(),
             coordinates: 0,
             sheared: false,
             reference_length_m: 0.0,
@@ -220,14 +229,14 @@ impl Model {
                 Attachment::Body { index: parent, position_m } if parent == index => Some(position_m),
                 Attachment::Root(_) | Attachment::Body { .. } => None,
             });
-            let looped = closures.iter().flat_map(|closure| closure.places);
+            let looped = closures.iter().flat_map(|closure| closure.places).flatten();
             let looped = looped.filter_map(|(body, position_m)| (body == index).then_some(position_m));
             model.add_body(description, base, children.chain(looped).collect());
         }
         model.closures = closures
             .iter()
             .map(|closure| Closure {
-                nodes: closure.places.map(|(body, position_m)| model.node_at(body, position_m)),
+                nodes: closure.places.map(|place| place.map(|(body, position_m)| model.node_at(body, position_m))),
                 offsets_m: closure.offsets_m,
                 penalty: closure.penalty,
             })

@@ -250,7 +250,7 @@ impl Workspace {
             slopes: vec![[Slope::ZERO; 2]; if model.sheared { elements } else { 0 }],
             plain: Eliminated::new(elements),
             sheared: Eliminated::new(if model.sheared { elements } else { 0 }),
-            closure_factor: ClosureFactor::new(model.closures.len(), model.coordinates),
+            closure_factor: ClosureFactor::new(3 * model.closures.len() + model.damped_modes.len(), model.coordinates),
         }
     }
 }

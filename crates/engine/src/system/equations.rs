@@ -5,7 +5,7 @@ use crate::force::Stored;
 use crate::force::set::Forces;
 use crate::load::{RootMotion, Wrench};
 use crate::machine::Machine;
-use crate::machine::{InternalLoad, Parent, SectionSide};
+use crate::machine::{InternalLoad, LoopEnd, Parent, SectionSide};
 use crate::math::strain::{SHEAR_Y, SHEAR_Z, SHEARED, Strain};
 use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::{self, Damping, Environment};
@@ -91,7 +91,7 @@ impl Equations {
             .closures
             .iter()
             .map(|closure| ClosureDescription {
-                places: closure.places,
+                places: closure.ends.map(LoopEnd::on_body),
                 offsets_m: closure.offsets_m,
                 penalty: Penalty {
                     inertia_kg: closure.inertia_kg,
@@ -116,6 +116,9 @@ impl Equations {
             let joint = &mut model.bodies[index].joint;
             joint.drive_inertia = revolute.motor.inertia_kg_m2;
             joint.drive_carried = revolute.motor.gear_ratio.map_or(0.0, |ratio| 1.0 / ratio);
+        }
+        for (index, body) in machine.bodies.iter().enumerate() {
+            model.damp_modes(index, &body.modal_damping_ratios);
         }
         let load_stations = model.stations.len();
         AirCoupling::add_sections(machine, &mut model);

@@ -1,6 +1,6 @@
 //! Universal, ball and free joints in the system: start, attitude, projection.
 
-use crate::machine::{Machine, Parent, Spatial};
+use crate::machine::{LoopEnd, Machine, Parent, Spatial};
 use crate::multibody::joint::{Joint, RedundantWork};
 use crate::multibody::{Model, Workspace};
 use nalgebra::{Matrix3, Vector3};
@@ -23,7 +23,7 @@ impl SpatialJoint {
     pub fn of_machine(machine: &Machine, model: &Model) -> Vec<Self> {
         let of = |(body, _): (usize, &Spatial)| {
             let joint = model.bodies[body].joint;
-            let looped = machine.closures.iter().flat_map(|closure| closure.places);
+            let looped = machine.closures.iter().flat_map(|closure| closure.ends).filter_map(LoopEnd::on_body);
             let flies = joint.kind.floats() && !looped.into_iter().any(|(end, _)| carries(machine, body, end));
             Self { body, joint, flies, held: false }
         };

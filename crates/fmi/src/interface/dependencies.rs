@@ -145,9 +145,12 @@ impl Reach {
         }
     }
 
-    /// Closed loops that end on a body within reach.
+    /// Closed loops that end on a body within reach, or on the root.
     fn loops(self, topology: &Topology) -> impl Iterator<Item = usize> {
-        let ends = move |&closure: &usize| topology.joined(closure).into_iter().any(|body| self.holds(topology, body));
+        let ends = move |&closure: &usize| {
+            topology.joined(closure).any(|body| self.holds(topology, body))
+                || (matches!(self, Self::Root) && topology.ends_on_root(closure))
+        };
         (0..topology.machine.closures.len()).filter(ends)
     }
 
@@ -165,12 +168,13 @@ impl Reach {
 
 /// Bodies whose accelerations act on the force of a closed loop with inertia.
 pub(super) fn loop_reach(topology: &Topology, closure: usize) -> Reach {
-    Reach::Group(topology.group[topology.joined(closure)[0]])
+    let mut groups = topology.joined(closure).map(|body| topology.group[body]);
+    Reach::Group(groups.next().expect("a loop has a point on a body"))
 }
 
 /// Returns whether a prescribed joint between the root and either side of a closed loop makes its gap a function of time.
 fn stretched(topology: &Topology, closure: usize) -> bool {
-    topology.joined(closure).into_iter().any(|body| moved(topology, body))
+    topology.joined(closure).any(|body| moved(topology, body))
 }
 
 /// Initial force of a closed loop: depends on its gap, on the rate of the gap with a damper or inertia, and on all accelerations with
@@ -185,7 +189,7 @@ fn loop_pulls_initially(topology: &Topology, closure: usize, known: Known) -> bo
 /// Initial force of a closed loop's spring and damper.
 fn loop_stretches_initially(topology: &Topology, closure: usize, known: Known) -> bool {
     let damped = topology.machine.closures[closure].damping_n_s_m > 0.0;
-    topology.joined(closure).into_iter().any(|body| {
+    topology.joined(closure).any(|body| {
         topology
             .folds(body)
             .any(|joint| starts(topology, joint, known) || (damped && start_rate(topology, joint, known)))
@@ -195,7 +199,7 @@ fn loop_stretches_initially(topology: &Topology, closure: usize, known: Known) -
 /// Returns whether a change of a start angle or rate may change the rate of a loop's gap, whose inertia has kinetic energy.
 fn loop_moves_initially(topology: &Topology, closure: usize, known: Known) -> bool {
     topology.machine.closures[closure].inertia_kg > 0.0
-        && topology.joined(closure).into_iter().filter(|&body| moves_at_start(topology, body)).any(|body| {
+        && topology.joined(closure).filter(|&body| moves_at_start(topology, body)).any(|body| {
             topology.folds(body).any(|joint| starts(topology, joint, known) || start_rate(topology, joint, known))
         })
 }

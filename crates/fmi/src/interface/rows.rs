@@ -231,17 +231,20 @@ pub(super) fn wrench_texts(name: &str, [force, moment]: [&str; 2]) -> [Text; 2] 
 
 fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &str) {
     let layout = table.outputs;
-    let [first, second] = topology.joined(closure).map(|body| topology.machine.bodies[body].name.as_str());
+    let [first, second] =
+        topology.ends(closure).map(|body| body.map_or("the root", |body| topology.machine.bodies[body].name.as_str()));
     let text = Text::new(
         format!("loop.{name}.gap"),
         format!("gap of loop {name}: vector from its point on {first} to its point on {second}, {{}}, root frame"),
     );
-    let gap = Depends::new([Cause::LoopTravel(closure)], topology.joined(closure).map(Cause::Folds));
+    let gap =
+        Depends::new([Cause::LoopTravel(closure)], topology.joined(closure).map(Cause::Folds).collect::<Vec<_>>());
     let at = place!(layout.loops, closure, LoopOutputs, gap_m);
     table.output((at, OutputSet::LOOPS), Shape::Vector, "Position", gap, text);
+    let on = if first == "the root" { first.to_owned() } else { format!("body {first}") };
     let text = Text::new(
         format!("loop.{name}.force"),
-        format!("force of loop {name} on body {first}; the opposite force acts on {second}, {{}}, root frame"),
+        format!("force of loop {name} on {on}; the opposite force acts on {second}, {{}}, root frame"),
     );
     // without inertia a penalty force follows from the state alone
     let running = match topology.machine.closures[closure].inertia_kg == 0.0 {

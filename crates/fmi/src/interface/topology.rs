@@ -161,10 +161,16 @@ impl<'a> Topology<'a> {
         })
     }
 
-    /// Returns whether the group of a body floats.
+    /// Returns whether the group of a body floats: no joint and no loop with inertia connects it to the root.
     pub fn floats(&self, body: usize) -> bool {
-        let members = self.branch.iter().filter(|&&first| self.group[first] == self.group[body]);
-        members.copied().all(|first| self.unbound(first).is_some())
+        let group = self.group[body];
+        let held = |closure: usize| {
+            self.machine.closures[closure].inertia_kg > 0.0
+                && self.ends_on_root(closure)
+                && self.joined(closure).any(|body| self.group[body] == group)
+        };
+        let mut members = self.branch.iter().copied().filter(|&first| self.group[first] == group);
+        members.all(|first| self.unbound(first).is_some()) && !(0..self.machine.closures.len()).any(held)
     }
 
     /// Returns whether the first body of a body's branch is on a free joint and has a velocity at the start.
@@ -182,14 +188,25 @@ impl<'a> Topology<'a> {
         spatial(self.machine, body).filter(|joint| joint.freedom == SpatialFreedom::Free)
     }
 
-    /// Both bodies of a closed loop.
-    pub fn joined(&self, closure: usize) -> [usize; 2] {
-        self.machine.closures[closure].places.map(|(body, _)| body)
+    /// Bodies of the first and the second point of a closed loop; `None` for the root.
+    pub fn ends(&self, closure: usize) -> [Option<usize>; 2] {
+        self.machine.closures[closure].ends.map(|end| end.on_body().map(|(body, _)| body))
+    }
+
+    /// Bodies of a closed loop: two, or one for a loop on the root.
+    pub fn joined(&self, closure: usize) -> impl Iterator<Item = usize> + use<> {
+        self.ends(closure).into_iter().flatten()
+    }
+
+    /// Returns whether a closed loop ends on the root.
+    pub fn ends_on_root(&self, closure: usize) -> bool {
+        self.ends(closure).contains(&None)
     }
 
     /// Fold joints between the root and exactly one side of a closed loop: they change the size of its gap.
     pub fn opens(&self, closure: usize) -> impl Iterator<Item = usize> {
-        let [first, second] = self.joined(closure).map(|body| self.folds(body).collect::<Vec<_>>());
+        let folds = |body: Option<usize>| body.map_or_else(Vec::new, |body| self.folds(body).collect());
+        let [first, second]: [Vec<usize>; 2] = self.ends(closure).map(folds);
         let either = first.clone().into_iter().chain(second.clone());
         either.filter(move |joint| first.contains(joint) != second.contains(joint))
     }
@@ -199,7 +216,10 @@ impl<'a> Topology<'a> {
 fn groups<'a>(branch: &[usize], closures: impl Iterator<Item = &'a Closure>) -> Vec<usize> {
     let mut group = branch.to_vec();
     for closure in closures {
-        let [first, second] = closure.places.map(|(body, _)| group[body]);
+        // the root is fixed: loops on it connect no branches with each other
+        let [Some(first), Some(second)] = closure.ends.map(|end| end.on_body().map(|(body, _)| group[body])) else {
+            continue;
+        };
         let (kept, joined) = (first.min(second), first.max(second));
         group.iter_mut().filter(|of| **of == joined).for_each(|of| *of = kept);
     }

@@ -29,7 +29,8 @@ fn fold(machine: &mut Machine) -> &mut OneFreedom {
 #[test]
 fn what_is_not_covered_is_refused_by_name() {
     type Case = (&'static str, fn(&mut Machine));
-    let cases: [Case; 6] = [
+    let cases: [Case; 7] = [
+        ("damping by ratios of modes (inner)", |machine| machine.bodies[0].modal_damping_ratios = vec![0.02]),
         ("failures (snap)", |machine| {
             let effect = Effect::DriveDies { body: 1 };
             let name = "snap".to_owned();

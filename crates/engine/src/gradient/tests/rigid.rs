@@ -184,6 +184,33 @@ fn gradients_pass_through_a_rigid_latch_of_a_closed_loop() {
     assert!(differences < 2e-6, "{differences:.1e}");
 }
 
+/// LP-06: the wing of GR-33 tied to the root by a loop with spring, damper and inertia: motions, reactions, latch time and the force of the
+/// loop by thirteen numbers. Bounds of GR-35, whose impulses have the masses of a loop, too.
+#[test]
+fn gradients_with_a_loop_on_the_root() {
+    let machine = |numbers: Numbers| {
+        let tie = Closure::between("tie", ["inner", "root"], 60.0)
+            .positions_m([0.15, 0.0])
+            .offsets_m([[0.0; 3], [0.15, 0.0, 0.0]])
+            .damping_n_s_m(0.5)
+            .inertia_kg(0.02);
+        build(numbers.builder(true).closure(tie)).map(hardened)
+    };
+    let with_force = |plant: &Plant| {
+        let layout = *plant.outputs().layout();
+        let loads = [layout.gauges.range(), layout.internal_loads.range(), layout.root.range()];
+        let is_load = |index: usize| loads.iter().any(|range| range.contains(&index));
+        let mut results = results(plant, &[1]);
+        results.retain(|result| !matches!(result, RunResult::Output { index, .. } if is_load(*index)));
+        results.push(RunResult::Output { index: layout.loops.place(0, 0) + 2, time: 1 });
+        results
+    };
+    let compared = compare_results(machine, &InputRows::default(), &places(), with_force);
+    let Compared { forward_and_adjoint, differences, .. } = compared;
+    assert!(forward_and_adjoint < 1e-9, "{forward_and_adjoint:.1e}");
+    assert!(differences < 2e-6, "{differences:.1e}");
+}
+
 /// GR-36: a lock that closes at a time on a joint that moves, a latch that closes beside it, a lock that opens, and a latch that opens and is
 /// closed again on a joint within its range: each by an input.
 #[test]

@@ -9,7 +9,9 @@ use crate::load::{LoadFrame, Wrench};
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::MAXIMUM_STATIONS_OF_BODY;
-use crate::machine::{AttachedMass, Body, Closure, ElementKind, Gauge, InternalLoad, Joint, ModalLaw, SectionSide};
+use crate::machine::{
+    AttachedMass, Body, Closure, ElementKind, Gauge, InternalLoad, Joint, LoopEnd, ModalLaw, SectionSide,
+};
 use crate::math::strain::{STRAINS, Strain};
 use nalgebra::{Matrix3, Vector3};
 
@@ -41,6 +43,7 @@ pub struct BodyBuilder {
     stiffness_damping_s: f64,
     stiffness_damping_factors: Strain,
     shear_damping_factors: [f64; 2],
+    modal_damping_ratios: Vec<f64>,
     stations: Stations,
     load_frame: LoadFrame,
     own_mass: Option<AttachedMass>,
@@ -64,6 +67,7 @@ impl Body {
             stiffness_damping_s: 0.0,
             stiffness_damping_factors: Strain::repeat(1.0),
             shear_damping_factors: [1.0; 2],
+            modal_damping_ratios: Vec::new(),
             stations: Stations::Equal(DEFAULT_STATIONS),
             load_frame: LoadFrame::Root,
             own_mass: None,
@@ -168,6 +172,12 @@ impl BodyBuilder {
         Self { shear_damping_factors: shares, ..self }
     }
 
+    /// Damping ratios of the lowest modes of the beam, clamped at its inner end with its attached masses, in ascending frequency; at most
+    /// [`MAXIMUM_DAMPED_MODES`](crate::multibody::mode_damping::MAXIMUM_DAMPED_MODES). Default: none.
+    pub fn modal_damping_ratios(self, ratios: impl Into<Vec<f64>>) -> Self {
+        Self { modal_damping_ratios: ratios.into(), ..self }
+    }
+
     /// Load stations at the centres of this number of equal intervals, 0 to 1000. Default 4.
     pub fn load_stations(self, count: usize) -> Self {
         Self { stations: Stations::Equal(count), ..self }
@@ -211,6 +221,7 @@ impl BodyBuilder {
             stiffness_damping_s: self.stiffness_damping_s,
             stiffness_damping_factors: self.stiffness_damping_factors,
             shear_damping_factors: self.shear_damping_factors,
+            modal_damping_ratios: self.modal_damping_ratios.clone(),
             station_loads: vec![Wrench::default(); station_positions_m.len()],
             station_positions_m,
             load_frame: self.load_frame,
@@ -317,7 +328,8 @@ pub struct ClosureBuilder {
 }
 
 impl Closure {
-    /// A ball joint that closes a loop between the outer ends of two bodies, with a penalty stiffness in N/m.
+    /// A ball joint that closes a loop between the outer ends of two bodies, with a penalty stiffness in N/m. `"root"` in place of a body is
+    /// a point fixed in the root frame, at its offset from the origin.
     pub fn between(name: impl Into<String>, bodies: [&str; 2], stiffness_n_m: f64) -> ClosureBuilder {
         ClosureBuilder {
             name: name.into(),
@@ -332,12 +344,12 @@ impl Closure {
 }
 
 impl ClosureBuilder {
-    /// Distances of the sections from the bodies' inner ends in m. Default: their outer ends.
+    /// Distances of the sections from the bodies' inner ends in m, 0 for the root. Default: their outer ends.
     pub fn positions_m(self, positions_m: [f64; 2]) -> Self {
         Self { positions_m: Some(positions_m), ..self }
     }
 
-    /// Offsets of the points from the sections' axes in m, section frames. Default 0.
+    /// Offsets of the points from the sections' axes in m, section frames; for the root its position in the root frame. Default 0.
     pub fn offsets_m(self, offsets_m: [[f64; 3]; 2]) -> Self {
         Self { offsets_m: offsets_m.map(Into::into), ..self }
     }
@@ -352,27 +364,29 @@ impl ClosureBuilder {
         Self { inertia_kg, ..self }
     }
 
-    /// Builds the loop between bodies found by name; `None` if one does not exist.
+    /// Builds the loop between bodies found by name, or the root; `None` if one does not exist.
     pub(super) fn build(&self, bodies: &[Body], checker: &mut Checker) -> Option<Closure> {
         let place = ["loop", self.name.as_str(), "bodies"];
-        let mut places = [(0, 0.0); 2];
-        for (side, place_of) in places.iter_mut().enumerate() {
+        let mut ends = [LoopEnd::Root; 2];
+        for (side, end) in ends.iter_mut().enumerate() {
             let name = self.bodies[side].as_str();
             if name == "root" {
-                let allowed = "two bodies: a loop cannot be closed on the root. Attach one of the bodies by a joint with \
-                               parent = \"root\" and close the loop between two bodies";
-                checker.refuse(&place, format!("{:?}", self.bodies), allowed);
-                return None;
+                if let Some(positions_m) = self.positions_m.filter(|positions_m| positions_m[side] != 0.0) {
+                    let allowed = "0 for the root: the point is fixed in the root frame at its offset in offsets_m";
+                    checker.refuse(&["loop", &self.name, "positions_m"], array_text(&positions_m), allowed);
+                }
+                continue;
             }
             let Some(index) = bodies.iter().position(|body| body.name == name) else {
                 checker.unknown_name(&place, name, "names of bodies", bodies.iter().map(|body| body.name.as_str()));
                 return None;
             };
-            *place_of = (index, self.positions_m.map_or(bodies[index].length_m, |positions_m| positions_m[side]));
+            let position_m = self.positions_m.map_or(bodies[index].length_m, |positions_m| positions_m[side]);
+            *end = LoopEnd::Body { index, position_m };
         }
         Some(Closure {
             name: self.name.clone(),
-            places,
+            ends,
             offsets_m: self.offsets_m,
             inertia_kg: self.inertia_kg,
             damping_n_s_m: self.damping_n_s_m,

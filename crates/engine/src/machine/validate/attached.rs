@@ -7,7 +7,7 @@ use crate::machine::pose::{along, first_frames};
 use crate::machine::units::shortest;
 use crate::machine::validate::body::section_stands;
 use crate::machine::validate::unit_vector;
-use crate::machine::{Body, Closure, Gauge, InternalLoad, Machine, SectionSide};
+use crate::machine::{Body, Closure, Gauge, InternalLoad, LoopEnd, Machine, SectionSide};
 use nalgebra::Vector3;
 
 /// Largest initial gap divided by the length of the longer body: angles rounded to 0.01 degrees cause 2e-4. A wider gap is an error in the
@@ -117,20 +117,24 @@ pub(super) fn closure(closure: &Closure, bodies: &[Body], checker: &mut Checker)
     checker.number(&["loop", name, "inertia_kg"], closure.inertia_kg, Range::AtLeast(0.0));
     let offsets: Vec<f64> = closure.offsets_m.iter().flat_map(Vector3::iter).copied().collect();
     let mut holds = checker.array(&["loop", name, "offsets_m"], &offsets);
-    for (index, position_m) in closure.places {
+    if closure.ends == [LoopEnd::Root; 2] {
+        let allowed = "one body at least: both points are on the root";
+        checker.refuse(&["loop", name, "bodies"], "[\"root\", \"root\"]", allowed);
+        return false;
+    }
+    let positions = || closure.ends.map(|end| end.on_body().map_or(0.0, |(_, position_m)| position_m));
+    for (index, position_m) in closure.ends.into_iter().filter_map(LoopEnd::on_body) {
         let Some(body) = body_at(&["loop", name, "bodies"], index, bodies, checker) else { return false };
         if !(0.0..=body.length_m).contains(&position_m) {
             let length = shortest(body.length_m);
             let allowed = format!("positions from 0 to the length of each body; {:?} is {length} m long", body.name);
-            let positions = closure.places.map(|(_, position_m)| position_m);
-            checker.refuse(&["loop", name, "positions_m"], array_text(&positions), allowed);
+            checker.refuse(&["loop", name, "positions_m"], array_text(&positions()), allowed);
             holds = false;
         }
     }
-    if holds && closure.places[0] == closure.places[1] {
-        let positions = closure.places.map(|(_, position_m)| position_m);
+    if holds && closure.ends[0] == closure.ends[1] {
         let allowed = "two different points; this one is joined to itself";
-        checker.refuse(&["loop", name, "positions_m"], array_text(&positions), allowed);
+        checker.refuse(&["loop", name, "positions_m"], array_text(&positions()), allowed);
         holds = false;
     }
     holds
@@ -144,12 +148,17 @@ pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
     let firsts = first_frames(&machine.bodies, |joint| joint.start_angle_rad);
     for closure in &machine.closures {
         let points = [0, 1].map(|side| {
-            let (body, position_m) = closure.places[side];
+            let Some((body, position_m)) = closure.ends[side].on_body() else { return closure.offsets_m[side] };
             let frame = along(&machine.bodies[body], &firsts[body], position_m);
             frame.position_m + frame.attitude * closure.offsets_m[side]
         });
         let gap = points[1] - points[0];
-        let length_m = closure.places.map(|(body, _)| machine.bodies[body].length_m).into_iter().fold(0.0, f64::max);
+        let joined = closure.ends.into_iter().filter_map(LoopEnd::on_body);
+        let mut length_m = joined.map(|(body, _)| machine.bodies[body].length_m).fold(0.0, f64::max);
+        if length_m == 0.0 {
+            // rigid bodies extend to their points
+            length_m = closure.offsets_m.iter().map(Vector3::norm).fold(0.0, f64::max);
+        }
         let limit_m = START_GAP * length_m;
         // a gap of NaN is not closed either
         if gap.norm() > limit_m || gap.norm().is_nan() {

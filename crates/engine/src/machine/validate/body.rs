@@ -10,8 +10,9 @@ use crate::machine::validate::modal;
 use crate::machine::validate::section::{
     asymmetry, has_second_moments, is_not_negative, is_positive_definite, is_rigid_body, is_sound,
 };
-use crate::machine::{AttachedMass, Body};
-use crate::math::strain::{CURVATURES, NAMES, STRETCH, TWIST, joined_words};
+use crate::machine::{AttachedMass, Body, ElementKind};
+use crate::math::strain::{CURVATURES, NAMES, SHEARED, STRAINS, STRETCH, TWIST, joined_words};
+use crate::multibody::mode_damping::MAXIMUM_DAMPED_MODES;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -42,6 +43,15 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
     if !shares.iter().all(|share| is_finite(*share) && *share >= 0.0) {
         let allowed = "2 finite factors >= 0, for shear in y and in z";
         checker.refuse(&["body", name, "shear_damping_factors"], array_text(shares), allowed);
+    }
+    let ratios = &body.modal_damping_ratios;
+    let strains = if body.has_shear() { SHEARED } else { STRAINS };
+    let parts = if body.element == ElementKind::Linear { 2 * body.elements } else { body.elements };
+    let most = if body.is_modal() { 0 } else { MAXIMUM_DAMPED_MODES.min(parts * strains) };
+    if ratios.len() > most || !ratios.iter().all(|ratio| is_finite(*ratio) && *ratio >= 0.0) {
+        let allowed =
+            format!("up to {most} finite ratios >= 0: one per strain of a beam, no more than {MAXIMUM_DAMPED_MODES}");
+        checker.refuse(&["body", name, "modal_damping_ratios"], array_text(ratios), allowed);
     }
     if !long {
         return; // a rigid body has no further attachments to check
@@ -75,6 +85,10 @@ fn rigid(body: &Body, checker: &mut Checker) {
         if value != 0.0 {
             checker.refuse(&["body", name, key], shortest(value), "0 on a rigid body, which does not bend");
         }
+    }
+    if !body.modal_damping_ratios.is_empty() {
+        let allowed = "no ratios on a rigid body, which does not bend";
+        checker.refuse(&["body", name, "modal_damping_ratios"], array_text(&body.modal_damping_ratios), allowed);
     }
     stations(body, checker);
     for mass in &body.masses {

@@ -3,6 +3,7 @@
 pub(crate) mod air;
 mod attached;
 pub(crate) mod body;
+mod damped_modes;
 mod failure;
 pub mod joint;
 mod modal;
@@ -91,8 +92,11 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     for closure in &machine.closures {
         closures_hold &= attached::closure(closure, &machine.bodies, checker);
     }
-    if tree_holds && closures_hold && stand(checker) {
-        attached::gaps(machine, checker);
+    if stand(checker) {
+        damped_modes::check(machine, checker);
+        if tree_holds && closures_hold {
+            attached::gaps(machine, checker);
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::beam::modal::{MAXIMUM_MODES, ModalLaw, Shape};
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::units::shortest;
 use crate::machine::validate::body::{least_of, profile};
-use crate::machine::{Body, Machine, Parent};
+use crate::machine::{Body, LoopEnd, Machine, Parent};
 
 /// Largest deviation from 1 of the sum of a shape's coefficients: published tables deviate by 1e-3 (the second shape of the NREL 5 MW
 /// tower).
@@ -96,7 +96,7 @@ pub(super) fn placed(machine: &Machine, checker: &mut Checker) {
         }
     }
     for closure in &machine.closures {
-        for (index, position_m) in closure.places {
+        for (index, position_m) in closure.ends.into_iter().filter_map(LoopEnd::on_body) {
             if let Some(body) = modal(index) {
                 at_an_end(&["loop", &closure.name, "positions_m"], position_m, body, checker);
             }

@@ -74,11 +74,16 @@ impl Case {
             })
             .collect();
         let closure = ClosureDescription {
-            places: [(0, 0.8), (4, 0.8)],
+            places: [Some((0, 0.8)), Some((4, 0.8))],
             offsets_m: [vector(&mut random, 0.1), vector(&mut random, 0.1)],
             penalty: Penalty { inertia_kg: 0.3, damping_n_s_m: 2.0, stiffness_n_m: 50.0 },
         };
-        let mut model = Model::with_closures(&bodies, &[closure]);
+        let on_root = ClosureDescription {
+            places: [None, Some((4, 0.8))],
+            offsets_m: closure.offsets_m.map(|m| m * 3.0),
+            ..closure.clone()
+        };
+        let mut model = Model::with_closures(&bodies, &[closure, on_root]);
         model.bodies[1].damps_attached = true;
         model.bodies[3].damping_roots = Some([0.5, 1.0, 1.2, 0.9, 1.0, 1.0].into());
         let n = model.coordinates;

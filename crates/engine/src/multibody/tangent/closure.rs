@@ -14,10 +14,18 @@ use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3, Matrix3x6, Vector3};
 /// One closure linearised about the present poses.
 #[derive(Debug, Clone)]
 pub(super) struct ClosureTangent {
-    nodes: [usize; 2],
-    /// Displacement of each point per twist of its node.
+    /// Nodes that carry the points; `None` for a point on the root.
+    nodes: [Option<usize>; 2],
+    /// Displacement of each point per twist of its node; zero on the root.
     points: [Matrix3x6<f64>; 2],
     pub(super) stiffness_n_m: f64,
+}
+
+impl ClosureTangent {
+    /// Displacement of a point due to those of the nodes.
+    fn displacement(&self, side: usize, displaced: &[Pair]) -> Vector3<f64> {
+        self.nodes[side].map_or_else(Vector3::zeros, |n| self.points[side] * twist(&displaced[n]))
+    }
 }
 
 /// Factor of the coupling of all closures.
@@ -38,7 +46,7 @@ impl Tangent {
             let force = closure.gap(work).position_m * closure.penalty.stiffness_n_m;
             let mut points = [Matrix3x6::zeros(); 2];
             for (side, force) in [(0, -force), (1, force)] {
-                let n = closure.nodes[side];
+                let Some(n) = closure.nodes[side] else { continue };
                 let arm = work.nodes[n].rotation * closure.offsets_m[side];
                 points[side].fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
                 points[side].fixed_view_mut::<3, 3>(0, 3).copy_from(&-hat(&arm));
@@ -53,11 +61,11 @@ impl Tangent {
     /// Adds the change of the penalty forces with the gaps to the wrenches of the nodes.
     pub(super) fn push_closures(&mut self) {
         for closure in &self.closures {
-            let moved: [Vector3<f64>; 2] =
-                [0, 1].map(|side| closure.points[side] * twist(&self.displaced[closure.nodes[side]]));
+            let moved: [Vector3<f64>; 2] = [0, 1].map(|side| closure.displacement(side, &self.displaced));
             let force = (moved[1] - moved[0]) * closure.stiffness_n_m;
             for (side, force) in [(0, -force), (1, force)] {
-                add(&mut self.wrenches[closure.nodes[side]], &(closure.points[side].transpose() * force));
+                let Some(n) = closure.nodes[side] else { continue };
+                add(&mut self.wrenches[n], &(closure.points[side].transpose() * force));
             }
         }
     }
@@ -78,9 +86,11 @@ impl Tangent {
             // Gᵀ: a unit force at one point, as a right-hand side at its node
             x.fill(0.0);
             let wrench = closure.points[side].transpose().column(row % 3).into_owned();
-            self.solve_tree(model, &mut x, Some((closure.nodes[side], &wrench)));
-            columns.column_mut(row).copy_from_slice(&x);
-            small.column_mut(row).copy_from(&self.point_displacements(&closures));
+            if let Some(n) = closure.nodes[side] {
+                self.solve_tree(model, &mut x, Some((n, &wrench)));
+                columns.column_mut(row).copy_from_slice(&x);
+                small.column_mut(row).copy_from(&self.point_displacements(&closures));
+            }
             // inverse of the coupling −k [[0, I], [I, 0]]
             let partner = if side == 0 { row + 3 } else { row - 3 };
             if closure.stiffness_n_m > 0.0 {
@@ -105,8 +115,9 @@ impl Tangent {
     pub(super) fn add_own_springs(&self, outer: &mut [nalgebra::Matrix6<f64>]) {
         for closure in &self.closures {
             for side in 0..2 {
+                let Some(n) = closure.nodes[side] else { continue };
                 let points = &closure.points[side];
-                outer[closure.nodes[side]] += points.transpose() * points * closure.stiffness_n_m;
+                outer[n] += points.transpose() * points * closure.stiffness_n_m;
             }
         }
     }
@@ -129,8 +140,7 @@ impl Tangent {
         let mut moved = DVector::zeros(6 * closures.len());
         for (i, closure) in closures.iter().enumerate() {
             for side in 0..2 {
-                let displaced: &Pair = &self.displaced[closure.nodes[side]];
-                let point: Vector3<f64> = closure.points[side] * twist(displaced);
+                let point = closure.displacement(side, &self.displaced);
                 moved.fixed_rows_mut::<3>(6 * i + 3 * side).copy_from(&point);
             }
         }

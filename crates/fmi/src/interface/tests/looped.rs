@@ -3,7 +3,7 @@
 use super::machine;
 use crate::interface::Interface;
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::{Closure, JointKind, JointMotion, Motion, Revolute};
+use foldwing_engine::machine::{Closure, JointKind, JointMotion, LoopEnd, Motion, Revolute};
 use nalgebra::Vector3;
 
 /// Three branches on the root, the first of two bodies, and one that floats.
@@ -77,12 +77,19 @@ c = { body = "c", position_m = 0.02, y_m = 0.01 }
 fn closure(name: &str, bodies: [usize; 2], [inertia_kg, damping_n_s_m]: [f64; 2]) -> Closure {
     Closure {
         name: name.into(),
-        places: bodies.map(|body| (body, 0.15)),
+        ends: bodies.map(|index| LoopEnd::Body { index, position_m: 0.15 }),
         offsets_m: [Vector3::new(0.0, 0.01, 0.02), Vector3::new(0.03, 0.0, -0.01)],
         inertia_kg,
         damping_n_s_m,
         stiffness_n_m: 30.0,
     }
+}
+
+/// A loop between a body and the root; soft, as [`closure`].
+fn on_root(name: &str, body: usize, penalty: [f64; 2]) -> Closure {
+    let mut closure = closure(name, [body; 2], penalty);
+    (closure.ends[0], closure.offsets_m[0]) = (LoopEnd::Root, Vector3::new(0.2, 0.1, 0.15));
+    closure
 }
 
 /// The branches with loops and with changed fold joints.
@@ -115,6 +122,15 @@ pub(super) fn machines() -> Vec<(&'static str, Machine)> {
         ("loop within a branch", joined(vec![closure("pin", [0, 1], [0.0, 2.0])], |_, _| ())),
         ("springs to what floats", joined(vec![closure("pin", [4, 2], [0.0, 2.0])], |_, _| ())),
         ("inertia to what would float", joined(vec![closure("pin", [4, 2], [0.05, 2.0])], |_, _| ())),
+        ("springs to the root", joined(vec![on_root("tie", 1, [0.0, 2.0])], |_, _| ())),
+        ("inertia to the root, turning", joined(vec![on_root("tie", 1, [0.05, 2.0])], spinning)),
+        ("springs from what floats to the root", joined(vec![on_root("tie", 4, [0.0, 2.0])], |_, _| ())),
+        ("inertia from what would float to the root", joined(vec![on_root("tie", 4, [0.05, 2.0])], |_, _| ())),
+        ("to the root, prescribed", joined(vec![on_root("tie", 2, [0.05, 0.0])], prescribed)),
+        (
+            "two branches to the root",
+            joined(vec![on_root("first", 2, [0.05, 2.0]), closure("second", [4, 1], [0.0, 2.0])], |_, _| ()),
+        ),
         (
             "two loops in a row",
             joined(vec![closure("first", [1, 2], [0.0, 2.0]), closure("second", [2, 4], [0.05, 2.0])], |_, _| ()),
