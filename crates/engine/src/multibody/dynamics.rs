@@ -63,6 +63,19 @@ pub fn project_loads(model: &Model, work: &mut Workspace, q: &[f64], loads: &[Wr
     sweep_inward::<true>(model, work, residual);
 }
 
+/// Adds the momenta in the directions of the coordinates of a field of velocities to `momenta`. `work` holds the poses, and the velocities
+/// as accelerations of nodes at rest; its wrenches are overwritten. `motion` has zero rates and accelerations.
+pub(crate) fn momenta(
+    model: &Model,
+    work: &mut Workspace,
+    motion: Motion,
+    damping: &[Damping],
+    momenta: &mut [f64],
+) {
+    let root = &RootMotion { gravity_m_s2: Vector3::zeros(), ..RootMotion::default() };
+    sweep_forces::<true>(model, work, motion, Environment { root, damping, stations: &[] }, momenta);
+}
+
 /// Wrenches of all nodes and, with `PROJECT`, their projections on the coordinates, added to `residual`.
 fn sweep_forces<const PROJECT: bool>(
     model: &Model,
@@ -167,7 +180,8 @@ fn react_of_rotors<const PROJECT: bool>(
         }
         let Some(one) = scratch.one_freedom_mut() else { continue };
         let (spin, spin_rate) = match body.base {
-            Base::Root(_) => (Vector3::zeros(), Vector3::zeros()),
+            // a sliding joint has no rotor
+            Base::Root(_) | Base::Axis(_) => (Vector3::zeros(), Vector3::zeros()),
             Base::Node(node) => (work.nodes[node].spin, work.nodes[node].spin_rate),
         };
         one.carrier_rate = one.axis.dot(&root.inertial_angular_acceleration_rad_s2(&spin, &spin_rate));
@@ -179,6 +193,7 @@ fn react_of_rotors<const PROJECT: bool>(
         match body.base {
             Base::Root(_) => on_root = Some(on_root.unwrap_or_else(Vector3::zeros) + moment),
             Base::Node(node) => work.nodes[node].add_fixed(&Vector3::zeros(), &moment),
+            Base::Axis(_) => {}
         }
     }
     on_root
@@ -456,6 +471,11 @@ fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residu
                 work.root_moment += moment + work.nodes[body.first_node].position.cross(&force);
             }
             Base::Node(node) => work.nodes[node].add_fixed(&force, &moment),
+            Base::Axis(slide) => {
+                let wrench = Pair { linear: force, angular: moment };
+                let (slide, own) = (&model.slides[slide], &work.slides[slide]);
+                own.pass_on::<PROJECT>(model, slide, &wrench, &mut work.nodes, residual);
+            }
         }
     }
 }

@@ -15,6 +15,7 @@ pub mod kinematics;
 pub mod modal;
 pub mod model;
 pub mod norm;
+pub mod slide;
 pub(crate) mod slope;
 pub mod station;
 pub(crate) mod station_load;

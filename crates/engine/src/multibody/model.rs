@@ -12,6 +12,7 @@ use crate::multibody::closure::{Closure, ClosureDescription};
 pub use crate::multibody::element::{Elastic, Element, Strained};
 use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::modal::Modal;
+use crate::multibody::slide::Slide;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
 /// Description of a body for meshing.
@@ -56,6 +57,11 @@ pub enum Attachment {
         /// Distance from its inner end in m.
         position_m: f64,
     },
+    /// The axis of an earlier body, at the arc length of a sliding joint.
+    Axis {
+        /// Index of that body.
+        index: usize,
+    },
 }
 
 /// Attachment of a body in the tree of nodes.
@@ -65,6 +71,8 @@ pub enum Base {
     Root(Vector3<f64>),
     /// Node of an earlier body.
     Node(usize),
+    /// Carriage of a sliding joint, by its index in [`Model::slides`].
+    Axis(usize),
 }
 
 /// One body: a joint, then a chain of elements.
@@ -98,6 +106,8 @@ pub struct Body {
     pub carrier: Option<usize>,
     /// Whether the mass-proportional damping also acts on its attached masses.
     pub damps_attached: bool,
+    /// Whether a body slides along its axis.
+    pub ridden: bool,
     /// Square roots of the factors of stiffness-proportional damping per strain; `None` if all are 1.
     pub damping_roots: Option<Strain<SHEARED>>,
 }
@@ -178,6 +188,8 @@ pub struct Model {
     pub stations: Vec<Station>,
     /// Closed loops.
     pub closures: Vec<Closure>,
+    /// Sliding joints.
+    pub slides: Vec<Slide>,
     /// Number of coordinates.
     pub coordinates: usize,
     /// Whether at least one body has elements with six strains.
@@ -200,6 +212,7 @@ impl Model {
             nodes: Vec::new(),
             stations: Vec::new(),
             closures: Vec::new(),
+            slides: Vec::new(),
             coordinates: 0,
             sheared: false,
             reference_length_m: 0.0,
@@ -214,11 +227,16 @@ impl Model {
                         + position_m
                         + description.offset_m.norm(),
                 ),
+                Attachment::Axis { index: beam } => {
+                    model.bodies[beam].ridden = true;
+                    model.slides.push(Slide { beam, rider: index });
+                    (Base::Axis(model.slides.len() - 1), path_m[beam] + description.offset_m.norm())
+                }
             };
             path_m.push(inner_path_m + description.length_m + reach_m(description));
             let children = descriptions.iter().filter_map(|child| match child.parent {
                 Attachment::Body { index: parent, position_m } if parent == index => Some(position_m),
-                Attachment::Root(_) | Attachment::Body { .. } => None,
+                Attachment::Root(_) | Attachment::Body { .. } | Attachment::Axis { .. } => None,
             });
             let looped = closures.iter().flat_map(|closure| closure.places);
             let looped = looped.filter_map(|(body, position_m)| (body == index).then_some(position_m));
@@ -264,6 +282,7 @@ impl Model {
             slim_mass: true,
             carrier: self.carrier_of(description),
             damps_attached: false,
+            ridden: false,
             damping_roots: None,
         };
         if let Some(law) = description.section.modal() {
@@ -337,7 +356,7 @@ impl Model {
     fn carrier_of(&self, description: &BodyDescription) -> Option<usize> {
         match (description.joint, description.parent) {
             (joint, _) if joint.floats() => Some(self.nodes.len()),
-            (_, Attachment::Body { index, .. }) => self.bodies[index].carrier,
+            (_, Attachment::Body { index, .. } | Attachment::Axis { index }) => self.bodies[index].carrier,
             (_, Attachment::Root(_)) => None,
         }
     }
