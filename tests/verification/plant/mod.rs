@@ -26,6 +26,7 @@ mod rigid_bodies;
 mod rigid_latch;
 mod rod;
 mod slides;
+mod sliding;
 mod snapshot;
 mod statics;
 mod steps;
