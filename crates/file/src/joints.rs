@@ -123,8 +123,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
         }
     }
     refuse_other_travel(name, joint, checker);
-    if joint.kind.travel() == Some(Travel::Translation)
-        && checker.states(&["joint", name, "motor", "gear_ratio"]) {
+    if joint.kind.travel() == Some(Travel::Translation) && checker.states(&["joint", name, "motor", "gear_ratio"]) {
         checker.refuse(&["joint", name, "motor", "gear_ratio"], "this key only with type = \"revolute\"");
     }
     let place = parent_frame(name, joint, file, checker);

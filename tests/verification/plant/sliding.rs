@@ -21,7 +21,11 @@ fn slender(ea_n: f64, ei_n_m2: f64, rotary_kg_m: f64) -> Section {
 }
 
 /// A machine of a beam and a body that slides along it.
-fn rail(beam: (BodyBuilder, JointBuilder), rider: (BodyBuilder, JointBuilder), masses: &[(&str, AttachedMass)]) -> Machine {
+fn rail(
+    beam: (BodyBuilder, JointBuilder),
+    rider: (BodyBuilder, JointBuilder),
+    masses: &[(&str, AttachedMass)],
+) -> Machine {
     let mut built = Machine::builder("rail").body(beam.0, beam.1).body(rider.0, rider.1);
     for (body, mass) in masses {
         built = built.mass(*body, mass.clone());
@@ -54,9 +58,7 @@ fn sj01_a_bead_slides_down_a_flexible_beam() {
         for row in rows.iter().skip(1).filter(|row| row[0] < 0.4201) {
             coast(&mut plant, row[0]);
             let tips = plant.outputs().tips();
-            let differs = |at: usize, x: f64, y: f64| {
-                (tips[at].position_m - Vector3::new(x, 0.0, y)).norm()
-            };
+            let differs = |at: usize, x: f64, y: f64| (tips[at].position_m - Vector3::new(x, 0.0, y)).norm();
             tip_m = tip_m.max(differs(0, row[1], row[2]));
             slider_m = slider_m.max(differs(1, row[3], row[4]));
         }

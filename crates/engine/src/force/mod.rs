@@ -227,7 +227,9 @@ impl Force {
             Self::Motor(motor) => motor.recall(memory),
             Self::Latch(latch) => latch.closed = memory.latch.closed,
             Self::EndStops(stops) => stops.contact = memory.contact,
-            each!(Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping | Watch | Borders) => {}
+            each!(
+                Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping | Watch | Borders
+            ) => {}
         }
     }
 
@@ -252,7 +254,9 @@ impl Force {
             Self::Motor(motor) => motor.next_kink_s(time_s),
             Self::Prescribed(law) => law.next_knot_s(time_s),
             Self::Slipping(brake) => brake.next_kink_s(time_s),
-            each!(Spring | External | Generator | Latch | EndStops | Brake | Lock | Attitude | Watch | Borders) => f64::INFINITY,
+            each!(Spring | External | Generator | Latch | EndStops | Brake | Lock | Attitude | Watch | Borders) => {
+                f64::INFINITY
+            }
         }
     }
 
@@ -261,9 +265,9 @@ impl Force {
         match self {
             Self::Motor(motor) => motor.kink_at(time_s),
             Self::Prescribed(law) => law.has_knot_at(time_s),
-            each!(Spring | External | Generator | Latch | EndStops | Brake | Lock | Attitude | Slipping | Watch | Borders) => {
-                false
-            }
+            each!(
+                Spring | External | Generator | Latch | EndStops | Brake | Lock | Attitude | Slipping | Watch | Borders
+            ) => false,
         }
     }
 
@@ -302,16 +306,7 @@ impl Force {
             Self::Generator(generator) => generator.linearize(rate_rad_s),
             Self::Slipping(brake) => brake.linearize(rate_rad_s),
             // linear in angle and rate for the present contact, latch state and attitude
-            Self::Spring(_)
-            | Self::External(_)
-            | Self::Latch(_)
-            | Self::EndStops(_)
-            | Self::Brake(_)
-            | Self::Prescribed(_)
-            | Self::Lock
-            | Self::Attitude(_)
-            | Self::Watch(_)
-            | Self::Borders(_) => {}
+            each!(Spring | External | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Watch | Borders) => {}
         }
     }
 
@@ -321,16 +316,7 @@ impl Force {
             Self::Motor(motor) => motor.tangent = None,
             Self::Generator(generator) => generator.about_rad_s = None,
             Self::Slipping(brake) => brake.about_rad_s = None,
-            Self::Spring(_)
-            | Self::External(_)
-            | Self::Latch(_)
-            | Self::EndStops(_)
-            | Self::Brake(_)
-            | Self::Prescribed(_)
-            | Self::Lock
-            | Self::Attitude(_)
-            | Self::Watch(_)
-            | Self::Borders(_) => {}
+            each!(Spring | External | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Watch | Borders) => {}
         }
     }
 
@@ -449,9 +435,19 @@ impl Force {
         match self {
             Self::Latch(latch) => latch.stops_at_rest(from_rad, to_rad, memory),
             Self::EndStops(stops) => stops.stops_at_rest(to_rad, memory),
-            each!(Motor | Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping | Watch | Borders) => {
-                false
-            }
+            each!(
+                Motor
+                    | Spring
+                    | External
+                    | Generator
+                    | Brake
+                    | Prescribed
+                    | Lock
+                    | Attitude
+                    | Slipping
+                    | Watch
+                    | Borders
+            ) => false,
         }
     }
 

@@ -63,21 +63,8 @@ pub fn project_loads(model: &Model, work: &mut Workspace, q: &[f64], loads: &[Wr
     sweep_inward::<true>(model, work, residual);
 }
 
-/// Adds the momenta in the directions of the coordinates of a field of velocities to `momenta`. `work` holds the poses, and the velocities
-/// as accelerations of nodes at rest; its wrenches are overwritten. `motion` has zero rates and accelerations.
-pub(crate) fn momenta(
-    model: &Model,
-    work: &mut Workspace,
-    motion: Motion,
-    damping: &[Damping],
-    momenta: &mut [f64],
-) {
-    let root = &RootMotion { gravity_m_s2: Vector3::zeros(), ..RootMotion::default() };
-    sweep_forces::<true>(model, work, motion, Environment { root, damping, stations: &[] }, momenta);
-}
-
 /// Wrenches of all nodes and, with `PROJECT`, their projections on the coordinates, added to `residual`.
-fn sweep_forces<const PROJECT: bool>(
+pub(super) fn sweep_forces<const PROJECT: bool>(
     model: &Model,
     work: &mut Workspace,
     motion: Motion,

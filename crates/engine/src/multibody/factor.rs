@@ -7,16 +7,16 @@
 use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
 use crate::math::strain::{LINEAR, SHEARED, STRAINS, Strain, StrainMatrix};
+use crate::multibody::carried::Carried;
 use crate::multibody::cholesky::{back, cholesky, forward};
 use crate::multibody::closure;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
 use crate::multibody::norm::{NormSquared, displaced};
-use crate::multibody::slide::{self, Coupling, Riders};
+use crate::multibody::slide::{self, Riders};
 use crate::multibody::slope::SlopeInertia;
 use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, Keeps, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3};
-use std::array::from_fn;
 
 /// Weights `a`, `b`, `c` of mass, damping and stiffness in the matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -204,72 +204,6 @@ pub(super) fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedI
         vw: -hat(&first),
         ww: Matrix3::from_diagonal_element(spread.trace()) - spread,
     }
-}
-
-/// Contributions of an eliminated outer half to the inner half, and inertial coupling of the outer node with the strains.
-struct Carried<const N: usize> {
-    /// Coupling of the outer node with the strains, velocity rows.
-    velocity: [Vector3<f64>; N],
-    spin: [Vector3<f64>; N],
-    /// Change of the diagonal block of the strains.
-    block: StrainMatrix<N>,
-}
-
-impl<const N: usize> Carried<N>
-where
-    Element: Strained<N>,
-{
-    /// Computes `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
-    fn new(factor: &ElementFactor<N>) -> Self {
-        let coupling = &factor.coupling;
-        let solved: [Strain<N>; N] =
-            from_fn(|j| back(&factor.cholesky, forward(&factor.cholesky, coupling.column(j).into_owned())));
-        let solved = StrainMatrix::from_columns(&solved);
-        Self {
-            velocity: combine(&factor.velocity, &solved, -1.0),
-            spin: combine(&factor.spin, &solved, -1.0),
-            block: -(coupling.transpose() * solved),
-        }
-    }
-
-    const NONE: Self = Self {
-        velocity: [Vector3::new(0.0, 0.0, 0.0); N],
-        spin: [Vector3::new(0.0, 0.0, 0.0); N],
-        block: StrainMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; N])),
-    };
-
-    /// Adds the coupling by bodies that slide along the element, eq. (J14).
-    fn add(&mut self, riders: &Coupling<N>) {
-        for j in 0..N {
-            self.velocity[j] += riders.velocity[j];
-            self.spin[j] += riders.spin[j];
-        }
-        self.block += riders.block;
-    }
-
-    /// Adds the inertia of an element with shear: `T = P_b J + H_{bε} Z`, eq. (D20), has the form of eq. (D14).
-    #[inline]
-    fn join(&mut self, sloped: &SlopeInertia) {
-        let outer = &sloped.couplings[1];
-        for (k, &strain) in LINEAR.iter().enumerate() {
-            self.velocity[strain] += outer.velocity[k];
-            self.spin[strain] += outer.spin[k];
-            for (l, &other) in LINEAR.iter().enumerate() {
-                self.block[(strain, other)] += sloped.own[(k, l)];
-            }
-        }
-    }
-}
-
-#[inline]
-fn combine<const N: usize>(columns: &[Vector3<f64>; N], weights: &StrainMatrix<N>, sign: f64) -> [Vector3<f64>; N] {
-    from_fn(|j| {
-        let mut sum = columns[0] * weights[(0, j)];
-        for i in 1..N {
-            sum += columns[i] * weights[(i, j)];
-        }
-        sum * sign
-    })
 }
 
 struct Elimination<const N: usize> {

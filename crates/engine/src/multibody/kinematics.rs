@@ -37,8 +37,7 @@ fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion)
             Base::Root(position_m) => (position_m, None),
             Base::Node(node) => (&body.offset_m, Some(work.nodes[*node])),
             Base::Axis(slide) => {
-                let carriage =
-                    work.slides[*slide].carry::<RATES>(model, &model.slides[*slide], &work.nodes, motion);
+                let carriage = work.slides[*slide].carry::<RATES>(model, &model.slides[*slide], &work.nodes, motion);
                 joint.ride(&work.slides[*slide].column, &(carriage.rotation * body.offset_m));
                 (&body.offset_m, Some(carriage))
             }

@@ -1,6 +1,7 @@
 //! The tree of beams and joints, and the recursions over it: kinematics, residual, solve. All O(n).
 
 pub(crate) mod block_slopes;
+mod carried;
 mod cholesky;
 pub mod closure;
 pub mod derivative;

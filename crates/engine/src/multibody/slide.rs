@@ -6,9 +6,11 @@
 //! eq. (K5) with `Θ`, its rate and its acceleration. The element is part of the discrete state, and constant within a step.
 
 use crate::beam::element::ElementKind;
+use crate::load::RootMotion;
 use crate::math::se3::LinkGeometry;
 use crate::math::so3::hat;
 use crate::math::strain::{SHEARED, STRAINS, STRETCH, StrainMatrix, strains_at};
+use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Element, Model, Strained};
 use crate::multibody::station::sibling;
@@ -149,8 +151,7 @@ impl SlideWork {
                         by_strains[j] + along[j] * acceleration + by_both[j] * (2.0 * rate) + difference[j] * bent
                     })
                 };
-                let (first, second) =
-                    (geometry.rates::<N>(&inner, &rate_of), geometry.rates::<N>(&inner, &second_of));
+                let (first, second) = (geometry.rates::<N>(&inner, &rate_of), geometry.rates::<N>(&inner, &second_of));
                 let swing = node.spin.cross(&arm);
                 node.acceleration += node.spin_rate.cross(&arm)
                     + node.spin.cross(&(swing + first.velocity * 2.0))
@@ -218,8 +219,7 @@ impl SlideWork {
 
     /// Twist of the carriage at constant arc length, for the twist of the inner node and a change of the coordinates, eq. (J13).
     fn displaced(&self, model: &Model, slide: &Slide, inner: &Pair, change: &[f64]) -> Pair {
-        let mut moved =
-            Pair { linear: inner.linear + inner.angular.cross(&self.arm), angular: inner.angular };
+        let mut moved = Pair { linear: inner.linear + inner.angular.cross(&self.arm), angular: inner.angular };
         for (own, range) in self.by_strain.iter().zip(self.strains(model, slide)) {
             for (twist, amount) in own.iter().zip(&change[range]) {
                 moved.linear += twist.linear * *amount;
@@ -267,6 +267,13 @@ pub(crate) fn reduce(model: &Model, work: &mut Workspace, index: usize, p: &Pair
 pub(crate) fn displaced(model: &Model, work: &Workspace, index: usize, change: &[f64]) -> Pair {
     let (slide, own) = (&model.slides[index], &work.slides[index]);
     own.displaced(model, slide, &work.bias[own.inner_node(model, slide)], change)
+}
+
+/// Adds the momenta in the directions of the coordinates of a field of velocities to `momenta`. `work` holds the poses, and the velocities
+/// as accelerations of nodes at rest; its wrenches are overwritten. `motion` has zero rates and accelerations.
+pub(crate) fn momenta(model: &Model, work: &mut Workspace, motion: Motion, damping: &[Damping], momenta: &mut [f64]) {
+    let root = &RootMotion { gravity_m_s2: Vector3::zeros(), ..RootMotion::default() };
+    dynamics::sweep_forces::<true>(model, work, motion, Environment { root, damping, stations: &[] }, momenta);
 }
 
 /// Contribution of the bodies that slide along an element, or along a pair, to its elimination, eq. (J14).
@@ -371,3 +378,7 @@ where
 fn dot(twist: &Pair, wrench: &Pair) -> f64 {
     twist.linear.dot(&wrench.linear) + twist.angular.dot(&wrench.angular)
 }
+
+#[cfg(test)]
+#[path = "slide_tests.rs"]
+mod tests;

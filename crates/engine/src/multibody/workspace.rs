@@ -250,11 +250,7 @@ impl Workspace {
             modal: model.bodies.iter().map(|body| body.modal.as_ref().map(|_| Box::new(ModalWork::new()))).collect(),
             root_force: zero,
             root_moment: zero,
-            slides: model
-                .slides
-                .iter()
-                .map(|slide| SlideWork::new(model.bodies[slide.beam].first_element))
-                .collect(),
+            slides: model.slides.iter().map(|slide| SlideWork::new(model.bodies[slide.beam].first_element)).collect(),
             carried: vec![Pair::ZERO; if model.slides.is_empty() { 0 } else { nodes }],
             inertia: vec![ArticulatedInertia::ZERO; nodes],
             bias: vec![Pair::ZERO; nodes],

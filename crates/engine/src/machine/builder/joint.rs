@@ -338,7 +338,11 @@ impl JointBuilder {
             ("start_rate_m_s", &[Prismatic, Sliding], self.start_rate_m_s.map(shortest)),
             ("release", &[Revolute, Prismatic, Sliding], self.release.map(|release| release.to_string())),
             ("motion", &[Revolute, Prismatic, Sliding], self.motion.as_ref().map(|motion| format!("{motion:?}"))),
-            ("motor", &[Revolute, Prismatic, Sliding, Universal, Ball], self.motor.as_ref().map(|_| "a motor".to_owned())),
+            (
+                "motor",
+                &[Revolute, Prismatic, Sliding, Universal, Ball],
+                self.motor.as_ref().map(|_| "a motor".to_owned()),
+            ),
             ("spring", &[Revolute, Prismatic, Sliding], self.spring.map(|_| "a spring".to_owned())),
         ];
         let latch = self.latch.as_ref().map(|_| "a latch".to_owned());

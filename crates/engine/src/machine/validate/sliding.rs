@@ -38,7 +38,8 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
         checker.refuse_state(&["loop", &closure.name], "a loop", allowed);
     }
     if machine.air.is_some() {
-        let allowed = format!("no aerodynamics in a machine with a sliding joint ({joint:?}); state loads at load stations");
+        let allowed =
+            format!("no aerodynamics in a machine with a sliding joint ({joint:?}); state loads at load stations");
         checker.refuse_state(&["aerodynamics"], "aerodynamics", allowed);
     }
     if machine.experiment.start == StartState::Equilibrium {
