@@ -102,7 +102,8 @@ pub(super) enum JointType {
     Revolute,
     /// Translation along one axis.
     Prismatic,
-    /// Motion along the axis of a beam that deforms, with the attitude of its sections.
+    /// Motion along the axis of the parent, a beam that deforms, with the attitude of its sections. The keys of prismatic
+    /// joints apply, except `axis`.
     Sliding,
     /// Rotation about two axes, one fixed to each body.
     Universal,

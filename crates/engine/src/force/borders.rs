@@ -46,7 +46,7 @@ impl Borders {
 
     /// Distance in m to the inner (0) or outer (1) border of the present element.
     pub fn distance_m(&self, indicator: usize, place: &impl Place, memory: &JointMemory) -> f64 {
-        let element = memory.element.min(self.elements() - 1);
+        let element = memory.element.min(self.last());
         match indicator {
             0 => place.angle_rad() - self.borders_m[element],
             _ => self.borders_m[element + 1] - place.angle_rad(),
@@ -63,7 +63,7 @@ impl Borders {
     pub fn transition(&self, indicator: usize, memory: &mut JointMemory) -> Outcome {
         match indicator {
             0 => memory.element = memory.element.saturating_sub(1),
-            _ => memory.element = (memory.element + 1).min(self.elements() - 1),
+            _ => memory.element = (memory.element + 1).min(self.last()),
         }
         Outcome { events: 1, ..Outcome::default() }
     }

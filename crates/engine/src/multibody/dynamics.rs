@@ -460,7 +460,7 @@ fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residu
             Base::Node(node) => work.nodes[node].add_fixed(&force, &moment),
             Base::Axis(slide) => {
                 let wrench = Pair { linear: force, angular: moment };
-                let (slide, own) = (&model.slides[slide], &work.slides[slide]);
+                let (slide, own) = (&model.slides[slide], &mut work.slides[slide]);
                 own.pass_on::<PROJECT>(model, slide, &wrench, &mut work.nodes, residual);
             }
         }

@@ -55,6 +55,8 @@ pub(crate) struct SlideWork {
     arm: Vector3<f64>,
     /// Position of the carriage in m.
     position: Vector3<f64>,
+    /// Wrench of the body on the carriage from the last inward sweep: inertia forces minus loads.
+    wrench: Pair,
     /// Twist of the carriage per rate of each strain of the element or inner half, then of the outer half.
     by_strain: [[Pair; SHEARED]; 2],
     /// Twist of the carriage per rate of the arc length.
@@ -79,6 +81,7 @@ impl SlideWork {
             element,
             arm: Vector3::zeros(),
             position: Vector3::zeros(),
+            wrench: Pair::ZERO,
             by_strain: [[Pair::ZERO; SHEARED]; 2],
             column: Pair::ZERO,
             inertia: ArticulatedInertia::ZERO,
@@ -184,13 +187,14 @@ impl SlideWork {
 
     /// Adds a wrench on the carriage to the inner node of its element and, with `PROJECT`, its projection to the strains.
     pub fn pass_on<const PROJECT: bool>(
-        &self,
+        &mut self,
         model: &Model,
         slide: &Slide,
         wrench: &Pair,
         nodes: &mut [Node],
         residual: &mut [f64],
     ) {
+        self.wrench = *wrench;
         let node = &mut nodes[self.inner_node(model, slide)];
         node.force += wrench.linear;
         node.moment += wrench.angular + self.arm.cross(&wrench.linear);
@@ -228,6 +232,26 @@ impl SlideWork {
         }
         moved
     }
+}
+
+/// Force and moment about a point of the bodies that slide along an element, or pair, at an offset from its inner end of at least `from_m`; not
+/// contained in the wrenches of the nodes outboard.
+pub(crate) fn outboard_wrench(
+    model: &Model,
+    work: &Workspace,
+    q: &[f64],
+    (element, from_m): (usize, f64),
+    about_m: &Vector3<f64>,
+) -> Pair {
+    let mut sum = Pair::ZERO;
+    for (slide, own) in model.slides.iter().zip(&work.slides) {
+        let s_m = q[model.bodies[slide.rider].joint.coordinate];
+        if own.element == element && s_m - model.elements[element].start_m >= from_m {
+            sum.linear += own.wrench.linear;
+            sum.angular += own.wrench.angular + (own.position - about_m).cross(&own.wrench.linear);
+        }
+    }
+    sum
 }
 
 /// Links that lead to a carriage at `offset_m` from the inner end of its element or pair, and their number.

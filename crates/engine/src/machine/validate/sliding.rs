@@ -29,7 +29,7 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
             let allowed = format!("a position on {:?}: from 0 to its length, {} m", beam.name, shortest(beam.length_m));
             checker.refuse(&["joint", name, "start_position_m"], shortest(start_m), allowed);
         }
-        read(machine, index, name, checker);
+        gauges(machine, index, name, checker);
     }
     carried(&machine.bodies, checker);
     let Some(joint) = machine.sliding_joint() else { return };
@@ -48,8 +48,8 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     }
 }
 
-/// Reports outputs that would have to be recovered inside the element that carries the body.
-fn read(machine: &Machine, beam: usize, joint: &str, checker: &mut Checker) {
+/// Reports strains that would have to be recovered inside the element that carries the body.
+fn gauges(machine: &Machine, beam: usize, joint: &str, checker: &mut Checker) {
     let linear = machine.bodies[beam].element == ElementKind::Linear;
     for gauge in machine.gauges.iter().filter(|gauge| gauge.body == beam && linear) {
         let allowed = format!(
@@ -57,11 +57,6 @@ fn read(machine: &Machine, beam: usize, joint: &str, checker: &mut Checker) {
              recovered from forces at their ends"
         );
         checker.refuse_state(&["gauge", &gauge.name, "body"], "a gauge on a beam along which a body slides", allowed);
-    }
-    for place in machine.internal_loads.iter().filter(|place| place.body == beam) {
-        let allowed = format!("a body without a sliding joint on it ({joint:?})");
-        let found = "an internal load of a beam along which a body slides";
-        checker.refuse_state(&["internal_load", &place.name, "body"], found, allowed);
     }
 }
 
