@@ -82,9 +82,68 @@ fn sj01_a_bead_slides_down_a_flexible_beam() {
     assert!(order > 2.0);
 }
 
-/// A cantilever of 16 pairs with a body that moves at 1 m/s from its root to its tip, with the weight of 0.05 kg in a field of
-/// 0.0981 m/s², and the given mass: largest error of the tip over 1 s in m, divided by the deflection at the end.
-fn moving_load(mass_kg: f64, column: usize) -> f64 {
+/// Modes of a cantilever of length 1 m that are taken into account.
+const MODES: usize = 10;
+
+/// Deflection of the tip of a cantilever of 0.5 kg/m and 2 N·m² every 0.02 s, under a force of 0.05 · 0.0981 N and a mass that move from the
+/// root to the tip at 1 m/s: modal equations with the inertia of the mass, `M (ẅ + 2 v ẇ' + v² w'')`, by Runge–Kutta steps of 0.1 ms.
+fn modal_tip_m(mass_kg: f64) -> Vec<f64> {
+    let roots: [f64; MODES] = std::array::from_fn(|n| {
+        let characteristic = |b: f64| b.cos() + 1.0 / b.cosh();
+        let middle = (n as f64 + 0.5) * std::f64::consts::PI;
+        let (mut low, mut high) = (middle - 0.4, middle + 0.4);
+        for _ in 0..60 {
+            let b = 0.5 * (low + high);
+            if characteristic(b) * characteristic(low) > 0.0 { low = b } else { high = b }
+        }
+        0.5 * (low + high)
+    });
+    // shape and its slopes: w = cosh bx − cos bx − σ (sinh bx − sin bx), in a form without cancellation
+    let shape = |b: f64, x: f64, slope: i32| -> f64 {
+        let sigma = (b.cos() + b.cosh()) / (b.sin() + b.sinh());
+        let grows = (1.0 - sigma) * (b * x).exp() / 2.0;
+        let decays = (1.0 + sigma) * (-b * x).exp() / 2.0 * if slope == 1 { -1.0 } else { 1.0 };
+        let (sin, cos) = (b * x).sin_cos();
+        let swings = match slope {
+            0 => -cos + sigma * sin,
+            1 => sin + sigma * cos,
+            _ => cos - sigma * sin,
+        };
+        (grows + decays + swings) * b.powi(slope)
+    };
+    type Modes = nalgebra::SVector<f64, MODES>;
+    let stiffness = Modes::from_fn(|n, _| 2.0 * roots[n].powi(4));
+    let acceleration = |time_s: f64, w: &Modes, v: &Modes| -> Modes {
+        let at = |slope| Modes::from_fn(|n, _| shape(roots[n], time_s, slope));
+        let [own, first, second] = [at(0), at(1), at(2)];
+        let carried = 0.05 * 0.0981 + mass_kg * (2.0 * first.dot(v) + second.dot(w));
+        let free = -(stiffness.component_mul(w) + own * carried) / 0.5;
+        // (0.5 + M φ φᵀ)⁻¹ by Sherman and Morrison
+        free - own * (mass_kg * own.dot(&free) / (0.5 + mass_kg * own.norm_squared()))
+    };
+    let (mut w, mut v, step_s) = (Modes::zeros(), Modes::zeros(), 1e-4);
+    let mut tips_m = Vec::new();
+    for step in 0..9800 {
+        let time_s = f64::from(step) * step_s;
+        let (v1, a1) = (v, acceleration(time_s, &w, &v));
+        let (w2, v2) = (w + v1 * (0.5 * step_s), v + a1 * (0.5 * step_s));
+        let a2 = acceleration(time_s + 0.5 * step_s, &w2, &v2);
+        let (w3, v3) = (w + v2 * (0.5 * step_s), v + a2 * (0.5 * step_s));
+        let a3 = acceleration(time_s + 0.5 * step_s, &w3, &v3);
+        let (w4, v4) = (w + v3 * step_s, v + a3 * step_s);
+        let a4 = acceleration(time_s + step_s, &w4, &v4);
+        w += (v1 + (v2 + v3) * 2.0 + v4) * (step_s / 6.0);
+        v += (a1 + (a2 + a3) * 2.0 + a4) * (step_s / 6.0);
+        if (step + 1) % 200 == 0 {
+            tips_m.push(w.iter().zip(roots).map(|(w, b)| w * shape(b, 1.0, 0)).sum());
+        }
+    }
+    tips_m
+}
+
+/// A cantilever of 16 pairs with a body that moves at 1 m/s from its root to its tip, with the force of [`modal_tip_m`] and the given mass:
+/// largest difference of the tip over 0.98 s, divided by its largest deflection.
+fn moving_load(mass_kg: f64) -> f64 {
     let beam = body("beam", 1.0, &slender(1e6, 2.0, 1e-8), ElementKind::Linear, 16);
     let joint = Joint::sliding("slide").on("beam").prescribed(Motion::Polynomial(vec![0.0, 1.0]));
     let mass = AttachedMass::point("mass", 0.0, mass_kg);
@@ -92,20 +151,20 @@ fn moving_load(mass_kg: f64, column: usize) -> f64 {
     machine.solver.tolerance = 1e-9;
     let mut plant = start(machine);
     plant.inputs_mut().stations_mut()[0].force_n.z = -0.05 * 0.0981;
-    let rows = reference_rows("sliding/moving_load_cantilever.csv");
-    let mut largest_m = 0.0f64;
-    for row in rows.iter().skip(1).filter(|row| row[0] < 0.999) {
-        coast(&mut plant, row[0]);
-        largest_m = largest_m.max((plant.outputs().tips()[0].position_m.z - row[column]).abs());
+    let (mut off_m, mut size_m) = (0.0f64, 0.0f64);
+    for (i, due_m) in modal_tip_m(mass_kg).into_iter().enumerate() {
+        coast(&mut plant, 0.02 * (i + 1) as f64);
+        off_m = off_m.max((plant.outputs().tips()[0].position_m.z - due_m).abs());
+        size_m = size_m.max(due_m.abs());
     }
-    largest_m / 1e-3
+    off_m / size_m
 }
 
 /// SJ-02. A moving force (a body of 1e-9 kg) and a moving mass on a cantilever at a constant speed, from the root almost to the tip, against
-/// a Galerkin solution with 14 modes (2e-8 m): the tip deflects by 1e-3 of the length.
+/// ten modes of the linear beam: the tip deflects by 8e-4 of the length.
 #[test]
 fn sj02_a_moving_load_and_a_moving_mass() {
-    let errors = [moving_load(1e-9, 1), moving_load(0.05, 2)];
+    let errors = [moving_load(1e-9), moving_load(0.05)];
     println!("SJ-02 force {:.1e}, mass {:.1e} of the deflection", errors[0], errors[1]);
     assert!(errors.iter().all(|error| *error < 1e-4), "{errors:?}");
 }
@@ -124,7 +183,7 @@ fn sj03_a_bead_on_a_turning_rod() {
         let mut plant = start(machine);
         let inertia_kg_m2 = |s_m: f64| 0.5 / 3.0 + 0.3 * s_m * s_m;
         let momentum = inertia_kg_m2(0.2) * 2.0;
-        coast(&mut plant, 0.9);
+        coast(&mut plant, 1.2);
         let [turn, slide] = [0, 1].map(|joint| plant.outputs().joints()[joint]);
         let now = inertia_kg_m2(slide.angle_rad);
         let moment = now * turn.rate_rad_s / momentum - 1.0;
@@ -143,7 +202,7 @@ fn sj04_a_block_turns_with_the_arc() {
     for (kind, pairs) in [(ElementKind::Constant, 8), (ElementKind::Linear, 3)] {
         let curvature_1_m = 1.25;
         let arc =
-            body("arc", 1.0, &slender(1e8, 1e5, 1e-8), kind, pairs).natural_curvature_1_m([0.0, curvature_1_m, 0.0]);
+            body("arc", 1.0, &slender(1e10, 1e7, 1e-8), kind, pairs).natural_curvature_1_m([0.0, curvature_1_m, 0.0]);
         let inertia = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.02));
         let block = Body::rigid("block").inertia(0.2, [0.0; 3], inertia);
         let joint = Joint::sliding("slide").on("arc").start_position_m(0.1);
@@ -152,7 +211,7 @@ fn sj04_a_block_turns_with_the_arc() {
         machine.solver.tolerance = 1e-8;
         let mut plant = start(machine);
         let from_m = plant.outputs().tips()[1].position_m.z;
-        coast(&mut plant, 0.5);
+        coast(&mut plant, 0.9);
         let slide = plant.outputs().joints()[0];
         let fallen_m = from_m - plant.outputs().tips()[1].position_m.z;
         // height of the arc: z = −(1 − cos κs)/κ
@@ -165,7 +224,7 @@ fn sj04_a_block_turns_with_the_arc() {
             slide.rate_rad_s - speed_m_s
         );
         assert!(slide.angle_rad > 0.3, "{}", slide.angle_rad);
-        assert!((fallen_m - due_m).abs() < 1e-5 && (slide.rate_rad_s / speed_m_s - 1.0).abs() < 1e-4);
+        assert!((fallen_m - due_m).abs() < 1e-6 && (slide.rate_rad_s / speed_m_s - 1.0).abs() < 1e-5);
     }
 }
 
@@ -214,7 +273,7 @@ fn sj05_the_energy_account_closes_over_borders() {
 #[test]
 fn sj06_states_across_borders_are_restored() {
     let mut plant = start(bead(4, 1e-6));
-    coast(&mut plant, 0.3);
+    coast(&mut plant, 0.25);
     let (saved, s_m) = (plant.snapshot(), plant.outputs().joints()[0].angle_rad);
     coast(&mut plant, 0.42);
     let late = plant.outputs().joints()[0];
@@ -281,7 +340,9 @@ fn sj07_forces_on_a_sliding_joint() {
     run(&|joint| at(joint, 0.35).motor(motor.clone()), 0.7);
     let (latched, plant) = run(&|joint| at(joint, 0.35).latch(Latch::rigid().angle_rad(0.7)), 0.7);
     assert!(
-        (latched.angle_rad - 0.7).abs() < 2e-6 && latched.rate_rad_s == 0.0 && plant.outputs().latches()[0].is_closed
+        (latched.angle_rad - 0.7).abs() < 2e-6
+            && latched.rate_rad_s == 0.0
+            && plant.outputs().latches()[0].closed.is_on()
     );
     let (locked, _) = run(&|joint| at(joint, 0.35).locked(), 0.3);
     assert_eq!([locked.angle_rad, locked.rate_rad_s], [0.35, 0.0]);
@@ -304,15 +365,19 @@ fn sj08_refusals_name_the_joint() {
     let with = |joint: JointBuilder| Machine::builder("t").body(beam().0, beam().1).body(bead(), joint);
     let second = || Body::rigid("other").inertia(0.1, [0.0; 3], Matrix3::from_diagonal_element(1e-4));
     for (machine, place, allowed) in [
-        (with(Joint::sliding("slide")), "joint.slide.parent", "a beam along which the body slides"),
-        (with(slide().start_position_m(1.5)), "joint.slide.start_position_m", "from 0 to its length"),
-        (with(Joint::sliding("slide").on_at("beam", 0.5)), "joint.slide.parent_position_m", "write start_position_m"),
+        (with(Joint::sliding("slide")), "joint \"slide\", parent", "a beam along which the body slides"),
+        (with(slide().start_position_m(1.5)), "joint \"slide\", start_position_m", "from 0 to its length"),
+        (
+            with(Joint::sliding("slide").on_at("beam", 0.5)),
+            "joint \"slide\", parent_position_m",
+            "write start_position_m",
+        ),
         (
             with(slide()).body(second(), Joint::sliding("next").on("bead")),
-            "joint.next.parent",
+            "joint \"next\", parent",
             "not a rigid or a modal body",
         ),
-        (with(slide()).gauge(Gauge::on("root", "beam", 0.2)), "gauge.root", "without a sliding joint on it"),
+        (with(slide()).gauge(Gauge::on("root", "beam", 0.2)), "gauge \"root\"", "without a sliding joint on it"),
     ] {
         let text = refused(machine);
         assert!(text.contains(place) && text.contains(allowed), "{text}");
@@ -347,7 +412,7 @@ fn sj09_model_file() {
     let differs_m = (plant.outputs().joints()[0].angle_rad - same.outputs().joints()[0].angle_rad).abs();
     assert!(differs_m < 1e-12, "{differs_m:e} m");
     for (line, allowed) in [
-        ("axis = [1.0, 0.0, 0.0]", "\"revolute\", \"prismatic\" or \"universal\""),
+        ("axis = [1.0, 0.0, 0.0]", "\"revolute\" or \"prismatic\" or \"universal\""),
         ("parent_position_m = 0.3", "write start_position_m"),
         ("start_angle_deg = 3.0", "\"revolute\""),
         ("motor.gear_ratio = 3.0", "\"revolute\""),
@@ -385,7 +450,7 @@ fn sj10_internal_loads_beside_a_sliding_body() {
                 load.force_n.z, load.moment_n_m.y
             );
             // vibrations of the stiff beam by the sudden load decay in SDIRK2
-            assert!((load.force_n.z - due_n).abs() < 2e-2 && (load.moment_n_m.y - due_n_m).abs() < 2e-2);
+            assert!((load.force_n.z - due_n).abs() < 1e-5 && (load.moment_n_m.y - due_n_m).abs() < 1e-5);
         }
     }
 }
