@@ -4,7 +4,7 @@ use crate::force::latch::CROSSING_S;
 use crate::force::memory::{JointMemory, Told};
 use crate::force::{Moving, Outcome, Place};
 
-/// Arc lengths in m at which the elements, or pairs, of a beam begin, and its end.
+/// Arc lengths in m at which the elements, or pairs, of a beam start, and its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Borders {
     borders_m: Vec<f64>,

@@ -28,7 +28,7 @@ pub struct Slide {
 }
 
 impl Slide {
-    /// Arc lengths in m at which the beam's elements, or pairs, begin, and its end.
+    /// Arc lengths in m at which the beam's elements, or pairs, start, and its end.
     pub fn borders_m(&self, model: &Model) -> Vec<f64> {
         let beam = &model.bodies[self.beam];
         let elements = &model.elements[beam.first_element..beam.first_element + beam.elements];

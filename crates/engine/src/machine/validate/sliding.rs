@@ -1,4 +1,4 @@
-//! Checks of sliding joints: the beam along which the body slides, its start, and parts of a machine that do not go with them.
+//! Checks of sliding joints: the beam along which the body slides, its start, and parts of a machine that exclude sliding joints.
 
 use crate::beam::element::ElementKind;
 use crate::machine::fault::Checker;
