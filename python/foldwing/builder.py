@@ -58,6 +58,10 @@ class Builder:
         """Add a prismatic joint."""
         return self.joint(name, child, type="prismatic", parent=parent, **keys)
 
+    def sliding(self, name: str, child: str, *, parent: str, **keys: Any) -> Builder:
+        """Add a sliding joint: the child rides along the axis of the beam `parent`, from `start_position_m` (m)."""
+        return self.joint(name, child, type="sliding", parent=parent, **keys)
+
     def gauge(self, name: str, **keys: Any) -> Builder:
         """Add `[gauge.name]`: body and position."""
         return self.table("gauge", name, **keys)

@@ -680,7 +680,7 @@ fn parts_by_name() {
         (inner().body(beam("outer"), Joint::universal("u", [0.0; 3], [1.0, 0.0, 0.0])), "joint \"u\", axis: [0, 0, 0]"),
         (
             inner().body(beam("outer"), Joint::ball("b").latch(Latch::with_ratio(2.0))),
-            "joint \"b\", latch: a latch is not allowed; allowed: this key only with type = \"revolute\" or \"prismatic\"",
+            "joint \"b\", latch: a latch is not allowed; allowed: this key only with type = \"revolute\" or \"prismatic\" or \"sliding\"",
         ),
         (inner().body(beam("outer"), Joint::clamped("c").start_angle_rad(1.0)), "joint \"c\", start_angle_rad: 1"),
         (inner().body(beam("outer"), Joint::clamped("c").start_rate_rad_s(1.0)), "joint \"c\", start_rate_rad_s: 1"),

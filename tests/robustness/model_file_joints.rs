@@ -133,7 +133,7 @@ fn foreign_keys() {
         for (joint, line) in [(format!("{UNIVERSAL}\nbody_axis = [0, 0, 1]"), 33), (BALL.into(), 31), (FREE.into(), 31)]
         {
             let types = match key {
-                "release" | "motion" => "\"revolute\" or \"prismatic\"",
+                "release" | "motion" => "\"revolute\" or \"prismatic\" or \"sliding\"",
                 _ => "\"revolute\"",
             };
             assert_eq!(message(&format!("{joint}\n{key} = {value}")), refusal(line, key, value, types));
@@ -143,7 +143,7 @@ fn foreign_keys() {
         let latch = "latch = { stiffness_N_m_rad = 200 }";
         assert_eq!(
             message(&format!("{joint}\n{latch}")),
-            refusal(line, "latch", "a table", "\"revolute\" or \"prismatic\"")
+            refusal(line, "latch", "a table", "\"revolute\" or \"prismatic\" or \"sliding\"")
         );
     }
     for joint in [BALL, FREE] {
@@ -162,7 +162,7 @@ fn foreign_keys() {
     );
     assert_eq!(
         message(&format!("{FREE}\nmotor = {{ stiffness_N_m_rad = 1 }}")),
-        refusal(31, "motor", "a table", "\"revolute\" or \"prismatic\" or \"universal\" or \"ball\"")
+        refusal(31, "motor", "a table", "\"revolute\" or \"prismatic\" or \"sliding\" or \"universal\" or \"ball\"")
     );
     assert_eq!(
         message("type = \"revolute\"\nparent = \"inner\"\naxis = [0, 1, 0]\nstart_angular_velocity_deg_s = [0, 1, 0]"),
@@ -178,7 +178,12 @@ fn keys_of_the_other_travel() {
     assert_eq!(slide("start_position_m = 0.1\nmotor.stiffness_N_m = 1\nlatch.stiffness_ratio = 10"), "accepted");
     for (found, key, value, allowed) in [
         (slide("start_angle_deg = 5"), "start_angle_deg", "5", "this key only with type = \"revolute\""),
-        (hinge("start_position_m = 5"), "start_position_m", "5", "this key only with type = \"prismatic\""),
+        (
+            hinge("start_position_m = 5"),
+            "start_position_m",
+            "5",
+            "this key only with type = \"prismatic\" or \"sliding\"",
+        ),
         (slide("polynomial_deg = [1]"), "polynomial_deg", "[1]", "this key only with type = \"revolute\""),
         (
             slide("motor.stiffness_N_m_rad = 5"),

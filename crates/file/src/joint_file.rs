@@ -17,7 +17,7 @@ pub(super) struct JointFile {
     pub parent: String,
     /// Body whose inner end the joint holds.
     pub child: String,
-    /// Distance along the parent body from its inner end; default: its outer end.
+    /// Distance along the parent body from its inner end; default: its outer end. Not with a sliding joint.
     #[schemars(range(min = 0.0))]
     pub parent_position_m: Option<f64>,
     /// Attachment frame on the parent, a rigid body; keys in the parent's frame then refer to this frame.
@@ -48,9 +48,10 @@ pub(super) struct JointFile {
     pub start_angle_deg: Option<f64>,
     /// Fold rate of a revolute joint at the start, default 0.
     pub start_rate_deg_s: Option<f64>,
-    /// Position of a prismatic joint at the start, default 0.
+    /// Position of a prismatic joint at the start, default 0; of a sliding joint the distance along the unstrained parent
+    /// from its inner end.
     pub start_position_m: Option<f64>,
-    /// Velocity of a prismatic joint along its axis at the start, default 0.
+    /// Velocity of a prismatic or sliding joint along its axis at the start, default 0.
     pub start_rate_m_s: Option<f64>,
     /// Start value of the release input of a revolute or prismatic joint: false locks it, from the start at its start
     /// angle or position. Default true.
@@ -101,6 +102,9 @@ pub(super) enum JointType {
     Revolute,
     /// Translation along one axis.
     Prismatic,
+    /// Motion along the axis of the parent, a beam that deforms, with the attitude of its sections. The keys of prismatic
+    /// joints apply, except `axis`.
+    Sliding,
     /// Rotation about two axes, one fixed to each body.
     Universal,
     /// Rotation about any axis.
@@ -121,7 +125,7 @@ impl JointType {
     pub fn travel(self) -> Option<Travel> {
         match self {
             Self::Revolute => Some(Travel::Rotation),
-            Self::Prismatic => Some(Travel::Translation),
+            Self::Prismatic | Self::Sliding => Some(Travel::Translation),
             Self::Clamped | Self::Universal | Self::Ball | Self::Free => None,
         }
     }
@@ -132,6 +136,7 @@ impl JointType {
             Self::Clamped => "clamped",
             Self::Revolute => Travel::Rotation.joint_type(),
             Self::Prismatic => Travel::Translation.joint_type(),
+            Self::Sliding => "sliding",
             Self::Universal => "universal",
             Self::Ball => "ball",
             Self::Free => "free",

@@ -17,14 +17,14 @@ const ROOT: &str = "root";
 
 /// Axes, and keys without a field of the same name in the machine, with the joint types that have them.
 const KEYS: &[(&str, &[JointType])] = {
-    use JointType::{Prismatic, Revolute, Universal};
+    use JointType::{Prismatic, Revolute, Sliding, Universal};
     &[
         ("axis", &[Revolute, Prismatic, Universal]),
         ("body_axis", &[Universal]),
         ("polynomial_deg", &[Revolute]),
         ("table_s_deg", &[Revolute]),
-        ("polynomial_m", &[Prismatic]),
-        ("table_s_m", &[Prismatic]),
+        ("polynomial_m", &[Prismatic, Sliding]),
+        ("table_s_m", &[Prismatic, Sliding]),
     ]
 };
 
@@ -123,7 +123,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
         }
     }
     refuse_other_travel(name, joint, checker);
-    if joint.kind == JointType::Prismatic && checker.states(&["joint", name, "motor", "gear_ratio"]) {
+    if joint.kind.travel() == Some(Travel::Translation) && checker.states(&["joint", name, "motor", "gear_ratio"]) {
         checker.refuse(&["joint", name, "motor", "gear_ratio"], "this key only with type = \"revolute\"");
     }
     let place = parent_frame(name, joint, file, checker);
@@ -137,6 +137,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
         JointType::Clamped => Joint::clamped(name),
         JointType::Revolute => Joint::revolute(name, axis),
         JointType::Prismatic => Joint::prismatic(name, axis),
+        JointType::Sliding => Joint::sliding(name),
         JointType::Universal => Joint::universal(name, axis, joint.body_axis.unwrap_or_default()),
         JointType::Ball => Joint::ball(name),
         JointType::Free => Joint::free(name),
@@ -211,12 +212,15 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
 fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
     for (table, turns, slides) in PAIRS {
         let (strange, allowed) = match joint.kind {
-            JointType::Prismatic => (turns, format!("{slides} instead: the keys of a prismatic joint are in m and N")),
+            JointType::Prismatic | JointType::Sliding => {
+                let kind = joint.kind.name();
+                (turns, format!("{slides} instead: the keys of a {kind} joint are in m and N"))
+            }
             JointType::Revolute => {
                 (slides, format!("{turns} instead: the keys of a revolute joint are in deg and N·m"))
             }
             JointType::Clamped | JointType::Universal | JointType::Ball | JointType::Free => {
-                (slides, "this key only with type = \"prismatic\"".to_owned())
+                (slides, "this key only with type = \"prismatic\" or \"sliding\"".to_owned())
             }
         };
         if checker.states(&["joint", name, table, strange]) {

@@ -28,6 +28,7 @@ mod rigid_latch;
 mod rod;
 mod root_loops;
 mod slides;
+mod sliding;
 mod snapshot;
 mod statics;
 mod steps;

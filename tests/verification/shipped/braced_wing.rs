@@ -63,7 +63,11 @@ fn lp20_braced_wing_deploys_and_is_held_by_its_strut() {
     // the knee at up to 1 degree and the bent wing change the arms by 1e-3 and less
     assert!(miss < 5e-3, "{} N for {across_n} N", foot.x);
     let weight_n = 9.81 * plant.mass_kg();
-    assert!((outputs.root().force_n + Vector3::z() * weight_n).norm() < 1e-3 * weight_n, "{:?}", outputs.root().force_n);
+    assert!(
+        (outputs.root().force_n + Vector3::z() * weight_n).norm() < 1e-3 * weight_n,
+        "{:?}",
+        outputs.root().force_n
+    );
     assert!(drift_j < 1e-3 * begin_j.abs().max(30.0), "drift {drift_j:.1e} J");
     assert!(gap_m < 1.5 * pull_n / 5e6 + 1e-6, "gap {gap_m:.1e} m at {pull_n:.1} N");
 }

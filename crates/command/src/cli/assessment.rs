@@ -245,7 +245,9 @@ pub(super) fn frequencies_hz(machine: &Machine) -> Vec<f64> {
 
 fn each_joint(machine: &mut Machine, change: impl Fn(&mut OneFreedom)) {
     for body in &mut machine.bodies {
-        if let JointKind::Revolute(joint) | JointKind::Prismatic(joint) = &mut body.joint.kind {
+        if let JointKind::Revolute(joint) | JointKind::Prismatic(joint) | JointKind::Sliding(joint) =
+            &mut body.joint.kind
+        {
             change(joint);
         }
     }
@@ -296,7 +298,9 @@ fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effo
     let mut points = Vec::with_capacity(POINTS);
     for point in 0..POINTS {
         let place = start + (end - start) * point as f64 / (POINTS - 1) as f64;
-        if let JointKind::Revolute(own) | JointKind::Prismatic(own) = &mut machine.bodies[body].joint.kind {
+        if let JointKind::Revolute(own) | JointKind::Prismatic(own) | JointKind::Sliding(own) =
+            &mut machine.bodies[body].joint.kind
+        {
             own.start_angle_rad = place;
         }
         let mut plant = Plant::new(Arc::new(machine.clone()));

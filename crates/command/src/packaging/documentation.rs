@@ -177,6 +177,9 @@ fn joints_section(html: &mut String, machine: &Machine) {
         machine.bodies.iter().map(|body| {
             let on = match body.joint.parent {
                 Parent::Root { .. } => "root".to_owned(),
+                Parent::Body { index, .. } if body.joint.kind.rides() => {
+                    format!("along {}", escape(&machine.bodies[index].name))
+                }
                 Parent::Body { index, position_m } => {
                     format!("{} at {} m", escape(&machine.bodies[index].name), number(position_m))
                 }

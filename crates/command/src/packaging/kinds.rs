@@ -43,7 +43,11 @@ impl Kinds {
     /// Returns an error for Model Exchange if an importer cannot integrate all states of the machine.
     pub fn check(self, machine: &Machine) -> Result<(), NotHybrid> {
         let sampled = machine.air.as_ref().is_some_and(|air| !air.options.is_continuous());
-        if self.model_exchange && sampled { Err(NotHybrid::Air) } else { Ok(()) }
+        match self.model_exchange {
+            true if sampled => Err(NotHybrid::Air),
+            true if machine.sliding_joint().is_some() => Err(NotHybrid::Sliding),
+            true | false => Ok(()),
+        }
     }
 
     /// Returns the variable table, for Model Exchange with the continuous states and their start values.

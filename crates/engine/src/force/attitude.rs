@@ -91,6 +91,7 @@ impl AttitudeSpring {
             JointKind::Clamped
             | JointKind::Revolute { .. }
             | JointKind::Prismatic { .. }
+            | JointKind::Sliding
             | JointKind::Ball
             | JointKind::Free => spin,
         };
@@ -110,6 +111,7 @@ impl AttitudeSpring {
             JointKind::Clamped
             | JointKind::Revolute { .. }
             | JointKind::Prismatic { .. }
+            | JointKind::Sliding
             | JointKind::Ball
             | JointKind::Free => {
                 let relative = rotation * self.neutral.transpose();

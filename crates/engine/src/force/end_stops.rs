@@ -227,7 +227,7 @@ mod tests {
 
     fn memory(contact: Contact) -> JointMemory {
         let latch = LatchState { closed: false, enabled: false, time_s: -1.0, count: 0, impulse_n_m_s: 0.0 };
-        JointMemory { released: true, latch, crossed: 0, tripped: 0, slew: Slew::default(), contact }
+        JointMemory { released: true, latch, crossed: 0, tripped: 0, element: 0, slew: Slew::default(), contact }
     }
 
     fn moving(angle_rad: f64, rate_rad_s: f64) -> Moving {

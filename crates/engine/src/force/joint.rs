@@ -1,6 +1,7 @@
 //! Forces on one joint, and their sum.
 
 use crate::force::attitude::AttitudeSpring;
+use crate::force::borders::Borders;
 use crate::force::drive::DriveTorque;
 use crate::force::external::External;
 use crate::force::friction::SlippingBrake;
@@ -13,7 +14,7 @@ use crate::force::spring::Spring;
 use crate::force::{Force, Here, Moving, Outcome, Place, Push, Stored};
 use crate::load::Wrench;
 use crate::multibody::factor::FreedomTangent;
-use crate::multibody::joint::Joint;
+use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::{Model, Workspace};
 use crate::solve::Powers;
@@ -197,7 +198,8 @@ impl JointForces {
 
     /// Whether a motion from this start may cross an indicator.
     pub fn is_armed(&self, indicator: usize, start: &Moving, memory: &JointMemory) -> bool {
-        !self.held && self.indicating(indicator).is_some_and(|(force, i)| force.is_armed(i, start, memory))
+        let sees = |force: &Force| !self.held || matches!(force, Force::Borders(_));
+        self.indicating(indicator).is_some_and(|(force, i)| sees(force) && force.is_armed(i, start, memory))
     }
 
     /// Signed distance of an indicator in rad for a motion from `start_rad`: an event occurs when it falls through zero.
@@ -223,7 +225,8 @@ impl JointForces {
     /// Marks the indicators that were already crossed at the start of a step.
     pub fn mark_overdue(&self, at: &Point, memory: &mut JointMemory) {
         for (force, numbers) in self.numbered() {
-            let sees = !self.held || matches!(force, Force::Watch(_)); // the stop itself may have passed a bound
+            // the stop itself may have passed a bound, and a prescribed motion passes borders
+            let sees = !self.held || matches!(force, Force::Watch(_) | Force::Borders(_));
             for number in numbers.clone().filter(|_| sees) {
                 if force.is_overdue(number - numbers.start, &self.moving(at), memory) {
                     memory.crossed |= 1 << number;
@@ -292,7 +295,7 @@ impl JointForces {
     /// Completes the joint's wrench on its body, root frame, along its degree of freedom: for a free joint the joint torques or forces
     /// minus the inertia torque of its motor, independent of the last residual. The wrench of a held joint is unchanged.
     pub fn complete_reaction(&self, model: &Model, work: &Workspace, motion: Motion, time_s: f64, on: &mut Wrench) {
-        if self.held {
+        if self.held || model.bodies[self.body].joint.kind == JointKind::Sliding {
             return;
         }
         let (c, joint) = (self.coordinate, &model.bodies[self.body].joint);
@@ -325,6 +328,11 @@ impl JointForces {
     /// Motor, mutable.
     pub fn motor_mut(&mut self) -> Option<&mut Motor> {
         self.find_mut(|force| if let Force::Motor(motor) = force { Some(motor) } else { None })
+    }
+
+    /// Borders of the elements along which a sliding joint moves.
+    pub fn borders(&self) -> Option<&Borders> {
+        self.find(|force| if let Force::Borders(borders) = force { Some(borders) } else { None })
     }
 
     /// Spring and damper of a joint with one degree of freedom.

@@ -16,6 +16,8 @@ pub struct JointMemory {
     pub crossed: u32,
     /// Failure bounds that have been passed, one bit each.
     pub tripped: u32,
+    /// Element, or pair, of the beam along which a sliding joint moves, from its inner end; 0 for other joints.
+    pub element: usize,
     /// Contact state of the end stops, if the joint has any.
     pub contact: Contact,
     /// Motion of the motor's neutral angle.

@@ -6,6 +6,7 @@
 //! prismatic one read m for rad and N for N·m.
 
 pub mod attitude;
+pub mod borders;
 pub mod brake;
 pub mod drive;
 pub mod end_stops;
@@ -25,6 +26,7 @@ use crate::multibody::Workspace;
 use crate::multibody::factor::FreedomTangent;
 use crate::solve::Powers;
 use attitude::AttitudeSpring;
+use borders::Borders;
 use brake::Brake;
 use end_stops::TwoSidedStops;
 use external::External;
@@ -41,7 +43,21 @@ use watch::Watch;
 /// that a new type does not compile until every function handles it.
 macro_rules! each {
     () => {
-        each!(Motor | Spring | External | Generator | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Slipping | Watch)
+        each!(
+            Motor
+                | Spring
+                | External
+                | Generator
+                | Latch
+                | EndStops
+                | Brake
+                | Prescribed
+                | Lock
+                | Attitude
+                | Slipping
+                | Watch
+                | Borders
+        )
     };
     ($($kind:ident)|+) => { $(Self::$kind { .. })|+ };
 }
@@ -73,6 +89,8 @@ pub enum Force {
     Slipping(SlippingBrake),
     /// Monitor of the motion for a failure.
     Watch(Watch),
+    /// Borders of the elements along which a sliding joint moves.
+    Borders(Borders),
 }
 
 /// Arguments of a force: the state of a joint at an instant.
@@ -155,7 +173,7 @@ impl Force {
             Self::EndStops(stops) => stops.push(here, sum),
             Self::Attitude(spring) => spring.push(here, sum),
             Self::Slipping(brake) => brake.push(here, sum),
-            Self::Brake(_) | Self::Prescribed(_) | Self::Lock | Self::Watch(_) => {}
+            Self::Brake(_) | Self::Prescribed(_) | Self::Lock | Self::Watch(_) | Self::Borders(_) => {}
         }
     }
 
@@ -170,7 +188,7 @@ impl Force {
             Self::Attitude(spring) => powers.dissipated += spring.dissipation_w(here.work, here.v),
             Self::EndStops(stops) => stops.add_powers(here, powers),
             Self::Slipping(brake) => brake.add_powers(here, powers),
-            Self::Latch(_) | Self::Brake(_) | Self::Watch(_) => {}
+            Self::Latch(_) | Self::Brake(_) | Self::Watch(_) | Self::Borders(_) => {}
         }
     }
 
@@ -188,7 +206,8 @@ impl Force {
             | Self::Prescribed(_)
             | Self::Lock
             | Self::Slipping(_)
-            | Self::Watch(_) => {}
+            | Self::Watch(_)
+            | Self::Borders(_) => {}
         }
     }
 
@@ -198,7 +217,7 @@ impl Force {
             Self::Brake(brake) => brake.holds(memory),
             Self::Latch(latch) => latch.holds(memory),
             Self::Prescribed(_) | Self::Lock => true,
-            each!(Motor | Spring | External | Generator | EndStops | Attitude | Slipping | Watch) => false,
+            each!(Motor | Spring | External | Generator | EndStops | Attitude | Slipping | Watch | Borders) => false,
         }
     }
 
@@ -208,7 +227,9 @@ impl Force {
             Self::Motor(motor) => motor.recall(memory),
             Self::Latch(latch) => latch.closed = memory.latch.closed,
             Self::EndStops(stops) => stops.contact = memory.contact,
-            each!(Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping | Watch) => {}
+            each!(
+                Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping | Watch | Borders
+            ) => {}
         }
     }
 
@@ -219,6 +240,7 @@ impl Force {
             Self::Latch(latch) => latch.take_inputs(told, now, crossed != 0, memory),
             Self::EndStops(stops) => stops.take_inputs(told, now, crossed, memory),
             Self::Brake(brake) => brake.take_inputs(told, memory),
+            Self::Borders(borders) => borders.take_inputs(told, crossed, memory),
             Self::Watch(watch) if told.at_end && crossed != 0 => watch.transition(memory),
             each!(Spring | External | Generator | Prescribed | Lock | Attitude | Slipping | Watch) => {
                 Outcome::default()
@@ -232,7 +254,9 @@ impl Force {
             Self::Motor(motor) => motor.next_kink_s(time_s),
             Self::Prescribed(law) => law.next_knot_s(time_s),
             Self::Slipping(brake) => brake.next_kink_s(time_s),
-            each!(Spring | External | Generator | Latch | EndStops | Brake | Lock | Attitude | Watch) => f64::INFINITY,
+            each!(Spring | External | Generator | Latch | EndStops | Brake | Lock | Attitude | Watch | Borders) => {
+                f64::INFINITY
+            }
         }
     }
 
@@ -241,9 +265,9 @@ impl Force {
         match self {
             Self::Motor(motor) => motor.kink_at(time_s),
             Self::Prescribed(law) => law.has_knot_at(time_s),
-            each!(Spring | External | Generator | Latch | EndStops | Brake | Lock | Attitude | Slipping | Watch) => {
-                false
-            }
+            each!(
+                Spring | External | Generator | Latch | EndStops | Brake | Lock | Attitude | Slipping | Watch | Borders
+            ) => false,
         }
     }
 
@@ -263,6 +287,7 @@ impl Force {
                     | Attitude
                     | Slipping
                     | Watch
+                    | Borders
             ) => false,
         }
     }
@@ -281,15 +306,7 @@ impl Force {
             Self::Generator(generator) => generator.linearize(rate_rad_s),
             Self::Slipping(brake) => brake.linearize(rate_rad_s),
             // linear in angle and rate for the present contact, latch state and attitude
-            Self::Spring(_)
-            | Self::External(_)
-            | Self::Latch(_)
-            | Self::EndStops(_)
-            | Self::Brake(_)
-            | Self::Prescribed(_)
-            | Self::Lock
-            | Self::Attitude(_)
-            | Self::Watch(_) => {}
+            each!(Spring | External | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Watch | Borders) => {}
         }
     }
 
@@ -299,15 +316,7 @@ impl Force {
             Self::Motor(motor) => motor.tangent = None,
             Self::Generator(generator) => generator.about_rad_s = None,
             Self::Slipping(brake) => brake.about_rad_s = None,
-            Self::Spring(_)
-            | Self::External(_)
-            | Self::Latch(_)
-            | Self::EndStops(_)
-            | Self::Brake(_)
-            | Self::Prescribed(_)
-            | Self::Lock
-            | Self::Attitude(_)
-            | Self::Watch(_) => {}
+            each!(Spring | External | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Watch | Borders) => {}
         }
     }
 
@@ -315,7 +324,7 @@ impl Force {
     pub fn indicators(&self) -> usize {
         match self {
             Self::Latch(_) | Self::Watch(_) => 1,
-            Self::EndStops(_) => 2,
+            Self::EndStops(_) | Self::Borders(_) => 2,
             each!(Motor | Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping) => 0,
         }
     }
@@ -326,6 +335,7 @@ impl Force {
             (Self::Latch(latch), 0) => latch.is_armed(start, memory),
             (Self::EndStops(stops), 0 | 1) => stops.distance_rad(indicator, start, memory) > 0.0,
             (Self::Watch(watch), 0) => watch.is_armed(start, memory),
+            (Self::Borders(borders), 0 | 1) => borders.distance_m(indicator, start, memory) > 0.0,
             (each!(), _) => false,
         }
     }
@@ -336,6 +346,7 @@ impl Force {
             (Self::Latch(latch), 0) => latch.latch.gap_rad(start_rad, place.angle_rad()),
             (Self::EndStops(stops), 0 | 1) => stops.distance_rad(indicator, place, memory),
             (Self::Watch(watch), 0) => watch.distance_rad(place),
+            (Self::Borders(borders), 0 | 1) => borders.distance_m(indicator, place, memory),
             (each!(), _) => f64::INFINITY,
         }
     }
@@ -343,7 +354,7 @@ impl Force {
     /// Rate at which an indicator decreases, in rad/s; never negative.
     pub fn closing_rad_s(&self, indicator: usize, at: &Moving, memory: &JointMemory) -> f64 {
         match (self, indicator) {
-            (Self::Latch(_), 0) => at.rate_rad_s.abs(),
+            (Self::Latch(_), 0) | (Self::Borders(_), 0 | 1) => at.rate_rad_s.abs(),
             (Self::EndStops(stops), 0 | 1) => stops.closing_rad_s(indicator, at, memory),
             (Self::Watch(watch), 0) => watch.closing_rad_s(at),
             (each!(), _) => 0.0,
@@ -354,7 +365,7 @@ impl Force {
     pub fn lands_beyond(&self) -> bool {
         match self {
             Self::Latch(latch) => latch.latch.is_rigid(),
-            Self::EndStops(_) | Self::Watch(_) => true,
+            Self::EndStops(_) | Self::Watch(_) | Self::Borders(_) => true,
             each!(Motor | Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping) => false,
         }
     }
@@ -364,6 +375,7 @@ impl Force {
         match self {
             Self::EndStops(stops) => stops.is_overdue(indicator, at, memory),
             Self::Watch(watch) => watch.is_overdue(at, memory),
+            Self::Borders(borders) => borders.is_overdue(indicator, at, memory),
             each!(Motor | Spring | External | Generator | Latch | Brake | Prescribed | Lock | Attitude | Slipping) => {
                 false
             }
@@ -375,6 +387,7 @@ impl Force {
         match self {
             Self::EndStops(stops) => stops.begin(start, memory),
             Self::Watch(watch) => watch.begin(start, memory),
+            Self::Borders(borders) => borders.begin(start, memory),
             each!(Motor | Spring | External | Generator | Latch | Brake | Prescribed | Lock | Attitude | Slipping) => {}
         }
     }
@@ -385,6 +398,7 @@ impl Force {
             (Self::Latch(_), 0) => CatchingLatch::transition(time_s, memory),
             (Self::EndStops(stops), 0 | 1) => stops.transition(indicator, at, memory),
             (Self::Watch(watch), 0) => watch.transition(memory),
+            (Self::Borders(borders), 0 | 1) => borders.transition(indicator, memory),
             (each!(), _) => Outcome::default(),
         }
     }
@@ -410,6 +424,7 @@ impl Force {
                     | Attitude
                     | Slipping
                     | Watch
+                    | Borders
             ) => None,
         }
     }
@@ -420,9 +435,19 @@ impl Force {
         match self {
             Self::Latch(latch) => latch.stops_at_rest(from_rad, to_rad, memory),
             Self::EndStops(stops) => stops.stops_at_rest(to_rad, memory),
-            each!(Motor | Spring | External | Generator | Brake | Prescribed | Lock | Attitude | Slipping | Watch) => {
-                false
-            }
+            each!(
+                Motor
+                    | Spring
+                    | External
+                    | Generator
+                    | Brake
+                    | Prescribed
+                    | Lock
+                    | Attitude
+                    | Slipping
+                    | Watch
+                    | Borders
+            ) => false,
         }
     }
 

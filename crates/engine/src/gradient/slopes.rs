@@ -122,6 +122,9 @@ impl System {
         if machine.solver.most_iterations.is_some() {
             return refuse("real-time mode, whose stages may end without convergence", "solver.most_iterations");
         }
+        if let Some(joint) = machine.sliding_joint() {
+            return refuse("sliding joints", joint);
+        }
         if let Some((body, _)) = machine.spatials().next() {
             return refuse("universal, ball and free joints", &machine.bodies[body].joint.name);
         }

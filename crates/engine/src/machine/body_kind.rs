@@ -29,6 +29,11 @@ impl Machine {
         (0..self.bodies.len()).filter(move |&body| framed(&self.bodies[body]))
     }
 
+    /// Name of the first sliding joint, if there is one.
+    pub fn sliding_joint(&self) -> Option<&str> {
+        self.bodies.iter().find(|body| body.joint.kind.rides()).map(|body| body.joint.name.as_str())
+    }
+
     /// Bodies with a free outer end: no body is attached to it.
     pub fn tip_bodies(&self) -> impl Iterator<Item = usize> {
         let carries = |body: usize| {

@@ -11,6 +11,7 @@ impl JointKind {
             Self::Clamped => joint::JointKind::Clamped,
             Self::Revolute(own) => joint::JointKind::Revolute { axis: own.axis },
             Self::Prismatic(own) => joint::JointKind::Prismatic { axis: own.axis },
+            Self::Sliding(_) => joint::JointKind::Sliding,
             Self::Spatial(own) => match own.freedom {
                 SpatialFreedom::Universal { parent_axis, body_axis } => {
                     joint::JointKind::universal(parent_axis, body_axis)
@@ -25,7 +26,7 @@ impl JointKind {
     pub fn one_freedom(&self) -> Option<(Travel, &OneFreedom)> {
         match self {
             Self::Revolute(joint) => Some((Travel::Rotation, joint)),
-            Self::Prismatic(joint) => Some((Travel::Translation, joint)),
+            Self::Prismatic(joint) | Self::Sliding(joint) => Some((Travel::Translation, joint)),
             Self::Clamped | Self::Spatial(_) => None,
         }
     }
@@ -34,7 +35,7 @@ impl JointKind {
     pub fn spatial(&self) -> Option<&Spatial> {
         match self {
             Self::Spatial(joint) => Some(joint),
-            Self::Clamped | Self::Revolute(_) | Self::Prismatic(_) => None,
+            Self::Clamped | Self::Revolute(_) | Self::Prismatic(_) | Self::Sliding(_) => None,
         }
     }
 
@@ -68,6 +69,11 @@ impl JointKind {
     /// Whether body and parent have no relative motion.
     pub fn is_rigid(&self) -> bool {
         self.spatial().is_none() && self.one_freedom().is_none_or(|(_, own)| own.motion == JointMotion::Locked)
+    }
+
+    /// Whether the body slides along the axis of a beam.
+    pub fn rides(&self) -> bool {
+        matches!(self, Self::Sliding(_))
     }
 
     /// Whether the body can translate along an axis.

@@ -172,6 +172,9 @@ pub enum JointKind {
     Revolute(Box<OneFreedom>),
     /// Translation along one axis: `r_body = r_parent + s · axis`, `R_body = R_parent · mount`.
     Prismatic(Box<OneFreedom>),
+    /// Motion along the axis of a beam, to which the section frame at arc length `s` belongs: `r_body = r(s)`, `R_body = R(s) · mount`. The
+    /// coordinate is `s`, measured on the unstrained axis from the beam's inner end; the axis is not used.
+    Sliding(Box<OneFreedom>),
     /// Several degrees of freedom, described by the paper's redundant parameters; `mount` is the attitude at the start.
     Spatial(Box<Spatial>),
 }

@@ -1,6 +1,6 @@
 //! Pose of the unstrained machine: frames of its sections at given fold angles and positions of prismatic joints.
 
-use crate::machine::{Body, OneFreedom, Parent};
+use crate::machine::{Body, JointKind, OneFreedom, Parent};
 use crate::math::strain::{CURVATURES, STRETCH};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -23,11 +23,18 @@ pub fn first_frames(bodies: &[Body], stand: impl Fn(&OneFreedom) -> f64) -> Vec<
         let origin = match body.joint.parent {
             Parent::Root { position_m } => Frame { position_m, attitude: Matrix3::identity() },
             Parent::Body { index, position_m } => {
+                let position_m = match &body.joint.kind {
+                    JointKind::Sliding(own) => stand(own),
+                    JointKind::Clamped | JointKind::Revolute(_) | JointKind::Prismatic(_) | JointKind::Spatial(_) => {
+                        position_m
+                    }
+                };
                 let place = along(&bodies[index], &frames[index], position_m);
                 Frame { position_m: place.position_m + place.attitude * body.joint.offset_m, ..place }
             }
         };
-        let (displacement_m, fold) = body.joint.kind.one_freedom().map_or_else(
+        let moved = body.joint.kind.one_freedom().filter(|_| !body.joint.kind.rides());
+        let (displacement_m, fold) = moved.map_or_else(
             || (Vector3::zeros(), Matrix3::identity()),
             |(travel, joint)| travel.moved(&joint.axis, stand(joint)),
         );

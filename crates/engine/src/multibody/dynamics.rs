@@ -65,7 +65,7 @@ pub fn project_loads(model: &Model, work: &mut Workspace, q: &[f64], loads: &[Wr
 }
 
 /// Wrenches of all nodes and, with `PROJECT`, their projections on the coordinates, added to `residual`.
-fn sweep_forces<const PROJECT: bool>(
+pub(super) fn sweep_forces<const PROJECT: bool>(
     model: &Model,
     work: &mut Workspace,
     motion: Motion,
@@ -170,7 +170,8 @@ fn react_of_rotors<const PROJECT: bool>(
         }
         let Some(one) = scratch.one_freedom_mut() else { continue };
         let (spin, spin_rate) = match body.base {
-            Base::Root(_) => (Vector3::zeros(), Vector3::zeros()),
+            // a sliding joint has no rotor
+            Base::Root(_) | Base::Axis(_) => (Vector3::zeros(), Vector3::zeros()),
             Base::Node(node) => (work.nodes[node].spin, work.nodes[node].spin_rate),
         };
         one.carrier_rate = one.axis.dot(&root.inertial_angular_acceleration_rad_s2(&spin, &spin_rate));
@@ -182,6 +183,7 @@ fn react_of_rotors<const PROJECT: bool>(
         match body.base {
             Base::Root(_) => on_root = Some(on_root.unwrap_or_else(Vector3::zeros) + moment),
             Base::Node(node) => work.nodes[node].add_fixed(&Vector3::zeros(), &moment),
+            Base::Axis(_) => {}
         }
     }
     on_root
@@ -462,6 +464,11 @@ fn sweep_inward<const PROJECT: bool>(model: &Model, work: &mut Workspace, residu
                 work.root_moment += moment + work.nodes[body.first_node].position.cross(&force);
             }
             Base::Node(node) => work.nodes[node].add_fixed(&force, &moment),
+            Base::Axis(slide) => {
+                let wrench = Pair { linear: force, angular: moment };
+                let (slide, own) = (&model.slides[slide], &mut work.slides[slide]);
+                own.pass_on::<PROJECT>(model, slide, &wrench, &mut work.nodes, residual);
+            }
         }
     }
 }

@@ -108,7 +108,8 @@ pub fn frame_power_of_drives(model: &Model, work: &Workspace, root: &RootMotion,
     for (body, scratch) in model.bodies.iter().zip(&work.joints).filter(|(body, _)| body.joint.drive_carried != 0.0) {
         let Some(one) = scratch.one_freedom() else { continue };
         let spin = match body.base {
-            Base::Root(_) => Vector3::zeros(),
+            // a sliding joint has no rotor
+            Base::Root(_) | Base::Axis(_) => Vector3::zeros(),
             Base::Node(node) => work.nodes[node].spin,
         };
         let added = root.inertial_angular_acceleration_rad_s2(&spin, &Vector3::zeros());

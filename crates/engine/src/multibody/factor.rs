@@ -7,15 +7,16 @@
 use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
 use crate::math::strain::{LINEAR, SHEARED, STRAINS, Strain, StrainMatrix};
+use crate::multibody::carried::Carried;
 use crate::multibody::cholesky::{back, cholesky, forward};
 use crate::multibody::closure;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
 use crate::multibody::norm::{NormSquared, displaced};
+use crate::multibody::slide::{self, Riders};
 use crate::multibody::slope::SlopeInertia;
 use crate::multibody::workspace::{ArticulatedInertia, ElementFactor, Keeps, Pair, Workspace};
 use nalgebra::{Matrix3, Matrix4, Vector3};
-use std::array::from_fn;
 
 /// Weights `a`, `b`, `c` of mass, damping and stiffness in the matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,13 +107,15 @@ fn factorize_tree(
             work.inertia[body.first_node].add(&inertia);
         }
         match body.sheared {
-            false => factorize_body::<STRAINS>(model, work, body, scale, (elastic, viscous))?,
-            true => factorize_body::<SHEARED>(model, work, body, scale, (elastic, viscous))?,
+            false => factorize_body::<STRAINS>(model, work, index, scale, (elastic, viscous))?,
+            true => factorize_body::<SHEARED>(model, work, index, scale, (elastic, viscous))?,
         }
         let inertia = work.inertia[body.first_node];
         let passed = body.joint.eliminate(&mut work.joints[index], &inertia, weights, &tangents[index])?;
-        if let Base::Node(node) = body.base {
-            work.inertia[node].add(&passed);
+        match body.base {
+            Base::Root(_) => {}
+            Base::Node(node) => work.inertia[node].add(&passed),
+            Base::Axis(slide) => work.slides[slide].inertia = passed,
         }
     }
     Ok(())
@@ -123,7 +126,7 @@ fn factorize_tree(
 fn factorize_body<const N: usize>(
     model: &Model,
     work: &mut Workspace,
-    body: &Body,
+    index: usize,
     scale: f64,
     (elastic, viscous): (f64, f64),
 ) -> Result<(), BadPivot>
@@ -131,6 +134,7 @@ where
     Element: Strained<N>,
     Workspace: Keeps<N>,
 {
+    let body = &model.bodies[index];
     let stiffness = &body.damped_weights(elastic, viscous);
     // contributions of the outer half of a pair to the inner one: coupling to the middle node, and stiffness
     let mut carried: Option<Carried<N>> = None;
@@ -138,7 +142,10 @@ where
         let e = body.first_element + i;
         let element = &model.elements[e];
         let coupling = &element.elastic().coupling;
-        let outer_half = i % 2 == 1 && *coupling != StrainMatrix::<N>::zeros();
+        let ends_pair = body.kind == ElementKind::Constant || i % 2 == 1;
+        let riders = if body.ridden && ends_pair { Riders::<N>::on(model, work, index, e) } else { None };
+        let outer_half = i % 2 == 1
+            && (*coupling != StrainMatrix::<N>::zeros() || riders.is_some() && body.kind == ElementKind::Linear);
         let n = body.first_node + i;
         let mut from_sibling = carried.take();
         let sloped = if N == SHEARED { Some(SlopeInertia::new(model, work, (e, n), scale)) } else { None };
@@ -151,6 +158,12 @@ where
             outer = &whole;
             axes = sloped.axes.each_ref();
         }
+        let with_riders;
+        if let Some(riders) = &riders {
+            from_sibling.get_or_insert(Carried::NONE).add(&riders.own);
+            with_riders = outer.plus(&riders.outer);
+            outer = &with_riders;
+        }
         let elimination = eliminate(
             element,
             &work.link(model, e, n),
@@ -159,11 +172,18 @@ where
             (scale, stiffness),
             (from_sibling.as_ref(), sloped.as_ref()),
         )?;
-        if outer_half {
-            carried = Some(Carried::new(element, stiffness, &elimination.factor));
-        }
         let mut factor = elimination.factor;
         factor.coupling = coupling.component_mul(stiffness);
+        if let Some(riders) = &riders {
+            factor.coupling += riders.halves;
+        }
+        if outer_half {
+            let mut passed = Carried::new(&factor);
+            if let Some(riders) = &riders {
+                passed.add(&riders.sibling);
+            }
+            carried = Some(passed);
+        }
         work.eliminated_mut().factors[e] = factor;
         work.inertia[n].add(&elimination.inertia);
         if let Some(sloped) = &sloped {
@@ -184,63 +204,6 @@ pub(super) fn lump(mass: &Matrix4<f64>, rotation: &Matrix3<f64>) -> ArticulatedI
         vw: -hat(&first),
         ww: Matrix3::from_diagonal_element(spread.trace()) - spread,
     }
-}
-
-/// Contributions of an eliminated outer half to the inner half, and inertial coupling of the outer node with the strains.
-struct Carried<const N: usize> {
-    /// Coupling of the outer node with the strains, velocity rows.
-    velocity: [Vector3<f64>; N],
-    spin: [Vector3<f64>; N],
-    /// Change of the diagonal block of the strains.
-    block: StrainMatrix<N>,
-}
-
-impl<const N: usize> Carried<N>
-where
-    Element: Strained<N>,
-{
-    /// Computes `G = −U X⁻¹ D_BA`, `ΔD = −D_AB X⁻¹ D_BA`, eq. (D14).
-    fn new(element: &Element, stiffness: &StrainMatrix<N>, factor: &ElementFactor<N>) -> Self {
-        let coupling = element.elastic().coupling.component_mul(stiffness);
-        let solved: [Strain<N>; N] =
-            from_fn(|j| back(&factor.cholesky, forward(&factor.cholesky, coupling.column(j).into_owned())));
-        let solved = StrainMatrix::from_columns(&solved);
-        Self {
-            velocity: combine(&factor.velocity, &solved, -1.0),
-            spin: combine(&factor.spin, &solved, -1.0),
-            block: -(coupling.transpose() * solved),
-        }
-    }
-
-    const NONE: Self = Self {
-        velocity: [Vector3::new(0.0, 0.0, 0.0); N],
-        spin: [Vector3::new(0.0, 0.0, 0.0); N],
-        block: StrainMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; N])),
-    };
-
-    /// Adds the inertia of an element with shear: `T = P_b J + H_{bε} Z`, eq. (D20), has the form of eq. (D14).
-    #[inline]
-    fn join(&mut self, sloped: &SlopeInertia) {
-        let outer = &sloped.couplings[1];
-        for (k, &strain) in LINEAR.iter().enumerate() {
-            self.velocity[strain] += outer.velocity[k];
-            self.spin[strain] += outer.spin[k];
-            for (l, &other) in LINEAR.iter().enumerate() {
-                self.block[(strain, other)] += sloped.own[(k, l)];
-            }
-        }
-    }
-}
-
-#[inline]
-fn combine<const N: usize>(columns: &[Vector3<f64>; N], weights: &StrainMatrix<N>, sign: f64) -> [Vector3<f64>; N] {
-    from_fn(|j| {
-        let mut sum = columns[0] * weights[(0, j)];
-        for i in 1..N {
-            sum += columns[i] * weights[(i, j)];
-        }
-        sum * sign
-    })
 }
 
 struct Elimination<const N: usize> {
@@ -381,9 +344,13 @@ pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> 
             true => reduce_body::<SHEARED>(model, work, body, x, p),
         };
         body.joint.reduce(&mut work.joints[index], x, &mut p);
-        if let Base::Node(node) = body.base {
-            work.bias[node].linear += p.linear;
-            work.bias[node].angular += p.angular;
+        match body.base {
+            Base::Root(_) => {}
+            Base::Node(node) => {
+                work.bias[node].linear += p.linear;
+                work.bias[node].angular += p.angular;
+            }
+            Base::Axis(slide) => slide::reduce(model, work, slide, &p, x),
         }
     }
     back_substitute(model, work, x)
@@ -396,6 +363,7 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
         let mut moved = match body.base {
             Base::Root(_) => Pair::ZERO,
             Base::Node(node) => work.bias[node],
+            Base::Axis(slide) => slide::displaced(model, work, slide, x),
         };
         body.joint.expand(&work.joints[index], x, &mut moved, &mut norm);
         work.bias[body.first_node] = moved;
@@ -430,7 +398,11 @@ where
         work.eliminated_mut().right_hand[e] = g;
         let factor = &work.eliminated().factors[e];
         let y = back(&factor.cholesky, forward(&factor.cholesky, g));
-        from_sibling = if pairs && i % 2 == 1 { factor.coupling * y } else { Strain::zeros() };
+        from_sibling = match (pairs && i % 2 == 1, body.ridden) {
+            (false, _) => Strain::zeros(),
+            (true, false) => factor.coupling * y,
+            (true, true) => factor.coupling.tr_mul(&y), // not symmetric with bodies that slide along the pair
+        };
         let own = &work.bias[body.first_node + i];
         let mut linear = own.linear + p.linear;
         let mut angular = own.angular + p.angular + work.arms[e].cross(&p.linear);

@@ -11,6 +11,7 @@ use crate::multibody::dynamics::{multiply, multiply_transposed, wrench_of};
 use crate::multibody::gauge::{Side, section_wrench};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Model, Station};
+use crate::multibody::slide;
 use crate::multibody::station;
 use crate::multibody::workspace::{Node, Workspace};
 use nalgebra::{Matrix3, Vector3};
@@ -92,6 +93,12 @@ impl SectionPlace {
             };
             force -= own_force;
             moment -= own_moment + (point.position_m - section.position_m).cross(&own_force);
+        }
+        if model.bodies[body].ridden {
+            let from = (self.station.element, self.station.offset_m);
+            let riders = slide::outboard_wrench(model, work, motion.q, from, &section.position_m);
+            force += riders.linear;
+            moment += riders.angular;
         }
         let axes = section.rotation.transpose();
         Wrench { force_n: -(axes * force), moment_n_m: -(axes * moment) }

@@ -36,6 +36,11 @@ fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion)
         let (offset_m, parent) = match &body.base {
             Base::Root(position_m) => (position_m, None),
             Base::Node(node) => (&body.offset_m, Some(work.nodes[*node])),
+            Base::Axis(slide) => {
+                let carriage = work.slides[*slide].carry::<RATES>(model, &model.slides[*slide], &work.nodes, motion);
+                joint.ride(&work.slides[*slide].column, &(carriage.rotation * body.offset_m));
+                (&body.offset_m, Some(carriage))
+            }
         };
         let node = &mut work.nodes[body.first_node];
         body.joint.carry::<RATES>((offset_m, &body.mount), joint, parent.as_ref(), node, motion);

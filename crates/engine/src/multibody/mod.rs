@@ -1,6 +1,7 @@
 //! The tree of beams and joints, and the recursions over it: kinematics, residual, solve. All O(n).
 
 pub(crate) mod block_slopes;
+mod carried;
 mod cholesky;
 pub mod closure;
 pub mod derivative;
@@ -16,6 +17,7 @@ pub mod modal;
 pub mod mode_damping;
 pub mod model;
 pub mod norm;
+pub mod slide;
 pub(crate) mod slope;
 pub mod station;
 pub(crate) mod station_load;

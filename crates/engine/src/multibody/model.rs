@@ -13,6 +13,7 @@ pub use crate::multibody::element::{Elastic, Element, Strained};
 use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::modal::Modal;
 use crate::multibody::mode_damping::DampedMode;
+use crate::multibody::slide::Slide;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
 /// Description of a body for meshing.
@@ -57,6 +58,11 @@ pub enum Attachment {
         /// Distance from its inner end in m.
         position_m: f64,
     },
+    /// The axis of an earlier body, at the arc length of a sliding joint.
+    Axis {
+        /// Index of that body.
+        index: usize,
+    },
 }
 
 /// Attachment of a body in the tree of nodes.
@@ -66,6 +72,8 @@ pub enum Base {
     Root(Vector3<f64>),
     /// Node of an earlier body.
     Node(usize),
+    /// Carriage of a sliding joint, by its index in [`Model::slides`].
+    Axis(usize),
 }
 
 /// One body: a joint, then a chain of elements.
@@ -99,6 +107,8 @@ pub struct Body {
     pub carrier: Option<usize>,
     /// Whether the mass-proportional damping also acts on its attached masses.
     pub damps_attached: bool,
+    /// Whether a body slides along its axis.
+    pub ridden: bool,
     /// Square roots of the factors of stiffness-proportional damping per strain; `None` if all are 1.
     pub damping_roots: Option<Strain<SHEARED>>,
 }
@@ -181,6 +191,8 @@ pub struct Model {
     pub closures: Vec<Closure>,
     /// Modes of beams damped by their ratios.
     pub damped_modes: Vec<DampedMode>,
+    /// Sliding joints.
+    pub slides: Vec<Slide>,
     /// Number of coordinates.
     pub coordinates: usize,
     /// Whether at least one body has elements with six strains.
@@ -209,6 +221,7 @@ impl Model {
             stations: Vec::new(),
             closures: Vec::new(),
             damped_modes: Vec::new(),
+            slides: Vec::new(),
             coordinates: 0,
             sheared: false,
             reference_length_m: 0.0,
@@ -223,11 +236,16 @@ impl Model {
                         + position_m
                         + description.offset_m.norm(),
                 ),
+                Attachment::Axis { index: beam } => {
+                    model.bodies[beam].ridden = true;
+                    model.slides.push(Slide { beam, rider: index });
+                    (Base::Axis(model.slides.len() - 1), path_m[beam] + description.offset_m.norm())
+                }
             };
             path_m.push(inner_path_m + description.length_m + reach_m(description));
             let children = descriptions.iter().filter_map(|child| match child.parent {
                 Attachment::Body { index: parent, position_m } if parent == index => Some(position_m),
-                Attachment::Root(_) | Attachment::Body { .. } => None,
+                Attachment::Root(_) | Attachment::Body { .. } | Attachment::Axis { .. } => None,
             });
             let looped = closures.iter().flat_map(|closure| closure.places).flatten();
             let looped = looped.filter_map(|(body, position_m)| (body == index).then_some(position_m));
@@ -273,6 +291,7 @@ impl Model {
             slim_mass: true,
             carrier: self.carrier_of(description),
             damps_attached: false,
+            ridden: false,
             damping_roots: None,
         };
         if let Some(law) = description.section.modal() {
@@ -346,7 +365,7 @@ impl Model {
     fn carrier_of(&self, description: &BodyDescription) -> Option<usize> {
         match (description.joint, description.parent) {
             (joint, _) if joint.floats() => Some(self.nodes.len()),
-            (_, Attachment::Body { index, .. }) => self.bodies[index].carrier,
+            (_, Attachment::Body { index, .. } | Attachment::Axis { index }) => self.bodies[index].carrier,
             (_, Attachment::Root(_)) => None,
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::math::strain::{SHEARED, STRAINS};
 use crate::multibody::model::{Base, Model};
+use crate::multibody::slide;
 use crate::multibody::workspace::{Pair, Workspace};
 
 /// Twist of an element's outer end due to that of its inner end `node` and the change of its strains.
@@ -39,6 +40,7 @@ pub fn kinematic_norm(model: &Model, work: &mut Workspace, change: &[f64]) -> f6
         let mut moved = match body.base {
             Base::Root(_) => Pair::ZERO,
             Base::Node(node) => work.bias[node],
+            Base::Axis(index) => slide::displaced(model, work, index, change),
         };
         body.joint.displace(&work.joints[index], change, &mut moved);
         norm.include(&moved);

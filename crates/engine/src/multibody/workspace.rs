@@ -8,6 +8,7 @@ use crate::multibody::closure::ClosureFactor;
 use crate::multibody::joint::JointWork;
 use crate::multibody::modal::ModalWork;
 use crate::multibody::model::{Base, Model};
+use crate::multibody::slide::SlideWork;
 use crate::multibody::slope::Slope;
 use nalgebra::{Matrix3, Vector3};
 
@@ -201,6 +202,10 @@ pub struct Workspace {
     pub root_force: Vector3<f64>,
     /// Moment of that reaction about the origin, N·m.
     pub root_moment: Vector3<f64>,
+    /// Per sliding joint: its carriage.
+    pub(crate) slides: Vec<SlideWork>,
+    /// Per node: velocity and angular velocity before an impulse, for machines with sliding joints.
+    pub(crate) carried: Vec<Pair>,
     pub(crate) inertia: Vec<ArticulatedInertia>,
     pub(crate) bias: Vec<Pair>,
     /// Per element: slopes of the axis at its inner and outer ends, for elements with shear; empty if there are none.
@@ -238,13 +243,15 @@ impl Workspace {
                 .bodies
                 .iter()
                 .map(|body| {
-                    let carried = matches!(body.base, Base::Node(_));
+                    let carried = !matches!(body.base, Base::Root(_));
                     JointWork::new(&body.joint, &body.mount, &body.offset_m, carried)
                 })
                 .collect(),
             modal: model.bodies.iter().map(|body| body.modal.as_ref().map(|_| Box::new(ModalWork::new()))).collect(),
             root_force: zero,
             root_moment: zero,
+            slides: model.slides.iter().map(|slide| SlideWork::new(model.bodies[slide.beam].first_element)).collect(),
+            carried: vec![Pair::ZERO; if model.slides.is_empty() { 0 } else { nodes }],
             inertia: vec![ArticulatedInertia::ZERO; nodes],
             bias: vec![Pair::ZERO; nodes],
             slopes: vec![[Slope::ZERO; 2]; if model.sheared { elements } else { 0 }],

@@ -63,6 +63,7 @@ pub struct InstantRates {
 impl Study<'_> {
     /// Mass, damping and stiffness about the present state with its accelerations, over [`System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
+        self.system.refuse_sliding("linear model")?;
         let freedoms = self.system.freedoms();
         let mut unused = vec![0.0; self.system.coordinates()];
         let now = &self.system.state.now;

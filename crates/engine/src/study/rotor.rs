@@ -92,7 +92,7 @@ pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, 
         let body = body.ok_or_else(|| format!("shaft {name}: the model has no joint of this name"))?;
         return match machine.bodies[body].joint.kind {
             JointKind::Revolute(_) => Ok(body),
-            JointKind::Clamped | JointKind::Prismatic(_) | JointKind::Spatial(_) => {
+            JointKind::Clamped | JointKind::Prismatic(_) | JointKind::Sliding(_) | JointKind::Spatial(_) => {
                 Err(format!("shaft {name}: the joint is not revolute; a shaft must be revolute"))
             }
         };

@@ -107,6 +107,7 @@ impl Study<'_> {
     /// # Errors
     /// If the modes cannot be computed.
     pub fn stability(&mut self) -> Result<Stability, PlantError> {
+        self.system.refuse_sliding("stability")?;
         if self.system.has_linear_lattice() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0 {
             return match self.growing_in_air_of_lattice(JUDGED_MODES) {
                 Ok(modes) => Ok(self.stability_in_lattice(&modes)),

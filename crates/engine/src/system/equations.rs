@@ -73,6 +73,7 @@ impl Equations {
                 natural_strain: body.natural_strain.clone(),
                 parent: match body.joint.parent {
                     Parent::Root { position_m } => Attachment::Root(position_m),
+                    Parent::Body { index, .. } if body.joint.kind.rides() => Attachment::Axis { index },
                     Parent::Body { index, position_m } => Attachment::Body { index, position_m },
                 },
                 offset_m: body.joint.offset_m,

@@ -174,6 +174,37 @@ pub enum PlantError {
         /// Magnitude of the moment in N·m about the joint that would be needed to hold it.
         moment_n_m: f64,
     },
+    /// A body has left the beam along which it slides.
+    #[error(
+        "at t = {time_s} s joint {joint} is at {position_m} m, beyond the end of {beam}, which reaches from 0 to {length_m} m: \
+         a body cannot leave the beam along which it slides; put end_stops on the joint so far inside the ends that their \
+         compression stays on the beam, or stop the run before"
+    )]
+    OffBeam {
+        /// Time in s.
+        time_s: f64,
+        /// Name of the sliding joint.
+        joint: String,
+        /// Name of the beam.
+        beam: String,
+        /// Length of the beam in m.
+        length_m: f64,
+        /// Position of the joint in m.
+        position_m: f64,
+    },
+    /// An analysis that machines with sliding joints do not have.
+    #[error(
+        "no {analysis} at t = {time_s} s: the sliding joint {joint} has no linear model; compute the motion over time, or \
+         replace the joint by a clamped one at a fixed parent_position_m"
+    )]
+    Sliding {
+        /// Time in s.
+        time_s: f64,
+        /// Name of the sliding joint.
+        joint: String,
+        /// The analysis.
+        analysis: &'static str,
+    },
     /// The present state has no linear model.
     #[error("no linearisation at t = {time_s} s: {cause}")]
     Linearization {
@@ -213,6 +244,8 @@ impl PlantError {
             | Self::CrossedSheets { .. }
             | Self::Equilibrium { .. }
             | Self::Flight { .. }
+            | Self::OffBeam { .. }
+            | Self::Sliding { .. }
             | Self::Linearization { .. }
             | Self::Periodic { .. }
             | Self::Snapshot(..) => self.to_string(),

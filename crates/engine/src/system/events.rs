@@ -59,6 +59,7 @@ impl System {
         for (joint, memory) in equations.forces.joints_mut().iter_mut().zip(joints) {
             joint.recall(memory);
         }
+        equations.seat(joints);
         self.impose_failures();
     }
 
@@ -196,7 +197,11 @@ impl System {
         let before = self.equations.potentials(time_s, &start.q).total();
         let Outcome { mut dissipated_j, events, failed } = change(&mut self.state, &self.equations);
         self.state.statistics.events += events;
+        let crossed = self.cross_borders().map_err(|singular| self.no_accelerations(time_s, singular))?;
         let mut stopped = self.stop_held_joints().map_err(|singular| self.no_accelerations(time_s, singular))?;
+        stopped.lost_j += crossed.lost_j;
+        stopped.work_j += crossed.work_j;
+        self.refuse_off_beam(&self.state.start)?;
         let of_loops_j = if failed {
             let start = &self.state.start;
             self.equations.loop_kinetic_at_j(time_s, [&start.q, &start.v, &start.a], &mut self.scratch[1])

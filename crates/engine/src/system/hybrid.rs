@@ -48,6 +48,12 @@ pub enum NotHybrid {
     /// `Plant::initialize` has not succeeded.
     #[error("the model is not initialised; initialise it first")]
     Uninitialized,
+    /// The element along which a body slides is known to the internal integrator only.
+    #[error(
+        "an external integrator is not possible with a sliding joint: the body crosses borders of elements, where the rates of \
+         all coordinates jump; use co-simulation"
+    )]
+    Sliding,
     /// Panels, wake and rotors advance in fixed aerodynamic steps.
     #[error(
         "an external integrator is not possible with a vortex lattice or a rotor: both use fixed aerodynamic steps; write \
@@ -65,6 +71,9 @@ impl System {
         }
         if !self.air_is_continuous() {
             return Err(NotHybrid::Air);
+        }
+        if self.machine.sliding_joint().is_some() {
+            return Err(NotHybrid::Sliding);
         }
         // crossings located ahead by the internal integrator do not apply to the external one
         self.state.joints.iter_mut().for_each(|joint| joint.crossed = 0);

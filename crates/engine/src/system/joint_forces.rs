@@ -2,6 +2,7 @@
 
 use crate::force::Force;
 use crate::force::attitude::AttitudeSpring;
+use crate::force::borders::Borders;
 use crate::force::brake::Brake;
 use crate::force::end_stops::{Contact, TwoSidedStops};
 use crate::force::external::External;
@@ -14,6 +15,7 @@ use crate::force::set::Forces;
 use crate::force::spring::Spring;
 use crate::machine::{JointMotion, Machine, OneFreedom};
 use crate::multibody::Model;
+use crate::multibody::model::Base;
 use crate::signal::{Inputs, Parameters};
 use crate::system::failures;
 
@@ -22,6 +24,9 @@ pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
     let joints = machine.one_freedoms().map(|(body, own)| {
         let mut forces = of_joint(own);
         forces.extend(failures::forces_on(machine, body));
+        if let Base::Axis(slide) = model.bodies[body].base {
+            forces.push(Force::Borders(Borders::new(model.slides[slide].borders_m(model))));
+        }
         JointForces::new(body, &model.bodies[body].joint, forces)
     });
     let spatial = machine.spatials().map(|(body, _)| {

@@ -5,6 +5,7 @@
 pub(crate) mod air;
 pub(crate) mod brake;
 pub(crate) mod course;
+pub(crate) mod crossing;
 pub(crate) mod equations;
 mod error;
 pub(crate) mod events;

@@ -46,6 +46,7 @@ impl System {
                 released: told.release,
                 crossed: 0,
                 tripped: 0,
+                element: 0,
                 contact: Contact::default(),
                 latch: LatchState { closed, enabled: told.latch_enable, time_s: -1.0, count: 0, impulse_n_m_s: 0.0 },
                 slew: Slew {
@@ -111,13 +112,14 @@ impl System {
         let mut changed = false;
         for (forces, memory) in self.equations.forces.joints().iter().zip(&mut self.state.joints) {
             // the rates may have been changed since the start state was set
-            let (contact, tripped) = (memory.contact, memory.tripped);
+            let (contact, tripped, element) = (memory.contact, memory.tripped, memory.element);
             forces.begin(&self.state.now, memory);
-            changed |= memory.contact != contact || memory.tripped != tripped;
+            changed |= memory.contact != contact || memory.tripped != tripped || memory.element != element;
         }
         if changed {
             self.configure();
         }
+        self.refuse_off_beam(&self.state.now)?;
         self.start_air(time_s)?;
         let now = &mut self.state.now;
         self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);

@@ -21,7 +21,9 @@ fn refused(change: impl FnOnce(&mut Machine)) -> String {
 fn fold(machine: &mut Machine) -> &mut OneFreedom {
     match &mut machine.bodies[1].joint.kind {
         JointKind::Revolute(fold) => fold,
-        JointKind::Clamped | JointKind::Prismatic(_) | JointKind::Spatial(_) => panic!("no fold joint"),
+        JointKind::Clamped | JointKind::Prismatic(_) | JointKind::Sliding(_) | JointKind::Spatial(_) => {
+            panic!("no fold joint")
+        }
     }
 }
 

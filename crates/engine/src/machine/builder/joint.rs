@@ -17,6 +17,7 @@ pub(super) enum Type {
     Clamped,
     Revolute,
     Prismatic,
+    Sliding,
     Universal,
     Ball,
     Free,
@@ -28,6 +29,7 @@ impl Type {
             Self::Clamped => "clamped",
             Self::Revolute => Travel::Rotation.joint_type(),
             Self::Prismatic => Travel::Translation.joint_type(),
+            Self::Sliding => "sliding",
             Self::Universal => "universal",
             Self::Ball => "ball",
             Self::Free => "free",
@@ -109,6 +111,13 @@ impl Joint {
     /// A prismatic joint along `axis` in the parent's section frame, of any nonzero length; positive in its direction.
     pub fn prismatic(name: impl Into<String>, axis: impl Into<Vector3<f64>>) -> JointBuilder {
         JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Prismatic) }
+    }
+
+    /// A sliding joint along the axis of the beam that is its parent: the body keeps the attitude of the beam's section at the arc length
+    /// [`JointBuilder::start_position_m`], and moves along the beam from there. For a body that also turns, put a rigid body without mass
+    /// on the sliding joint and the body on a revolute or ball joint on that.
+    pub fn sliding(name: impl Into<String>) -> JointBuilder {
+        JointBuilder { axis: Vector3::x(), ..Self::builder(name, Type::Sliding) }
     }
 
     /// A revolute joint with all fields set.
@@ -304,6 +313,10 @@ impl JointBuilder {
                     checker,
                 )))
             }
+            Type::Sliding => {
+                let start = (self.start_position_m, self.start_rate_m_s);
+                JointKind::Sliding(Box::new(self.build_one_freedom(Travel::Translation, start, start_time_s, checker)))
+            }
             Type::Universal | Type::Ball | Type::Free => JointKind::Spatial(Box::new(self.build_spatial(checker))),
         };
         Joint { name: self.name.clone(), parent, offset_m: self.offset_m, mount: self.mount, kind }
@@ -311,7 +324,7 @@ impl JointBuilder {
 
     /// Reports values that do not apply to this type of joint.
     fn refuse_strangers(&self, checker: &mut Checker) {
-        use Type::{Ball, Free, Prismatic, Revolute, Universal};
+        use Type::{Ball, Free, Prismatic, Revolute, Sliding, Universal};
         let stated: [(&str, &[Type], Option<String>); 10] = [
             (
                 "start_angular_velocity_rad_s",
@@ -321,19 +334,23 @@ impl JointBuilder {
             ("start_velocity_m_s", &[Free], self.start_velocity_m_s.map(|v| array_text(v.as_slice()))),
             ("start_angle_rad", &[Revolute], self.start_angle_rad.map(shortest)),
             ("start_rate_rad_s", &[Revolute], self.start_rate_rad_s.map(shortest)),
-            ("start_position_m", &[Prismatic], self.start_position_m.map(shortest)),
-            ("start_rate_m_s", &[Prismatic], self.start_rate_m_s.map(shortest)),
-            ("release", &[Revolute, Prismatic], self.release.map(|release| release.to_string())),
-            ("motion", &[Revolute, Prismatic], self.motion.as_ref().map(|motion| format!("{motion:?}"))),
-            ("motor", &[Revolute, Prismatic, Universal, Ball], self.motor.as_ref().map(|_| "a motor".to_owned())),
-            ("spring", &[Revolute, Prismatic], self.spring.map(|_| "a spring".to_owned())),
+            ("start_position_m", &[Prismatic, Sliding], self.start_position_m.map(shortest)),
+            ("start_rate_m_s", &[Prismatic, Sliding], self.start_rate_m_s.map(shortest)),
+            ("release", &[Revolute, Prismatic, Sliding], self.release.map(|release| release.to_string())),
+            ("motion", &[Revolute, Prismatic, Sliding], self.motion.as_ref().map(|motion| format!("{motion:?}"))),
+            (
+                "motor",
+                &[Revolute, Prismatic, Sliding, Universal, Ball],
+                self.motor.as_ref().map(|_| "a motor".to_owned()),
+            ),
+            ("spring", &[Revolute, Prismatic, Sliding], self.spring.map(|_| "a spring".to_owned())),
         ];
         let latch = self.latch.as_ref().map(|_| "a latch".to_owned());
         let end_stops = self.end_stops.map(|_| "end_stops".to_owned());
         let generator = self.generator.as_ref().map(|_| "a generator".to_owned());
         let machinery: [(&str, &[Type], Option<String>); 3] = [
-            ("latch", &[Revolute, Prismatic], latch),
-            ("end_stops", &[Revolute, Prismatic], end_stops),
+            ("latch", &[Revolute, Prismatic, Sliding], latch),
+            ("end_stops", &[Revolute, Prismatic, Sliding], end_stops),
             ("generator", &[Revolute], generator),
         ];
         for (key, types, found) in stated.into_iter().chain(machinery) {
@@ -418,7 +435,9 @@ impl JointBuilder {
         let (freedom, spin) = match self.kind {
             Type::Universal => self.universal(spin, checker),
             Type::Free => (SpatialFreedom::Free, spin),
-            Type::Ball | Type::Clamped | Type::Revolute | Type::Prismatic => (SpatialFreedom::Ball, spin),
+            Type::Ball | Type::Clamped | Type::Revolute | Type::Prismatic | Type::Sliding => {
+                (SpatialFreedom::Ball, spin)
+            }
         };
         let free = self.kind == Type::Free;
         let motor = self.motor.clone().filter(|_| !free).unwrap_or_default(); // a motor on a free joint is an error

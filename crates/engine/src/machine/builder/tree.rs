@@ -2,7 +2,7 @@
 
 use crate::machine::Parent;
 use crate::machine::builder::body::BodyBuilder;
-use crate::machine::builder::joint::{Holder, JointBuilder};
+use crate::machine::builder::joint::{Holder, JointBuilder, Type};
 use crate::machine::fault::Checker;
 use std::collections::BTreeMap;
 
@@ -57,7 +57,8 @@ pub(super) fn resolve(bodies: &[(BodyBuilder, JointBuilder)], checker: &mut Chec
     order.iter().enumerate().for_each(|(position, body)| rank[*body] = position);
     let parents = bodies.iter().zip(&parent_of).map(|((_, joint), parent)| match (&joint.holder, parent) {
         (Holder::Body(_, position_m), Some(parent)) => {
-            let position_m = position_m.unwrap_or(bodies[*parent].0.length_m);
+            let end_m = if joint.kind == Type::Sliding { 0.0 } else { bodies[*parent].0.length_m };
+            let position_m = position_m.unwrap_or(end_m);
             Parent::Body { index: rank[*parent], position_m }
         }
         (Holder::Root(position_m), _) => Parent::Root { position_m: *position_m },

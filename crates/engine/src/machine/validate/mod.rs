@@ -8,6 +8,7 @@ mod failure;
 pub mod joint;
 mod modal;
 pub mod section;
+mod sliding;
 
 use crate::machine::fault::{Checker, Fault, Range, array_text};
 use crate::machine::units::shortest;
@@ -86,6 +87,7 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     for internal_load in &machine.internal_loads {
         attached::internal_load(internal_load, &machine.bodies, checker);
     }
+    sliding::check(machine, checker);
     modal::placed(machine, checker);
     failure::check(machine, checker);
     let mut closures_hold = true;

@@ -129,11 +129,16 @@ impl Derivative {
         let fixed = match body.base {
             Base::Root(_) => [axis, Vector3::zeros(), Vector3::zeros()],
             Base::Node(node) => fixed(&work.nodes[node], &self.spots[node].second, axis),
+            Base::Axis(_) => unreachable!("no derivatives with sliding joints"),
         };
         match body.joint.kind {
             JointKind::Revolute { .. } => Some(Column { angular: fixed, ..Column::ZERO }),
             JointKind::Prismatic { .. } => Some(Column { linear: fixed, ..Column::ZERO }),
-            JointKind::Clamped | JointKind::Universal { .. } | JointKind::Ball | JointKind::Free => None,
+            JointKind::Clamped
+            | JointKind::Sliding
+            | JointKind::Universal { .. }
+            | JointKind::Ball
+            | JointKind::Free => None,
         }
     }
 
@@ -265,10 +270,15 @@ impl Link {
         let carrier = match body.base {
             Base::Root(_) => None,
             Base::Node(node) => Some(node),
+            Base::Axis(_) => unreachable!("no derivatives with sliding joints"),
         };
         let count = match body.joint.kind {
             JointKind::Revolute { .. } | JointKind::Prismatic { .. } => 1,
-            JointKind::Clamped | JointKind::Universal { .. } | JointKind::Ball | JointKind::Free => 0,
+            JointKind::Clamped
+            | JointKind::Sliding
+            | JointKind::Universal { .. }
+            | JointKind::Ball
+            | JointKind::Free => 0,
         };
         Self { carrier, first: body.joint.coordinate, count, ..Self::NONE }
     }

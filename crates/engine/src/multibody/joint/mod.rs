@@ -39,6 +39,8 @@ pub enum JointKind {
         /// Unit axis in the parent's frame.
         axis: Vector3<f64>,
     },
+    /// Motion along the axis of a beam, with the attitude of its section: the coordinate is an arc length.
+    Sliding,
     /// Two axes: one fixed to the parent, one to the body; the angle between them is constant.
     Universal {
         /// Unit axis in the parent's frame.
@@ -67,7 +69,12 @@ impl JointKind {
             Self::Universal { parent_axis, body_axis, .. } => {
                 Self::Universal { parent_axis, body_axis, cosine: parent_axis.dot(&(mount * body_axis)) }
             }
-            Self::Clamped | Self::Revolute { .. } | Self::Prismatic { .. } | Self::Ball | Self::Free => self,
+            Self::Clamped
+            | Self::Revolute { .. }
+            | Self::Prismatic { .. }
+            | Self::Sliding
+            | Self::Ball
+            | Self::Free => self,
         }
     }
 
@@ -75,7 +82,7 @@ impl JointKind {
     pub fn coordinates(&self) -> usize {
         match self {
             Self::Clamped => 0,
-            Self::Revolute { .. } | Self::Prismatic { .. } => 1,
+            Self::Revolute { .. } | Self::Prismatic { .. } | Self::Sliding => 1,
             Self::Universal { .. } => 9,
             Self::Ball => 4,
             Self::Free => 7,
@@ -85,7 +92,7 @@ impl JointKind {
     /// Number of constraints `Ψ` among the coordinates.
     pub fn constraints(&self) -> usize {
         match self {
-            Self::Clamped | Self::Revolute { .. } | Self::Prismatic { .. } => 0,
+            Self::Clamped | Self::Revolute { .. } | Self::Prismatic { .. } | Self::Sliding => 0,
             Self::Universal { .. } => 7,
             Self::Ball | Self::Free => 1,
         }
@@ -104,7 +111,7 @@ impl JointKind {
     /// Number of translations among the degrees of freedom; they come first.
     pub fn translations(&self) -> usize {
         match self {
-            Self::Prismatic { .. } => 1,
+            Self::Prismatic { .. } | Self::Sliding => 1,
             Self::Free => 3,
             Self::Clamped | Self::Revolute { .. } | Self::Universal { .. } | Self::Ball => 0,
         }
@@ -119,9 +126,12 @@ impl JointKind {
     pub fn floats(&self) -> bool {
         match self {
             Self::Free => true,
-            Self::Clamped | Self::Revolute { .. } | Self::Prismatic { .. } | Self::Universal { .. } | Self::Ball => {
-                false
-            }
+            Self::Clamped
+            | Self::Revolute { .. }
+            | Self::Prismatic { .. }
+            | Self::Sliding
+            | Self::Universal { .. }
+            | Self::Ball => false,
         }
     }
 }
@@ -171,7 +181,9 @@ impl JointWork {
             levered: carried && (moves || *offset_m != Vector3::zeros()),
             freedoms: match joint.kind {
                 JointKind::Clamped => Freedoms::None,
-                JointKind::Revolute { .. } | JointKind::Prismatic { .. } => Freedoms::One(OneFreedom::new(&joint.kind)),
+                JointKind::Revolute { .. } | JointKind::Prismatic { .. } | JointKind::Sliding => {
+                    Freedoms::One(OneFreedom::new(&joint.kind))
+                }
                 JointKind::Universal { .. } | JointKind::Ball | JointKind::Free => {
                     Freedoms::Redundant(Box::new(RedundantWork::new(joint, mount)))
                 }
@@ -200,6 +212,13 @@ impl JointWork {
         match &mut self.freedoms {
             Freedoms::One(one) => Some(one),
             Freedoms::None | Freedoms::Redundant(_) => None,
+        }
+    }
+
+    /// Sets the twist of the body's first node per rate of a sliding joint's coordinate: that of its carriage, moved along the arm.
+    pub(crate) fn ride(&mut self, column: &Pair, arm: &Vector3<f64>) {
+        if let Freedoms::One(one) = &mut self.freedoms {
+            one.ride(Pair { linear: column.linear + column.angular.cross(arm), angular: column.angular });
         }
     }
 
@@ -292,7 +311,7 @@ impl Joint {
             (JointKind::Universal { .. } | JointKind::Ball | JointKind::Free, Freedoms::Redundant(redundant)) => {
                 redundant.carry::<RATES>(self, parent, node, motion)
             }
-            (JointKind::Clamped, Freedoms::None) => {
+            (JointKind::Clamped, Freedoms::None) | (JointKind::Sliding, Freedoms::One(_)) => {
                 node.rotation = parent.map_or(*mount, |parent| parent.rotation * mount);
             }
             (_, Freedoms::None | Freedoms::One(_) | Freedoms::Redundant(_)) => {

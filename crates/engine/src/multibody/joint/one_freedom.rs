@@ -12,6 +12,8 @@ enum Freedom {
     Rotation,
     /// Translation along the axis.
     Translation,
+    /// Any twist, of a body that slides along a beam.
+    Twist,
 }
 
 /// A joint with one degree of freedom at the poses of the last sweep, with its factor.
@@ -20,6 +22,8 @@ pub struct OneFreedom {
     /// Unit axis in the root frame.
     pub axis: Vector3<f64>,
     freedom: Freedom,
+    /// Twist of the body per unit of the degree of freedom, for a sliding joint.
+    twist: Pair,
     /// Inverse of the pivot; 0 for a held joint.
     inverse_pivot: f64,
     /// Product `P s` of the articulated inertia and the screw `s`.
@@ -34,7 +38,16 @@ impl OneFreedom {
     pub(super) fn new(kind: &JointKind) -> Self {
         Self {
             axis: Vector3::zeros(),
-            freedom: if kind.translations() == 1 { Freedom::Translation } else { Freedom::Rotation },
+            freedom: match kind {
+                JointKind::Sliding => Freedom::Twist,
+                JointKind::Prismatic { .. } => Freedom::Translation,
+                JointKind::Clamped
+                | JointKind::Revolute { .. }
+                | JointKind::Universal { .. }
+                | JointKind::Ball
+                | JointKind::Free => Freedom::Rotation,
+            },
+            twist: Pair::ZERO,
             inverse_pivot: 0.0,
             pushed: Pair::ZERO,
             right_hand: 0.0,
@@ -42,11 +55,18 @@ impl OneFreedom {
         }
     }
 
+    /// Sets the twist of the body per unit of the degree of freedom of a sliding joint.
+    pub(super) fn ride(&mut self, twist: Pair) {
+        self.axis = twist.linear.try_normalize(0.0).unwrap_or_else(Vector3::x);
+        self.twist = twist;
+    }
+
     /// Twist of the body per unit of the degree of freedom.
     pub(super) fn screw(&self) -> Pair {
         match self.freedom {
             Freedom::Rotation => Pair { linear: Vector3::zeros(), angular: self.axis },
             Freedom::Translation => Pair { linear: self.axis, angular: Vector3::zeros() },
+            Freedom::Twist => self.twist,
         }
     }
 
@@ -56,6 +76,7 @@ impl OneFreedom {
         match self.freedom {
             Freedom::Rotation => self.axis.dot(&wrench.angular),
             Freedom::Translation => self.axis.dot(&wrench.linear),
+            Freedom::Twist => self.twist.linear.dot(&wrench.linear) + self.twist.angular.dot(&wrench.angular),
         }
     }
 
@@ -78,6 +99,10 @@ impl OneFreedom {
         let (velocity, spin) = match self.freedom {
             Freedom::Rotation => (inertia.vw * self.axis, inertia.ww * self.axis),
             Freedom::Translation => (inertia.vv * self.axis, inertia.vw.tr_mul(&self.axis)),
+            Freedom::Twist => (
+                inertia.vv * self.twist.linear + inertia.vw * self.twist.angular,
+                inertia.vw.tr_mul(&self.twist.linear) + inertia.ww * self.twist.angular,
+            ),
         };
         let pivot = self.project(&Pair { linear: velocity, angular: spin })
             + weights.stiffness * tangent.stiffness
@@ -86,6 +111,7 @@ impl OneFreedom {
         let scale = match self.freedom {
             Freedom::Rotation => inertia.ww.trace(),
             Freedom::Translation => inertia.vv.trace(),
+            Freedom::Twist => inertia.vv.trace() * self.twist.linear.norm_squared(),
         };
         if !(pivot > ROUND_OFF * scale.max(0.0) && pivot.is_finite()) {
             return Err(BadPivot { coordinate: joint.coordinate });
@@ -133,6 +159,10 @@ impl OneFreedom {
         match self.freedom {
             Freedom::Rotation => moved.angular += self.axis * change,
             Freedom::Translation => moved.linear += self.axis * change,
+            Freedom::Twist => {
+                moved.linear += self.twist.linear * change;
+                moved.angular += self.twist.angular * change;
+            }
         }
     }
 }

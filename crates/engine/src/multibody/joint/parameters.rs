@@ -78,6 +78,7 @@ impl JointPose {
             JointKind::Clamped
             | JointKind::Revolute { .. }
             | JointKind::Prismatic { .. }
+            | JointKind::Sliding
             | JointKind::Ball
             | JointKind::Free => Self::spherical(kind, eta),
         }

@@ -267,6 +267,7 @@ impl Tangent {
         match body.base {
             Base::Root(_) => Vector6::zeros(),
             Base::Node(node) => twist(&self.displaced[node]),
+            Base::Axis(_) => unreachable!("no tangent with sliding joints"),
         }
     }
 
