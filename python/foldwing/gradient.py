@@ -52,8 +52,8 @@ class GradientStudies:
 
         Args:
             of: results: a real output at the end of the run (`tip.position.z`) or at a time in s (`tip.position.z@0.2`), its largest
-                value, smallest value or value of largest magnitude over the run (`max(...)`, `min(...)`, `peak(...)`), or
-                `fold.latch_time`; vectors and patterns represent their components.
+                value, smallest value or value of largest magnitude over the run (`max(...)`, `min(...)`, `peak(...)`), its
+                mean or root mean square (`mean(...)`, `rms(...)`), `fold.latch_time` or `fold.latch_impulse`; vectors and patterns represent their components.
             by: real inputs and parameters, constant during the run, inputs over time at a row (`fold.command@0.1`; at a jump `0.1-` and
                 `0.1+`) or at all rows (`fold.command@*`), and keys of the model file (`file:body.outer.length_m`); none: only the values.
             stop: stop time in s; default: that of the model.

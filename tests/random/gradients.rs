@@ -13,6 +13,8 @@ const TRIES: usize = 40;
 const PARAMETERS: usize = 4;
 /// Outputs that are results.
 const RESULTS: usize = 6;
+/// One of so many machines has a mean among its results: an adjoint pass of one differences the output by all coordinates at every stage.
+const PER_MEAN: usize = 4;
 /// Difference between both ways as a share of the largest entry of a row: outputs are differenced over millimetres, which leaves 1e-8 in stiff
 /// sections.
 const SAME: f64 = 1e-7;
@@ -60,8 +62,12 @@ pub fn both_ways(model: &Model) -> Verdict {
         Err(error) => return Verdict::Broken(format!("parameters without a gradient together: {error}")),
     };
     let mut tried = 0;
-    for _ in 0..RESULTS {
-        let result = RunResult::Output { index: random.usize(0..outputs), time: random.usize(0..2) };
+    for number in 0..RESULTS {
+        let (index, time) = (random.usize(0..outputs), random.usize(0..2));
+        let result = match number == 0 && random.usize(0..PER_MEAN) == 0 {
+            true => RunResult::Mean { index, time, square: random.bool() },
+            false => RunResult::Output { index, time },
+        };
         let row = match gradient.forward(&[result]) {
             Ok(mut table) => table.remove(0),
             Err(GradientError::NotCovered { .. }) => continue,

@@ -35,8 +35,9 @@ pub struct Arguments {
     /// Model file
     model: PathBuf,
     /// Result to differentiate: a real output at the end of the run (NAME) or at a time (NAME@TIME in s), its maximum, its minimum or its
-    /// value of largest magnitude, with sign, over the run (max(NAME), min(NAME), peak(NAME)), or JOINT.latch_time. A vector or pattern
-    /// selects all its components; may be repeated, or a list with commas
+    /// value of largest magnitude, with sign, over the run (max(NAME), min(NAME), peak(NAME)), its mean or root mean square (mean(NAME),
+    /// rms(NAME)), JOINT.latch_time, or JOINT.latch_impulse. A vector or pattern selects all its components; may be repeated, or a list
+    /// with commas
     #[arg(long = "of", value_name = "RESULT", required = true, value_parser = NonEmptyStringValueParser::new())]
     of: Vec<String>,
     /// Number with respect to which to differentiate: a real input or parameter that is constant during the run, an input of `--inputs` at
@@ -347,9 +348,10 @@ fn failure(error: GradientsError) -> Failure {
         GradientsError::Quantity { of, error } => {
             let cause = match &error {
                 QuantityError::Name(error) => name_message::<Variable>(error),
-                QuantityError::Time(_) | QuantityError::Outside { .. } | QuantityError::Corner { .. } => {
-                    error.to_string()
-                }
+                QuantityError::Time(_)
+                | QuantityError::Outside { .. }
+                | QuantityError::Corner { .. }
+                | QuantityError::Zero => error.to_string(),
             };
             Failure::Usage(format!("--of {of}: {cause}"))
         }

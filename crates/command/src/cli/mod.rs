@@ -196,7 +196,7 @@ enum Command {
     /// Compute derivatives of simulation results with respect to numbers of the model
     ///
     /// Computes exact derivatives of the time-discrete simulation, including latch closings and end stops: of outputs at given times, of
-    /// largest values and of latch times, with respect to inputs, parameters and keys of the model file. If gradients do not cover a part
+    /// largest values and means, of latch times and impulses, with respect to inputs, parameters and keys of the model file. If gradients do not cover a part
     /// of the model, the error names it.
     Gradient(gradient::Arguments),
     /// Identify numbers of the model from measurements

@@ -7,7 +7,7 @@ use crate::multibody::joint::{Joint, JointKind, RedundantWork};
 use nalgebra::{Matrix3, Vector3};
 
 /// Spring and damper on the degrees of freedom of a universal or ball joint.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct AttitudeSpring {
     body: usize,
     /// Parameters of the joint.

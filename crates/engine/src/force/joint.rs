@@ -92,6 +92,11 @@ impl JointForces {
         push.tangent
     }
 
+    /// Whether another joint has equal forces, in equal states.
+    pub fn has_forces_of(&self, other: &Self) -> bool {
+        self.forces == other.forces
+    }
+
     /// Rows of the joint's degrees of freedom in a residual.
     pub fn rows(&self) -> Range<usize> {
         self.coordinate..self.coordinate + self.freedoms

@@ -63,7 +63,7 @@ macro_rules! each {
 }
 
 /// A force on the degrees of freedom of one joint, by type.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Force {
     /// Motor with torque limit and slew, eqs. (A1), (A2).
     Motor(Motor),

@@ -56,6 +56,17 @@ impl Forces {
         &mut self.list[self.with_one_freedom..]
     }
 
+    /// Whether another machine has equal forces on all joints, in equal states.
+    pub fn are_those_of(&self, other: &Self) -> bool {
+        self.list.len() == other.list.len()
+            && self.list.iter().zip(&other.list).all(|(own, other)| own.has_forces_of(other))
+    }
+
+    /// Rows of the joints in a residual.
+    pub fn rows(&self) -> impl Iterator<Item = usize> {
+        self.list.iter().flat_map(JointForces::rows)
+    }
+
     /// Overwrites rates and accelerations of the joints that are held, and also the coordinates of prescribed ones.
     pub fn prescribe(&self, [time_s, branch_s]: [f64; 2], q: &mut [f64], v: &mut [f64], a: &mut [f64]) {
         for joint in self.list.iter().filter(|joint| joint.held) {

@@ -1,6 +1,7 @@
 //! Multipliers of a result, from the end of a run back to its start, eqs. (X10) and (X11).
 
 use crate::gradient::air::{OnEnd, Sums};
+use crate::gradient::mean::{Mean, Seeds};
 use crate::gradient::outputs::{Part, Seed};
 use crate::gradient::parameter::Neighbours;
 use crate::gradient::step::{Causes, MANY_DIRECTIONS, Variation};
@@ -14,7 +15,8 @@ impl Gradient<'_> {
     pub fn adjoint(&mut self, result: RunResult) -> Result<Vec<f64>, GradientError> {
         let seed = self.seed(result)?;
         let Seed { step: last, part, state, by_shift, by_loads, by_parameters } = seed;
-        let mut sums = Sums { gradient: Some(by_parameters), loads: Vec::new() };
+        let mean = Mean::of(result, self.tape);
+        let mut sums = Sums { gradient: Some(by_parameters), loads: Vec::new(), mean };
         let tape = self.tape;
         let spans = tape.spans();
         let holds = spans.partition_point(|span| span.end <= last);
@@ -68,9 +70,9 @@ impl Gradient<'_> {
             let step = &tape.steps[index];
             self.adopt(step);
             let over = match part {
-                Part::Start if index == last => None,
+                Part::Start | Part::Jump(_) if index == last => None,
                 Part::Branch(branch) if index == last => Some(branch),
-                Part::Start | Part::Branch(_) | Part::Whole => Some(step),
+                Part::Start | Part::Jump(_) | Part::Branch(_) | Part::Whole => Some(step),
             };
             if let Some(over) = over {
                 multipliers = self.back_over(over, multipliers.0, multipliers.1, sums)?;
@@ -95,7 +97,11 @@ impl Gradient<'_> {
                 *shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
                 self.subtract_forcings(&step.start, &w, sums);
                 if let Some(jump) = self.jump(index) {
-                    self.jump_back(&jump, &mut multipliers.0, sums)?;
+                    let impulse = match part {
+                        Part::Jump(coordinate) if index == last => Some(coordinate),
+                        Part::Jump(_) | Part::Start | Part::Branch(_) | Part::Whole => None,
+                    };
+                    self.jump_back(&jump, &mut multipliers.0, impulse, sums)?;
                 }
             }
         }
@@ -120,19 +126,23 @@ impl Gradient<'_> {
         mut shift: f64,
         sums: &mut Sums,
     ) -> Result<(Variation, f64), GradientError> {
-        let n = self.system.coordinates();
+        let seeds = self.mean_seeds(step, sums);
+        let mut along_length = 0.0;
+        let mut column = Variation::zeros(0);
+        if step.ending != Ending::Chosen {
+            let mut columns = self.stages_through(step, &[], &[], Causes::NONE)?.pop().unwrap_or_default();
+            along_length = seeds.along(&columns);
+            column = columns.pop().unwrap_or(column);
+            along_length += product(&multipliers, &column);
+        }
         match step.ending {
             Ending::Chosen => {}
-            Ending::Given => {
-                let column = self.through(step, &[], &[], Causes::NONE)?.pop().unwrap_or_else(|| Variation::zeros(n));
-                shift = -product(&multipliers, &column);
-            }
+            Ending::Given => shift = -along_length,
             Ending::Crossing(indicator) => {
-                let column = self.through(step, &[], &[], Causes::NONE)?.pop().unwrap_or_else(|| Variation::zeros(n));
                 let z = self.crossing_slopes(step, indicator);
                 let c = z.coordinate;
                 let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
-                let share = (product(&multipliers, &column) + shift) / along;
+                let share = (along_length + shift) / along;
                 multipliers.q[c] -= share * z.by_angle;
                 multipliers.v[c] -= share * z.by_rate;
                 if let Some(gradient) = &mut sums.gradient {
@@ -140,7 +150,8 @@ impl Gradient<'_> {
                 }
             }
         }
-        self.back_through(step, multipliers, shift, sums)
+        shift += seeds.by_shift();
+        self.back_through(step, multipliers, shift, (seeds, sums))
     }
 
     /// Multipliers of a step's start and time from those of its end, for a fixed length.
@@ -149,13 +160,14 @@ impl Gradient<'_> {
         step: &Step,
         end: Variation,
         mut shift: f64,
-        sums: &mut Sums,
+        (seeds, sums): (Seeds, &mut Sums),
     ) -> Result<(Variation, f64), GradientError> {
         let (h, n, stages) = (step.length_s(), self.system.coordinates(), self.tableau.stages());
         let gain = h * self.tableau.gamma;
         let points: Vec<&Point> = std::iter::once(&step.start).chain(step.later()).collect();
         let mut on = vec![Variation::zeros(n); stages];
         on[stages - 1] = end;
+        seeds.add_to(&mut on);
         for stage in (1..stages).rev() {
             let at = points[stage];
             let laws = self.laws(at.time_s, step.middle_s());
@@ -207,6 +219,6 @@ impl Gradient<'_> {
     }
 }
 
-fn product(a: &Variation, b: &Variation) -> f64 {
+pub(super) fn product(a: &Variation, b: &Variation) -> f64 {
     dot(&a.q, &b.q) + dot(&a.v, &b.v) + dot(&a.a, &b.a)
 }

@@ -2,6 +2,7 @@
 
 use crate::gradient::block::{self, Remains};
 use crate::gradient::forward::Front;
+use crate::gradient::mean::Mean;
 use crate::gradient::step::{Causes, Variation};
 use crate::gradient::{Gradient, GradientError, add, dot};
 use crate::system::air::step_slopes::{AirStepSlopes, NoSlopes};
@@ -127,7 +128,7 @@ impl Gradient<'_> {
         let through = |own: &mut Self, on: &[f64], motion: &Variation| {
             let (_, poses) = air.slopes.reverse(on);
             let end = own.on_end(&at.q, &poses, motion);
-            let mut sums = Sums { gradient: None, loads: vec![0.0; entries] };
+            let mut sums = Sums { gradient: None, loads: vec![0.0; entries], mean: None };
             own.back_march(span.clone(), (end, 0.0), &mut sums)?;
             Ok::<_, GradientError>(sums.loads)
         };
@@ -177,6 +178,8 @@ pub(super) struct Sums {
     pub gradient: Option<Vec<f64>>,
     /// Multipliers of the loads of the air in the present aerodynamic step; empty without air.
     pub loads: Vec<f64>,
+    /// The mean over the run that is the result.
+    pub mean: Option<Mean>,
 }
 
 /// Reason for which the loads of a step have no variation.

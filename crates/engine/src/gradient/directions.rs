@@ -5,7 +5,7 @@
 //! the same matrix.
 
 use crate::gradient::step::SOLVED;
-use crate::gradient::{add, dot};
+use crate::gradient::{add, dot, largest_product};
 use crate::multibody::Model;
 use crate::multibody::joint::JointKind;
 
@@ -24,6 +24,7 @@ pub(super) struct Directions {
     solution: Vec<f64>,
     /// Displacement of the machine in m per unit of each coordinate.
     scales_m: Vec<f64>,
+    ones: Vec<f64>,
 }
 
 impl Directions {
@@ -42,13 +43,13 @@ impl Directions {
         }
         // a machine without extent: its rotations count as they are
         scales_m.iter_mut().filter(|scale| **scale <= 0.0).for_each(|scale| *scale = 1.0);
-        Self { scales_m, ..Self::default() }
+        let ones = vec![1.0; scales_m.len()];
+        Self { scales_m, ones, ..Self::default() }
     }
 
     /// The largest displacement of a change of the coordinates.
     pub fn size(&self, change: &[f64]) -> f64 {
-        let scaled = change.iter().zip(&self.scales_m).map(|(change, scale)| (change * scale).abs());
-        scaled.fold(0.0, f64::max)
+        largest_product(change, &self.scales_m)
     }
 
     /// Drops all directions, for another matrix.
@@ -88,7 +89,7 @@ impl Directions {
         let mut whole = others;
         loop {
             whole = whole.max(self.size(&self.solution[..n]));
-            let rest = left.iter().fold(0.0, |rest: f64, left| rest.max(left.abs()));
+            let rest = largest_product(&left, &self.ones);
             if rest <= SOLVED * whole {
                 return Ok(&self.solution);
             }

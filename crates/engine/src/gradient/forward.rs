@@ -2,6 +2,8 @@
 
 use crate::force::Moving;
 use crate::force::set::Indicator;
+use crate::gradient::jump::Impulses;
+use crate::gradient::mean::Mean;
 use crate::gradient::step::{Causes, Variation};
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Entry, Gradient, GradientError, RunResult, add};
@@ -33,6 +35,7 @@ impl Gradient<'_> {
         let mut front = Front { variations: self.start_variations(), shifts_s: vec![0.0; parameters] };
         let mut memories = self.start_memories();
         let tape = self.tape;
+        let means = self.means(results);
         let ends_at = |index: usize| {
             index == last && steps.iter().zip(results).all(|(at, result)| *at < last || !result.is_latch_time())
         };
@@ -45,12 +48,14 @@ impl Gradient<'_> {
             for index in span.clone() {
                 let step = &tape.steps[index];
                 let causes = Causes { parameters: true, loads: &loads };
-                self.renew(index, &mut front, causes)?;
+                let impulses = self.renew(index, &mut front, causes)?;
+                self.write_impulses(results, (index, impulses), &mut table);
                 self.write_outputs(results, (index, &front, &loads), &mut table)?;
                 if ends_at(index) {
                     return Ok(table);
                 }
-                self.pass(step, &mut front, causes)?;
+                let before: Vec<(usize, Mean)> = means.iter().copied().filter(|(_, mean)| mean.step > index).collect();
+                self.pass(step, &mut front, causes, Some((&before[..], &mut table[..])))?;
                 for ((row, result), at) in table.iter_mut().zip(results).zip(&steps) {
                     if *at == index && result.is_latch_time() {
                         row.clone_from(&front.shifts_s);
@@ -78,23 +83,24 @@ impl Gradient<'_> {
         let tape = self.tape;
         for index in span.clone() {
             self.renew(index, front, causes)?;
-            self.pass(&tape.steps[index], front, causes)?;
+            self.pass(&tape.steps[index], front, causes, None)?;
         }
         Ok(())
     }
 
     /// Variations behind an event at the start of a step: of the rates, if they jump, eq. (X17), and of the accelerations, which follow from
-    /// the equations there, eq. (X8).
-    fn renew(&mut self, index: usize, front: &mut Front, causes: Causes) -> Result<(), GradientError> {
+    /// the equations there, eq. (X8). Returns the variations of the impulses of a jump.
+    fn renew(&mut self, index: usize, front: &mut Front, causes: Causes) -> Result<Option<Impulses>, GradientError> {
         let tape = self.tape;
         let step = &tape.steps[index];
         self.adopt(step);
         if !step.renewed {
-            return Ok(());
+            return Ok(None);
         }
-        if let Some(jump) = self.jump(index) {
-            self.jump_forward(&jump, front, causes)?;
-        }
+        let impulses = match self.jump(index) {
+            Some(jump) => Some(self.jump_forward(&jump, front, causes)?),
+            None => None,
+        };
         let time_s = step.start.time_s;
         let laws = self.laws(time_s, time_s);
         let shares = self.shares(time_s);
@@ -109,34 +115,67 @@ impl Gradient<'_> {
         for (variation, forcing) in front.variations.iter_mut().zip(&forcings) {
             self.solve(&step.start, 0.0, Some(forcing), variation)?;
         }
-        Ok(())
+        Ok(impulses)
     }
 
-    /// Variations of the end of a step and of its time.
-    fn pass(&mut self, step: &Step, front: &mut Front, causes: Causes) -> Result<(), GradientError> {
-        self.adopt(step);
-        let mut ends = self.through(step, &front.variations, &front.shifts_s, causes)?;
-        let shifts_s = &mut front.shifts_s;
-        let column = match step.ending {
-            Ending::Chosen => Variation::zeros(0),
-            Ending::Given | Ending::Crossing(_) => ends.pop().unwrap_or_else(|| Variation::zeros(0)),
-        };
-        if step.ending == Ending::Given {
-            ends.iter_mut().zip(&*shifts_s).for_each(|(end, shift_s)| end.add(-*shift_s, &column));
-            shifts_s.fill(0.0);
-        }
-        if let Ending::Crossing(indicator) = step.ending {
-            let z = self.crossing_slopes(step, indicator);
-            let c = z.coordinate;
-            let along = z.by_angle * column.q[c] + z.by_rate * column.v[c];
-            for (direction, (end, shift_s)) in ends.iter_mut().zip(shifts_s).enumerate() {
-                let by_parameter = if causes.parameters { z.by_parameters[direction] } else { 0.0 };
-                let change = -(z.by_angle * end.q[c] + z.by_rate * end.v[c] + by_parameter) / along;
-                end.add(change, &column);
-                *shift_s += change;
+    /// Writes the rows of the impulses at the start of a step.
+    fn write_impulses(
+        &self,
+        results: &[RunResult],
+        (index, impulses): (usize, Option<Impulses>),
+        table: &mut [Vec<f64>],
+    ) {
+        let Some(Impulses { stopped, variations }) = impulses else { return };
+        for (row, result) in table.iter_mut().zip(results) {
+            let RunResult::Impulse { joint } = *result else { continue };
+            let coordinate = self.system.equations.forces.joints()[joint].coordinate;
+            let place = stopped.iter().position(|stopped| *stopped == coordinate);
+            if let Some(place) = place.filter(|_| self.impulse_step(joint).is_ok_and(|step| step == index)) {
+                *row = variations.iter().map(|variation| variation[place]).collect();
             }
         }
-        front.variations = ends;
+    }
+
+    /// Variations of the end of a step and of its time, and those of means over the run.
+    fn pass(
+        &mut self,
+        step: &Step,
+        front: &mut Front,
+        causes: Causes,
+        means: Option<(&[(usize, Mean)], &mut [Vec<f64>])>,
+    ) -> Result<(), GradientError> {
+        self.adopt(step);
+        let mut stages = self.stages_through(step, &front.variations, &front.shifts_s, causes)?;
+        let columns = match step.ending {
+            Ending::Chosen => Vec::new(),
+            Ending::Given | Ending::Crossing(_) => stages.pop().unwrap_or_default(),
+        };
+        let changes_s: Vec<f64> = match step.ending {
+            Ending::Chosen => vec![0.0; stages.len()],
+            Ending::Given => front.shifts_s.iter().map(|shift_s| -shift_s).collect(),
+            Ending::Crossing(indicator) => {
+                let z = self.crossing_slopes(step, indicator);
+                let c = z.coordinate;
+                let slope = |end: &Variation| z.by_angle * end.q[c] + z.by_rate * end.v[c];
+                let along = columns.last().map_or(f64::NAN, slope);
+                let change = |(direction, stages): (usize, &Vec<Variation>)| {
+                    let by_parameter = if causes.parameters { z.by_parameters[direction] } else { 0.0 };
+                    -(stages.last().map_or(f64::NAN, slope) + by_parameter) / along
+                };
+                stages.iter().enumerate().map(change).collect()
+            }
+        };
+        for (stages, change_s) in stages.iter_mut().zip(&changes_s) {
+            stages.iter_mut().zip(&columns).for_each(|(stage, column)| stage.add(*change_s, column));
+        }
+        if let Some((means, table)) = means {
+            self.add_means(step, (&stages, &front.shifts_s, &changes_s), means, table);
+        }
+        front.shifts_s.iter_mut().zip(&changes_s).for_each(|(shift_s, change_s)| *shift_s += change_s);
+        if step.ending == Ending::Given {
+            front.shifts_s.fill(0.0);
+        }
+        front.variations = stages.into_iter().filter_map(|mut stages| stages.pop()).collect();
         Ok(())
     }
 
@@ -165,9 +204,18 @@ impl Gradient<'_> {
         for (time, mark) in tape.marks.iter().enumerate().filter(|(_, mark)| mark.step == index) {
             let of_time = |(row, result): (usize, &RunResult)| match *result {
                 RunResult::Output { index, time: other } if other == time => Some((row, index)),
-                RunResult::Output { .. } | RunResult::LatchTime { .. } => None,
+                RunResult::Output { .. }
+                | RunResult::Mean { .. }
+                | RunResult::Impulse { .. }
+                | RunResult::LatchTime { .. } => None,
             };
             let (rows, indices): (Vec<usize>, Vec<usize>) = results.iter().enumerate().filter_map(of_time).unzip();
+            let means: Vec<(usize, Mean)> =
+                self.means(results).into_iter().filter(|(_, mean)| mean.time == time).collect();
+            if let (Some(branch), false) = (&mark.branch, means.is_empty()) {
+                let mut front = Front { variations: variations.clone(), shifts_s: shifts_s.clone() };
+                self.pass(branch, &mut front, Causes { parameters: true, loads }, Some((&means[..], &mut *table)))?;
+            }
             if indices.is_empty() {
                 continue;
             }

@@ -13,6 +13,14 @@ use crate::system::brake::JUMP_1_S;
 /// Corrections by the momenta that are left: masses of loops, a million times those of the machine, multiply round-off of a solution.
 const REFINEMENTS: usize = 2;
 
+/// Variations of the impulses of a jump.
+pub(super) struct Impulses {
+    /// Coordinates of the joints that it stops.
+    pub stopped: Vec<usize>,
+    /// Their variations in every direction.
+    pub variations: Vec<Vec<f64>>,
+}
+
 /// Jump of the rates between two steps.
 #[derive(Debug, Clone)]
 pub(super) struct Jump {
@@ -25,11 +33,17 @@ pub(super) struct Jump {
 }
 
 impl Jump {
-    /// Slope of the residual of a system with the jump as accelerations, less that without it: of `M Δv`.
+    /// Slope of the residual of a system with the jump as accelerations, less that without it: of `M Δv`, with the rows of the joints that
+    /// are stopped.
     pub fn momentum(&self, system: &mut System, scratch: &mut [f64], factor: f64, sum: &mut [f64]) {
         system.join_loops();
         for (point, sign) in [(&self.at, 1.0), (&self.still, -1.0)] {
             system.equations.residual(point.time_s, &point.q, &point.v, &point.a, scratch);
+            for joint in
+                system.equations.forces.joints().iter().filter(|joint| self.stopped.contains(&joint.coordinate))
+            {
+                scratch[joint.coordinate] = joint.holding_n_m;
+            }
             add(sum, sign * factor / JUMP_1_S, scratch);
         }
         system.part_loops();
@@ -59,8 +73,13 @@ impl Gradient<'_> {
         Some(Jump { at, still, stopped })
     }
 
-    /// Variations behind a jump from those before it.
-    pub(super) fn jump_forward(&mut self, jump: &Jump, front: &mut Front, causes: Causes) -> Result<(), GradientError> {
+    /// Variations behind a jump from those before it, and those of its impulses.
+    pub(super) fn jump_forward(
+        &mut self,
+        jump: &Jump,
+        front: &mut Front,
+        causes: Causes,
+    ) -> Result<Impulses, GradientError> {
         let slopes = if causes.parameters { self.momentum_slopes(jump) } else { Vec::new() };
         self.system.join_loops();
         let outcome = self.jumped(jump, front, (&slopes, causes));
@@ -73,13 +92,14 @@ impl Gradient<'_> {
         jump: &Jump,
         front: &mut Front,
         (slopes, causes): (&[Vec<f64>], Causes),
-    ) -> Result<(), GradientError> {
+    ) -> Result<Impulses, GradientError> {
+        let mut impulses = Impulses { stopped: jump.stopped.clone(), variations: Vec::new() };
         let shares = self.shares(jump.at.time_s);
         let n = self.system.coordinates();
         let zeros = vec![0.0; n];
         let along = |own: &mut Self, q: &[f64], a: &[f64]| {
             let mut rows = vec![0.0; n];
-            own.system.equations.residual_along(&mut own.derivative, Motion { q, v: &zeros, a }, &mut rows);
+            own.system.equations.rows_along(&mut own.derivative, Motion { q, v: &zeros, a }, &mut rows);
             rows
         };
         self.linearize(&jump.still);
@@ -112,9 +132,11 @@ impl Gradient<'_> {
                 self.system.equations.solve(&mut left);
                 add(&mut change, 1.0, &left);
             }
+            let rows = left(self, &change);
+            impulses.variations.push(jump.stopped.iter().map(|c| -rows[*c]).collect());
             add(&mut variation.v, 1.0, &change);
         }
-        Ok(())
+        Ok(impulses)
     }
 
     /// Adds the solution of `M x = left` for the free coordinates at the linearised point to `change`; `size` has the size of other terms.
@@ -139,10 +161,16 @@ impl Gradient<'_> {
         Ok(())
     }
 
-    /// Multipliers before a jump from those behind it.
-    pub(super) fn jump_back(&mut self, jump: &Jump, on: &mut Variation, sums: &mut Sums) -> Result<(), GradientError> {
+    /// Multipliers before a jump from those behind it; `impulse`: the coordinate of the joint whose impulse is the result.
+    pub(super) fn jump_back(
+        &mut self,
+        jump: &Jump,
+        on: &mut Variation,
+        impulse: Option<usize>,
+        sums: &mut Sums,
+    ) -> Result<(), GradientError> {
         self.system.join_loops();
-        let outcome = self.jumped_back(jump, on);
+        let outcome = self.jumped_back(jump, on, impulse);
         self.system.part_loops();
         let w = outcome?;
         if let Some(gradient) = &mut sums.gradient {
@@ -153,12 +181,26 @@ impl Gradient<'_> {
         Ok(())
     }
 
-    fn jumped_back(&mut self, jump: &Jump, on: &mut Variation) -> Result<Vec<f64>, GradientError> {
+    fn jumped_back(
+        &mut self,
+        jump: &Jump,
+        on: &mut Variation,
+        impulse: Option<usize>,
+    ) -> Result<Vec<f64>, GradientError> {
         let zeros = vec![0.0; on.v.len()];
         let [mut by_q, mut by_v, mut by_a] = [zeros.clone(), zeros.clone(), zeros];
         self.linearize(&jump.at);
         self.factorize(&jump.at, 0.0)?;
-        let [mut w, _, _] = self.solve_transposed(&jump.at, 0.0, &on.v)?;
+        let mut right = on.v.clone();
+        let mut of_impulse = vec![0.0; right.len()];
+        if let Some(c) = impulse {
+            of_impulse[c] = -1.0;
+            let equations = &self.system.equations;
+            equations.residual_transposed(&mut self.derivative, &of_impulse, [&mut by_q, &mut by_v, &mut by_a]);
+            add(&mut right, -1.0, &by_a);
+        }
+        let [mut w, _, _] = self.solve_transposed(&jump.at, 0.0, &right)?;
+        add(&mut w, 1.0, &of_impulse);
         for _ in 0..REFINEMENTS {
             let equations = &mut self.system.equations;
             equations.residual_transposed(&mut self.derivative, &w, [&mut by_q, &mut by_v, &mut by_a]);
@@ -179,7 +221,7 @@ impl Gradient<'_> {
         Ok(w)
     }
 
-    /// Slopes of `M Δv` with respect to the numbers of all perturbed models.
+    /// Slopes of `M Δv`, with the rows of the joints that are stopped, with respect to the numbers of all perturbed models.
     fn momentum_slopes(&mut self, jump: &Jump) -> Vec<Vec<f64>> {
         let n = self.system.coordinates();
         let each = self.neighbours.iter_mut().map(|neighbours| {

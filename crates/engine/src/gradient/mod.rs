@@ -13,6 +13,7 @@ mod directions;
 mod forward;
 mod inputs;
 mod jump;
+mod mean;
 mod outputs;
 mod parameter;
 mod prescribed;
@@ -35,7 +36,6 @@ use inputs::Piece;
 use outputs::{Part, Seed};
 use parameter::Neighbours;
 use sections::Sections;
-use step::Variation;
 
 /// Reason why a run has no gradient.
 #[derive(Debug, thiserror::Error)]
@@ -137,6 +137,20 @@ pub enum RunResult {
         /// Index of the joint among those with one freedom.
         joint: usize,
     },
+    /// The impulse on the outer body with which a rigid latch closes for the first time, N·m·s; at prismatic joints N·s.
+    Impulse {
+        /// Index of the joint among those with one freedom.
+        joint: usize,
+    },
+    /// The mean of an output from the start of the run to a requested time, by the stages of its steps.
+    Mean {
+        /// Index in [`Outputs::values`](crate::system::Outputs::values).
+        index: usize,
+        /// Index of the time among those requested.
+        time: usize,
+        /// Whether it is the mean of the output's square.
+        square: bool,
+    },
 }
 
 impl RunResult {
@@ -144,7 +158,7 @@ impl RunResult {
     fn is_latch_time(&self) -> bool {
         match self {
             Self::LatchTime { .. } => true,
-            Self::Output { .. } => false,
+            Self::Output { .. } | Self::Impulse { .. } | Self::Mean { .. } => false,
         }
     }
 }
@@ -223,6 +237,11 @@ impl<'a> Gradient<'a> {
                 Ok(self.tape.marks[time].step)
             }
             RunResult::LatchTime { joint } => self.latch_step(joint),
+            RunResult::Impulse { joint } => self.impulse_step(joint),
+            RunResult::Mean { index, time, .. } => {
+                self.check_mean(index, time)?;
+                Ok(self.tape.marks[time].step)
+            }
         }
     }
 
@@ -236,6 +255,8 @@ impl<'a> Gradient<'a> {
             match *result {
                 RunResult::Output { index, time } => self.output_at(index, time),
                 RunResult::LatchTime { .. } => Ok(self.tape.steps[step].end.time_s),
+                RunResult::Impulse { joint } => Ok(self.tape.steps[step].joints[joint].latch.impulse_n_m_s),
+                RunResult::Mean { .. } => Ok(self.mean_value(*result)),
             }
         };
         results.iter().map(value).collect()
@@ -246,18 +267,43 @@ impl<'a> Gradient<'a> {
         let step = self.step_of(result)?;
         match result {
             RunResult::Output { index, time } => self.output_seed(index, time),
-            RunResult::LatchTime { .. } => {
-                let state = Variation::zeros(self.system.coordinates());
-                let by_parameters = vec![0.0; self.entries.len()];
-                Ok(Seed { step, part: Part::Whole, state, by_shift: 1.0, by_loads: Vec::new(), by_parameters })
+            RunResult::LatchTime { .. } => Ok(Seed { by_shift: 1.0, ..self.no_seed(step, Part::Whole) }),
+            RunResult::Impulse { joint } => {
+                let coordinate = self.system.equations.forces.joints()[joint].coordinate;
+                Ok(self.no_seed(step, Part::Jump(coordinate)))
             }
+            RunResult::Mean { time, .. } => Ok(self.no_seed(step, Part::of(&self.tape.marks[time].branch))),
         }
     }
 }
 
+/// Number of partial sums of a product and of partial maxima: each waits only for the one eight entries before it.
+const LANES: usize = 8;
+
 /// Sum of products.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.zip(b) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    rest + sums.iter().sum::<f64>()
+}
+
+/// The largest magnitude among the products of two lists; NaN does not count.
+fn largest_product(a: &[f64], b: &[f64]) -> f64 {
+    let mut largest = [0.0f64; LANES];
+    let (a, b) = (a.chunks(LANES), b.chunks(LANES));
+    for (a, b) in a.zip(b) {
+        for ((largest, a), b) in largest.iter_mut().zip(a).zip(b) {
+            let product = (a * b).abs();
+            *largest = if product > *largest { product } else { *largest };
+        }
+    }
+    largest.into_iter().fold(0.0, f64::max)
 }
 
 /// `sum += factor · values`.

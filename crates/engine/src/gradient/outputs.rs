@@ -17,6 +17,8 @@ const STEP: f64 = 2e-3;
 pub(super) enum Part<'a> {
     /// None of it: the result is that of its start.
     Start,
+    /// The jump of the rates at its start: the result is the impulse on this coordinate.
+    Jump(usize),
     /// The step from its start to a requested time.
     Branch(&'a Step),
     /// All of it.
@@ -24,7 +26,7 @@ pub(super) enum Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    fn of(branch: &'a Option<Step>) -> Self {
+    pub fn of(branch: &'a Option<Step>) -> Self {
         branch.as_ref().map_or(Self::Start, Self::Branch)
     }
 }
@@ -57,6 +59,28 @@ impl<'a> Gradient<'a> {
                 let name = self.system.joint_name(joint);
                 GradientError::Absent { what: format!("closing of the latch of joint {name}") }
             })
+    }
+
+    /// The step at whose start the rigid latch of a joint closes first, by an impulse.
+    pub(super) fn impulse_step(&self, joint: usize) -> Result<usize, GradientError> {
+        let behind = self.latch_step(joint)? + 1;
+        let forces = &self.system.equations.forces.joints()[joint];
+        let held = |step: &Step| forces.is_held_in(&step.joints[joint]);
+        let steps = &self.tape.steps;
+        match steps.get(behind).is_some_and(held) && !held(&steps[behind - 1]) {
+            true => Ok(behind),
+            false => {
+                let name = self.system.joint_name(joint);
+                Err(GradientError::Absent { what: format!("impulse of a rigid latch of joint {name}") })
+            }
+        }
+    }
+
+    /// Slopes of a result that depends on neither the state nor the parameters behind a part of a step.
+    pub(super) fn no_seed(&self, step: usize, part: Part<'a>) -> Seed<'a> {
+        let state = Variation::zeros(self.system.coordinates());
+        let by_parameters = vec![0.0; self.entries.len()];
+        Seed { step, part, state, by_shift: 0.0, by_loads: Vec::new(), by_parameters }
     }
 
     /// An output at a requested time whose slope is defined; otherwise the reason why not.
@@ -127,14 +151,15 @@ impl<'a> Gradient<'a> {
             add_slopes_along(self.system, &at, (along.0, along.1), &[index], &mut rate);
         }
         if self.inputs_move() {
-            rate[0] += self.slope_by_time(index, &at, time);
+            let length_s = self.tape.marks[time].branch.as_ref().map_or(1.0, Step::length_s);
+            rate[0] += self.slope_by_time(index, &at, length_s);
         }
         Ok(rate[0])
     }
 
-    /// Slope of an output with respect to time, for inputs that vary, at a state at a requested time.
-    fn slope_by_time(&mut self, index: usize, at: &Point, time: usize) -> f64 {
-        let step_s = time_step_s(self.tape.marks[time].branch.as_ref().map_or(1.0, Step::length_s));
+    /// Slope of an output with respect to time, for inputs that vary, at a state in a step of given length.
+    pub(super) fn slope_by_time(&mut self, index: usize, at: &Point, length_s: f64) -> f64 {
+        let step_s = time_step_s(length_s);
         let mut there = |time_s: f64| values(self.system, &Point { time_s, ..at.clone() })[index];
         ONWARD.iter().map(|(steps, weight)| weight / step_s * there(at.time_s + steps * step_s)).sum()
     }
@@ -142,20 +167,7 @@ impl<'a> Gradient<'a> {
     /// Slopes of an output with respect to the state at a requested time and to the parameters.
     pub(super) fn output_seed(&mut self, index: usize, time: usize) -> Result<Seed<'a>, GradientError> {
         let at = self.adopt_mark(time)?;
-        let n = self.system.coordinates();
-        let mut state = Variation::zeros(n);
-        let mut unit = vec![0.0; n];
-        for i in 0..n {
-            unit[i] = 1.0;
-            let mut slope = |kind| {
-                let mut slope = [0.0];
-                add_slopes_along(self.system, &at, (kind, &unit), &[index], &mut slope);
-                slope[0]
-            };
-            (state.q[i], state.v[i], state.a[i]) =
-                (slope(Kind::Coordinates), slope(Kind::Rates), slope(Kind::Accelerations));
-            unit[i] = 0.0;
-        }
+        let state = self.output_gradient(index, &at);
         let mut by_loads = vec![0.0; self.load_entries()];
         let mut unit = by_loads.clone();
         for i in 0..by_loads.len() {
@@ -165,14 +177,38 @@ impl<'a> Gradient<'a> {
             by_loads[i] = slope[0];
             unit[i] = 0.0;
         }
+        let by_parameters = self.output_by_parameters(index, &at);
+        let Mark { step, branch, .. } = &self.tape.marks[time];
+        Ok(Seed { step: *step, part: Part::of(branch), state, by_shift: 0.0, by_loads, by_parameters })
+    }
+
+    /// Slopes of an output by the state at a prepared point.
+    pub(super) fn output_gradient(&mut self, index: usize, at: &Point) -> Variation {
+        let n = self.system.coordinates();
+        let mut state = Variation::zeros(n);
+        let mut unit = vec![0.0; n];
+        for i in 0..n {
+            unit[i] = 1.0;
+            let mut slope = |kind| {
+                let mut slope = [0.0];
+                add_slopes_along(self.system, at, (kind, &unit), &[index], &mut slope);
+                slope[0]
+            };
+            (state.q[i], state.v[i], state.a[i]) =
+                (slope(Kind::Coordinates), slope(Kind::Rates), slope(Kind::Accelerations));
+            unit[i] = 0.0;
+        }
         for resting in self.system.equations.resting() {
             (state.v[resting], state.a[resting]) = (0.0, 0.0);
         }
-        let by_neighbours = self.neighbours.iter_mut().map(|beside| beside.slope(|system| values(system, &at)[index]));
+        state
+    }
+
+    /// Slopes of an output at a state by the parameters.
+    pub(super) fn output_by_parameters(&mut self, index: usize, at: &Point) -> Vec<f64> {
+        let by_neighbours = self.neighbours.iter_mut().map(|beside| beside.slope(|system| values(system, at)[index]));
         let by_neighbours: Vec<f64> = by_neighbours.collect();
-        let by_parameters = self.by_parameters(at.time_s, &by_neighbours);
-        let Mark { step, branch, .. } = &self.tape.marks[time];
-        Ok(Seed { step: *step, part: Part::of(branch), state, by_shift: 0.0, by_loads, by_parameters })
+        self.by_parameters(at.time_s, &by_neighbours)
     }
 
     /// Slopes of outputs (rows) by the parameters (columns) at a requested time, whose state varies with them by `variations` and the
@@ -185,6 +221,17 @@ impl<'a> Gradient<'a> {
         loads: &[Vec<f64>],
     ) -> Result<Vec<Vec<f64>>, GradientError> {
         let at = self.adopt_mark(time)?;
+        Ok(self.output_slopes_at(&at, indices, variations, loads))
+    }
+
+    /// The same at a prepared point.
+    pub(super) fn output_slopes_at(
+        &mut self,
+        at: &Point,
+        indices: &[usize],
+        variations: &[Variation],
+        loads: &[Vec<f64>],
+    ) -> Vec<Vec<f64>> {
         let mut columns = Vec::new();
         let by_neighbours: Vec<Vec<f64>> = self
             .neighbours
@@ -192,7 +239,7 @@ impl<'a> Gradient<'a> {
             .map(|beside| {
                 let mut slopes = vec![0.0; indices.len()];
                 beside.add_slopes(&mut slopes, |system, each| {
-                    let values = values(system, &at);
+                    let values = values(system, at);
                     each.iter_mut().zip(indices).for_each(|(each, index)| *each = values[*index]);
                 });
                 slopes
@@ -204,14 +251,14 @@ impl<'a> Gradient<'a> {
             add(&mut slopes, share, &by_neighbours[entry.beside]);
             let Variation { q, v, a } = variation;
             for along in [(Kind::Coordinates, q), (Kind::Rates, v), (Kind::Accelerations, a)] {
-                add_slopes_along(self.system, &at, (along.0, along.1), indices, &mut slopes);
+                add_slopes_along(self.system, at, (along.0, along.1), indices, &mut slopes);
             }
             if let Some(loads) = loads.get(direction) {
-                add_slopes_by_loads(self.system, &at, loads, indices, &mut slopes);
+                add_slopes_by_loads(self.system, at, loads, indices, &mut slopes);
             }
             columns.push(slopes);
         }
-        Ok((0..indices.len()).map(|row| columns.iter().map(|slopes| slopes[row]).collect()).collect())
+        (0..indices.len()).map(|row| columns.iter().map(|slopes| slopes[row]).collect()).collect()
     }
 }
 
@@ -283,7 +330,7 @@ fn add_slopes_by_loads(system: &mut System, at: &Point, direction: &[f64], indic
 }
 
 /// All outputs at a point.
-fn values<'a>(system: &'a mut System, at: &Point) -> &'a [f64] {
+pub(super) fn values<'a>(system: &'a mut System, at: &Point) -> &'a [f64] {
     system.state.now.copy_from(at);
     system.evaluate();
     system.outputs.values()

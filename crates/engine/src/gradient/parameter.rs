@@ -5,7 +5,7 @@ use crate::gradient::inputs::{InputRows, Offset};
 use crate::gradient::jump::Jump;
 use crate::gradient::tape::{Step, Tape};
 use crate::multibody::Model;
-use crate::multibody::block_slopes::BlockSlopes;
+use crate::multibody::block_slopes::{BlockSlopes, DampingSlope};
 use crate::multibody::kinematics::Motion;
 use crate::run::Plant;
 use crate::solve::EquationsOfMotion;
@@ -103,6 +103,8 @@ pub(super) struct Neighbours {
     /// Slopes of the start's memory of the air.
     pub start_memory: Vec<f64>,
     difference: Difference,
+    /// Whether forces on joints may differ.
+    forces: bool,
     scratch: Vec<f64>,
 }
 
@@ -110,10 +112,18 @@ pub(super) struct Neighbours {
 enum Difference {
     /// Only in joint forces: motion and nodal wrenches are those of the unperturbed model.
     Joints,
-    /// In blocks of the mesh as well.
-    Blocks(Box<BlockSlopes>),
+    /// In blocks of the mesh or in the damping of bodies as well.
+    Mesh(Box<MeshSlopes>),
     /// In anything, such as lengths.
     Any,
+}
+
+/// Slopes of the parts of a residual that are linear in blocks of the mesh and in the damping.
+struct MeshSlopes {
+    /// `None` if the blocks are those of the unperturbed model.
+    blocks: Option<BlockSlopes>,
+    /// `None` if the damping is.
+    damping: Option<DampingSlope>,
 }
 
 impl Difference {
@@ -127,14 +137,34 @@ impl Difference {
         if !same_loads {
             return Self::Any;
         }
-        let models =
-            plants.iter_mut().map(|perturbed| (perturbed.weight, &perturbed.plant.system_mut().equations.model));
-        let models: Vec<(f64, &Model)> = models.collect();
+        let others = plants.iter_mut().map(|perturbed| (perturbed.weight, &perturbed.plant.system_mut().equations));
+        let others: Vec<(f64, &Equations)> = others.collect();
+        let damping = others.iter().map(|(weight, other)| (*weight, other.damping.as_slice()));
+        let damping = DampingSlope::new(&own.model, &own.damping, damping);
+        let models: Vec<(f64, &Model)> = others.iter().map(|(weight, other)| (*weight, &other.model)).collect();
         if models.iter().all(|(_, model)| **model == own.model) {
-            return Self::Joints;
+            return match damping {
+                None => Self::Joints,
+                damping => Self::Mesh(Box::new(MeshSlopes { blocks: None, damping })),
+            };
         }
-        BlockSlopes::new(&own.model, models.into_iter()).map_or(Self::Any, |slopes| Self::Blocks(Box::new(slopes)))
+        match BlockSlopes::new(&own.model, models.into_iter()) {
+            None => Self::Any,
+            blocks => Self::Mesh(Box::new(MeshSlopes { blocks, damping })),
+        }
     }
+}
+
+/// Whether the forces on joints may differ between models. Equal models have no slope, as the weights of a difference quotient cancel; rows of
+/// the inputs over time differ only later.
+fn forces_differ(plants: &mut [Perturbed]) -> bool {
+    let Some((first, others)) = plants.split_first_mut() else { return false };
+    let own = first.plant.system_mut();
+    first.offset.is_some()
+        || others.iter_mut().any(|other| {
+            let other = other.plant.system_mut();
+            other.state.inputs != own.state.inputs || !own.equations.forces.are_those_of(&other.equations.forces)
+        })
 }
 
 impl Neighbours {
@@ -191,7 +221,8 @@ impl Neighbours {
             super::add(&mut start[1], *weight, &system.state.now.v);
         }
         let difference = Difference::of(&mut plants, &own.equations, tape);
-        Ok(Self { plants, rows, start, start_memory, difference, scratch: vec![0.0; coordinates] })
+        let forces = forces_differ(&mut plants);
+        Ok(Self { plants, rows, start, start_memory, difference, forces, scratch: vec![0.0; coordinates] })
     }
 
     /// Adopts the states of the joints in a step.
@@ -203,32 +234,41 @@ impl Neighbours {
 
     /// Slope of the residual at a point, at which that of `own` is prepared, into `slope`.
     pub fn residual_slope(&mut self, own: &Equations, at: &Point, slope: &mut [f64]) {
-        match &mut self.difference {
-            Difference::Joints | Difference::Any => slope.fill(0.0),
-            Difference::Blocks(blocks) => {
-                let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
-                blocks.residual((&own.root, &own.damping), motion, slope);
-                own.clear_held(slope);
+        slope.fill(0.0);
+        if let Difference::Mesh(mesh) = &mut self.difference {
+            let MeshSlopes { blocks, damping } = &mut **mesh;
+            let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
+            if let Some(blocks) = blocks {
+                blocks.residual(&own.work, (&own.root, &own.damping), motion, slope);
             }
+            if let Some(damping) = damping {
+                damping.add_residual((&own.model, &own.work), &own.root, motion, slope);
+            }
+            own.clear_held(slope);
         }
-        for Perturbed { weight, plant, .. } in &mut self.plants {
+        let Self { plants, difference, scratch, .. } = self;
+        for Perturbed { weight, plant, .. } in plants {
             let equations = &mut plant.system_mut().equations;
-            match self.difference {
-                Difference::Joints | Difference::Blocks(_) => {
-                    equations.joint_residual(at, &own.work, &mut self.scratch)
+            match difference {
+                Difference::Joints | Difference::Mesh(_) => {
+                    if self.forces {
+                        equations.add_joint_residual((at, &own.work), *weight, scratch, slope);
+                    }
                 }
-                Difference::Any => equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut self.scratch),
+                Difference::Any => {
+                    equations.residual(at.time_s, &at.q, &at.v, &at.a, scratch);
+                    super::add(slope, *weight, scratch);
+                }
             }
-            super::add(slope, *weight, &self.scratch);
         }
     }
 
     /// Adds the slope of the momenta of a jump of the rates to `slope`.
     pub fn momentum_slope(&mut self, jump: &Jump, slope: &mut [f64]) {
         match self.difference {
-            // the masses are those of the present machine
+            // the masses are those of the unperturbed model
             Difference::Joints => return,
-            Difference::Blocks(_) | Difference::Any => {}
+            Difference::Mesh(_) | Difference::Any => {}
         }
         for Perturbed { weight, plant, .. } in &mut self.plants {
             jump.momentum(plant.system_mut(), &mut self.scratch, *weight, slope);

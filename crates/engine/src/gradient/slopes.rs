@@ -26,6 +26,12 @@ impl Equations {
 
     /// `K δq + C δv + M δa` at the linearised point, eq. (X3); rows of held joints are zero.
     pub(super) fn residual_along(&self, derivative: &mut Derivative, along: Motion, out: &mut [f64]) {
+        self.rows_along(derivative, along, out);
+        self.clear_held(out);
+    }
+
+    /// The same with the rows of held joints, which are the torques that hold them.
+    pub(super) fn rows_along(&self, derivative: &mut Derivative, along: Motion, out: &mut [f64]) {
         out.fill(0.0);
         derivative.forward(&self.model, along, out);
         elastic_products(&self.model, &self.damping, along.q, along.v, |row, force, viscous| {
@@ -35,9 +41,6 @@ impl Equations {
             let (c, tangent) = (joint.coordinate, self.tangents[joint.body]);
             let inertia = self.model.bodies[joint.body].joint.drive_inertia;
             out[c] += tangent.stiffness * along.q[c] + tangent.damping * along.v[c] + inertia * along.a[c];
-            if joint.held {
-                out[c] = 0.0;
-            }
         }
     }
 
@@ -58,17 +61,24 @@ impl Equations {
         }
     }
 
-    /// Forces on the joints alone, as the residual counts them, at a point whose motions and wrenches are in `work`.
-    pub(super) fn joint_residual(&mut self, at: &Point, work: &Workspace, out: &mut [f64]) {
+    /// Adds a multiple of the forces on the joints alone, as the residual counts them, at a point whose motions and wrenches are in `work`.
+    /// `scratch` has the size of a residual.
+    pub(super) fn add_joint_residual(
+        &mut self,
+        (at, work): (&Point, &Workspace),
+        factor: f64,
+        scratch: &mut [f64],
+        sum: &mut [f64],
+    ) {
         self.bring_loads_to(at.time_s);
-        out.fill(0.0);
-        self.forces.apply(at.time_s, [&at.q, &at.v], work, out, &mut self.tangents);
+        self.forces.rows().for_each(|row| scratch[row] = 0.0);
+        self.forces.apply(at.time_s, [&at.q, &at.v], work, scratch, &mut self.tangents);
+        self.forces.rows().for_each(|row| sum[row] += factor * scratch[row]);
     }
 
-    /// Whether another machine has the same damping and loads.
+    /// Whether another machine has the same loads.
     pub(super) fn loads_are_those_of(&self, other: &Self) -> bool {
-        self.damping == other.damping
-            && self.root == other.root
+        self.root == other.root
             && self.loaded == other.loaded
             && self.stations[..self.load_stations] == other.stations[..other.load_stations]
     }

@@ -21,8 +21,8 @@ pub(super) fn time_step_s(length_s: f64) -> f64 {
     (TIME_STEP * length_s).max(LEAST_TIME_STEP_S)
 }
 
-/// Number of directions from which new factors cost less than more of them.
-pub(super) const MANY_DIRECTIONS: usize = 5;
+/// Number of directions of one solution above which new factors at the next stage cost less than more of them.
+pub(super) const MANY_DIRECTIONS: usize = 2;
 
 /// Quantities that vary besides the start of a step.
 #[derive(Debug, Clone, Copy)]
@@ -233,6 +233,18 @@ impl Gradient<'_> {
         shifts_s: &[f64],
         causes: Causes,
     ) -> Result<Vec<Variation>, GradientError> {
+        let taken = self.stages_through(step, starts, shifts_s, causes)?;
+        Ok(taken.into_iter().filter_map(|mut stages| stages.pop()).collect())
+    }
+
+    /// The same at all stages, from the start to the end.
+    pub(super) fn stages_through(
+        &mut self,
+        step: &Step,
+        starts: &[Variation],
+        shifts_s: &[f64],
+        causes: Causes,
+    ) -> Result<Vec<Vec<Variation>>, GradientError> {
         let (h, n) = (step.length_s(), self.system.coordinates());
         let gain = h * self.tableau.gamma;
         let mut taken: Vec<Vec<Variation>> = starts.iter().map(|start| vec![start.clone()]).collect();
@@ -257,8 +269,10 @@ impl Gradient<'_> {
             let share = (at.time_s - step.start.time_s) / h;
             let of_length_only = by_time.map(|by_time| by_time.iter().map(|slope| share * slope).collect::<Vec<f64>>());
             for (direction, before) in taken.iter_mut().enumerate() {
-                let guess = before[stage - 1].a.clone();
-                let mut variation = Variation { q: before[0].q.clone(), v: before[0].v.clone(), a: guess };
+                let mut variation = Variation { a: vec![0.0; n], ..before[0].clone() };
+                for (earlier, weight) in self.tableau.predictor(stage) {
+                    add(&mut variation.a, weight, &before[earlier].a);
+                }
                 for (weight, stage) in row.iter().zip(&*before) {
                     add(&mut variation.q, h * weight, &stage.v);
                     add(&mut variation.v, h * weight, &stage.a);
@@ -284,6 +298,6 @@ impl Gradient<'_> {
                 before.push(variation);
             }
         }
-        Ok(taken.into_iter().filter_map(|mut stages| stages.pop()).collect())
+        Ok(taken)
     }
 }

@@ -155,6 +155,13 @@ impl Tape {
         crossings.map(|step| step.end.time_s)
     }
 
+    /// Time in s at which the latch of a joint closes for the first time; `None` if it does not.
+    pub fn latch_time_s(&self, joint: usize) -> Option<f64> {
+        let closed = |step: &Step| step.joints.get(joint).is_some_and(|memory| memory.latch.closed);
+        let behind = self.steps.windows(2).find(|pair| !closed(&pair[0]) && closed(&pair[1]))?;
+        Some(behind[1].start.time_s)
+    }
+
     /// Size of its numbers in bytes.
     pub fn bytes(&self) -> usize {
         let point = |point: &Point| 8 * (3 * point.q.len() + point.auxiliary.len() + 6);

@@ -1,4 +1,4 @@
-//! Derivatives of mass and stiffness blocks with respect to a parameter, eq. (X9).
+//! Derivatives of mass and stiffness blocks and of damping with respect to a parameter, eq. (X9).
 //!
 //! The residual is linear in the blocks of the mesh, the inertias of drives and the penalties of loops. A model that has their derivatives
 //! in place of them therefore has the derivative of the residual as its residual.
@@ -40,11 +40,84 @@ impl BlockSlopes {
         Some(Self { model, work })
     }
 
-    /// Derivative of the residual of tree and loops at a point, in the gravity field and with the damping of `environment`; loads do not
-    /// contribute.
-    pub fn residual(&mut self, (root, damping): (&RootMotion, &[Damping]), motion: Motion, out: &mut [f64]) {
+    /// Derivative of the residual of tree and loops at a point whose outward sweep is in `swept`, in the gravity field and with the damping
+    /// of `environment`; loads do not contribute.
+    pub fn residual(
+        &mut self,
+        swept: &Workspace,
+        (root, damping): (&RootMotion, &[Damping]),
+        motion: Motion,
+        out: &mut [f64],
+    ) {
         let environment = Environment { root, damping, stations: &[] };
-        dynamics::residual(&self.model, &mut self.work, motion, environment, out);
+        self.work.take_sweep(swept);
+        dynamics::residual_of_swept(&self.model, &mut self.work, motion, environment, out);
+    }
+}
+
+/// Size of the change of the damping in a difference of residuals: that of a mass-proportional one in 1/s, a thousandth of it in s for a
+/// stiffness-proportional one, and a millionth in s² for inertias of the strains. The residual is affine in them, so that any size is exact, and the
+/// larger, the smaller the round-off.
+const DAMPING_CHANGE: f64 = 1e3;
+
+/// Derivative of the residual by a parameter of the damping of the bodies.
+pub(crate) struct DampingSlope {
+    own: Vec<Damping>,
+    /// The damping of the machine, changed along the derivative.
+    changed: Vec<Damping>,
+    /// Change of the parameter to which that corresponds, to first order.
+    change: f64,
+    work: Workspace,
+    scratch: Vec<f64>,
+}
+
+impl DampingSlope {
+    /// Combines the damping of several machines with the weights of a difference quotient; `None` if all have the same.
+    pub fn new<'a>(
+        model: &Model,
+        own: &[Damping],
+        others: impl Iterator<Item = (f64, &'a [Damping])> + Clone,
+    ) -> Option<Self> {
+        if others.clone().all(|(_, other)| other == own) {
+            return None;
+        }
+        let mut slopes = vec![Damping::default(); own.len()];
+        for (weight, other) in others {
+            for (sum, other) in slopes.iter_mut().zip(other) {
+                sum.mass_1_s += weight * other.mass_1_s;
+                sum.stiffness_s += weight * other.stiffness_s;
+                sum.strain_inertia_s2 += weight * other.strain_inertia_s2;
+            }
+        }
+        let size = |slope: &Damping| {
+            let (of_stiffness, of_inertia) = (1e3 * slope.stiffness_s, 1e6 * slope.strain_inertia_s2);
+            slope.mass_1_s.abs().max(of_stiffness.abs()).max(of_inertia.abs())
+        };
+        let change = DAMPING_CHANGE / slopes.iter().map(size).fold(f64::MIN_POSITIVE, f64::max);
+        let along = |(own, slope): (&Damping, &Damping)| Damping {
+            mass_1_s: own.mass_1_s + change * slope.mass_1_s,
+            stiffness_s: own.stiffness_s + change * slope.stiffness_s,
+            strain_inertia_s2: own.strain_inertia_s2 + change * slope.strain_inertia_s2,
+        };
+        let changed = own.iter().zip(&slopes).map(along).collect();
+        let scratch = vec![0.0; model.coordinates];
+        Some(Self { own: own.to_vec(), changed, change, work: Workspace::new(model), scratch })
+    }
+
+    /// Adds the derivative at a point whose outward sweep is in `swept` to `sum`.
+    pub fn add_residual(
+        &mut self,
+        (model, swept): (&Model, &Workspace),
+        root: &RootMotion,
+        motion: Motion,
+        sum: &mut [f64],
+    ) {
+        for (damping, sign) in [(&self.changed, 1.0), (&self.own, -1.0)] {
+            let environment = Environment { root, damping, stations: &[] };
+            self.work.take_sweep(swept);
+            dynamics::residual_of_swept(model, &mut self.work, motion, environment, &mut self.scratch);
+            sum.iter_mut().zip(&self.scratch).for_each(|(sum, value)| *sum += sign / self.change * value);
+        }
     }
 }
 

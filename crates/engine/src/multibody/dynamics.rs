@@ -44,6 +44,17 @@ pub struct Environment<'a> {
 /// strains. Stores poses, accelerations and accumulated wrenches in `work`. Allocates nothing.
 pub fn residual(model: &Model, work: &mut Workspace, motion: Motion, environment: Environment, residual: &mut [f64]) {
     sweep_motion(model, work, motion);
+    residual_of_swept(model, work, motion, environment, residual);
+}
+
+/// [`residual`] for a motion whose outward sweep is in `work`.
+pub(crate) fn residual_of_swept(
+    model: &Model,
+    work: &mut Workspace,
+    motion: Motion,
+    environment: Environment,
+    residual: &mut [f64],
+) {
     elastic_forces(model, work, motion, environment.damping, residual);
     sweep_forces::<true>(model, work, motion, environment, residual);
 }

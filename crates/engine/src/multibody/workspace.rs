@@ -230,6 +230,14 @@ impl Workspace {
         self.jacobian(element).turned(&self.nodes[node].rotation, model.elements[element].length_m)
     }
 
+    /// Takes over the outward sweep of another workspace, for elements without shear.
+    pub(crate) fn take_sweep(&mut self, other: &Self) {
+        self.nodes.copy_from_slice(&other.nodes);
+        self.local_links.copy_from_slice(&other.local_links);
+        self.arms.copy_from_slice(&other.arms);
+        self.joints.clone_from_slice(&other.joints);
+    }
+
     /// Workspace for a model.
     pub fn new(model: &Model) -> Self {
         let (nodes, elements) = (model.nodes.len(), model.elements.len());

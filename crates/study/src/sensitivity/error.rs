@@ -31,6 +31,9 @@ pub enum QuantityError {
         /// Time of this value in s.
         time_s: f64,
     },
+    /// The output is zero all over the run: its root mean square has a kink there.
+    #[error("it is zero throughout the run, where a root mean square has no derivative; request the mean instead")]
+    Zero,
 }
 
 /// Error of the gradient of a run.

@@ -1,4 +1,4 @@
-//! Gradients of a run: derivatives of outputs at given times, of largest values and of latch times with respect to numbers of the
+//! Gradients of a run: derivatives of outputs at given times, of largest values and means, of latch times and impulses with respect to numbers of the
 //! machine.
 //!
 //! The engine differentiates the discrete run along its steps ([`foldwing_engine::plant::Gradient`], NOTATION eqs. (X6)–(X11)); this
@@ -12,5 +12,5 @@ mod solve;
 mod tests;
 
 pub use error::{GradientsError, QuantityError};
-pub use quantity::{Extreme, Quantity};
+pub use quantity::{Average, Extreme, Quantity};
 pub use solve::{By, Derivatives, Gradients, Mode, Numbers, Options, differentiate};

@@ -2,11 +2,13 @@
 
 use crate::names::{self, NameError};
 use crate::sensitivity::error::QuantityError;
-use foldwing_engine::machine::Machine;
+use foldwing_engine::machine::{Latch, LatchKind, Machine};
 use foldwing_fmi::interface::{Causality, Interface, Value, Variable};
 
 /// Suffix of the name of a latch time, the instant at which a latch closes.
 const LATCH_TIME: &str = ".latch_time";
+/// Suffix of the name of the impulse with which a rigid latch closes.
+const LATCH_IMPULSE: &str = ".latch_impulse";
 
 /// A kind of extreme value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,6 +44,48 @@ impl Extreme {
     }
 }
 
+/// A kind of mean over the run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Average {
+    /// The mean, `mean(…)`.
+    Mean,
+    /// The root of the mean of the squares, `rms(…)`.
+    RootMeanSquare,
+}
+
+impl Average {
+    /// All kinds.
+    pub const ALL: [Self; 2] = [Self::Mean, Self::RootMeanSquare];
+
+    /// The word before the brackets.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::RootMeanSquare => "rms",
+        }
+    }
+}
+
+/// A function of an output over the run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Over {
+    Extreme(Extreme),
+    Average(Average),
+}
+
+impl Over {
+    fn all() -> impl Iterator<Item = Self> {
+        Extreme::ALL.into_iter().map(Self::Extreme).chain(Average::ALL.into_iter().map(Self::Average))
+    }
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Extreme(kind) => kind.word(),
+            Self::Average(kind) => kind.word(),
+        }
+    }
+}
+
 /// A scalar result of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Quantity {
@@ -59,6 +103,18 @@ pub enum Quantity {
         /// Kind.
         kind: Extreme,
     },
+    /// A mean of an output over the run.
+    Average {
+        /// Its index in the engine's outputs.
+        index: usize,
+        /// Kind.
+        kind: Average,
+    },
+    /// The impulse on the outer body with which the rigid latch of a joint closes for the first time.
+    LatchImpulse {
+        /// Index of the joint among those with one degree of freedom.
+        joint: usize,
+    },
     /// The instant at which the latch of a joint closes for the first time.
     LatchTime {
         /// Index of the joint among those with one degree of freedom.
@@ -75,18 +131,18 @@ pub(super) struct Named {
 }
 
 impl Named {
-    /// The quantities named by a text: `NAME`, `NAME@TIME`, `max(NAME)`, `min(NAME)`, `peak(NAME)` with a name, vector or pattern of real
-    /// outputs, or `JOINT.latch_time`.
+    /// The quantities named by a text: `NAME`, `NAME@TIME`, `max(NAME)`, `min(NAME)`, `peak(NAME)`, `mean(NAME)`, `rms(NAME)` with a name,
+    /// vector or pattern of real outputs, `JOINT.latch_time` or `JOINT.latch_impulse`.
     pub fn of(text: &str, machine: &Machine, interface: &Interface) -> Result<Vec<Self>, QuantityError> {
         let text = text.trim();
-        if let Some(latch) = latch_time(text, machine) {
+        if let Some(latch) = of_latch(text, machine, interface) {
             return Ok(vec![latch]);
         }
-        let extreme = Extreme::ALL.into_iter().find_map(|kind| {
+        let over = Over::all().find_map(|kind| {
             let inner = text.strip_prefix(kind.word())?.strip_prefix('(')?.strip_suffix(')')?;
             Some((kind, inner))
         });
-        let (pattern, time_s) = match (extreme, text.split_once('@')) {
+        let (pattern, time_s) = match (over, text.split_once('@')) {
             (Some((_, inner)), _) => (inner, None),
             (None, Some((pattern, time))) => {
                 let time_s: f64 = time.trim().parse().map_err(|_| QuantityError::Time(time.trim().to_owned()))?;
@@ -104,8 +160,14 @@ impl Named {
         }
         let named = |row: &&Variable| {
             let index = interface.output_index(row.value_reference).unwrap_or(usize::MAX);
-            let (name, quantity) = match (extreme, time_s) {
-                (Some((kind, _)), _) => (format!("{}({})", kind.word(), row.name), Quantity::Extreme { index, kind }),
+            let (name, quantity) = match (over, time_s) {
+                (Some((over, _)), _) => {
+                    let quantity = match over {
+                        Over::Extreme(kind) => Quantity::Extreme { index, kind },
+                        Over::Average(kind) => Quantity::Average { index, kind },
+                    };
+                    (format!("{}({})", over.word(), row.name), quantity)
+                }
                 (None, Some(time_s)) => {
                     (format!("{}@{time_s:?}", row.name), Quantity::Output { index, time_s: Some(time_s) })
                 }
@@ -121,11 +183,18 @@ fn is_real_output(row: &&Variable) -> bool {
     row.causality == Causality::Output && matches!(row.value, Value::Real(_))
 }
 
-/// The latch time named by a text, if a joint of this name has a latch.
-fn latch_time(text: &str, machine: &Machine) -> Option<Named> {
-    let name = text.strip_suffix(LATCH_TIME)?;
-    let joint = machine
-        .one_freedoms()
-        .position(|(body, own)| machine.bodies[body].joint.name == name && own.latch.is_some())?;
-    Some(Named { name: text.to_owned(), unit: "s", quantity: Quantity::LatchTime { joint } })
+/// The latch time or impulse named by a text, if a joint of this name has a latch, for impulses a rigid one.
+fn of_latch(text: &str, machine: &Machine, interface: &Interface) -> Option<Named> {
+    let joint_with = |name: &str, has: fn(&Latch) -> bool| {
+        machine
+            .one_freedoms()
+            .position(|(body, own)| machine.bodies[body].joint.name == name && own.latch.as_ref().is_some_and(has))
+    };
+    if let Some(name) = text.strip_suffix(LATCH_TIME) {
+        let joint = joint_with(name, |_| true)?;
+        return Some(Named { name: text.to_owned(), unit: "s", quantity: Quantity::LatchTime { joint } });
+    }
+    let joint = joint_with(text.strip_suffix(LATCH_IMPULSE)?, |latch| latch.kind == LatchKind::Rigid)?;
+    let unit = interface.find(text).map_or("", Variable::unit);
+    Some(Named { name: text.to_owned(), unit, quantity: Quantity::LatchImpulse { joint } })
 }

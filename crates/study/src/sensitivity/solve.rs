@@ -3,7 +3,7 @@
 use crate::names;
 use crate::sensitivity::error::{GradientsError, QuantityError};
 use crate::sensitivity::extreme::Samples;
-use crate::sensitivity::quantity::{Named, Quantity};
+use crate::sensitivity::quantity::{Average, Named, Quantity};
 use foldwing_engine::plant::{Gradient, InputRows, Parameter, Plant, RunResult, Tape};
 use foldwing_fmi::interface::Interface;
 use serde::Serialize;
@@ -27,8 +27,8 @@ pub enum Mode {
 /// Options of [`differentiate`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Options {
-    /// Results: `NAME` of a real output at the end of the run, `NAME@TIME` at a time in s, `max(NAME)`, `min(NAME)`, `peak(NAME)` over the
-    /// run, `JOINT.latch_time`. Names of vectors and patterns represent all of their components.
+    /// Results: `NAME` of a real output at the end of the run, `NAME@TIME` at a time in s, `max(NAME)`, `min(NAME)`, `peak(NAME)`, `mean(NAME)`,
+    /// `rms(NAME)` over the run, `JOINT.latch_time`, `JOINT.latch_impulse`. Names of vectors and patterns represent all of their components.
     pub of: Vec<String>,
     /// Stop time in s; `None`: that of the machine.
     pub stop_s: Option<f64>,
@@ -117,18 +117,29 @@ pub fn differentiate(mut plant: Plant, numbers: Vec<Numbers>, options: &Options)
         parameters.push(numbers.parameter);
     }
     let adjoint = match options.mode {
+        // an adjoint pass of a mean differences the output by all coordinates at every stage
+        Mode::Auto if named.iter().any(|own| matches!(own.quantity, Quantity::Average { .. })) => false,
         Mode::Auto => results.len() as f64 * ADJOINT_FROM < by.len() as f64,
         Mode::Forward => false,
         Mode::Adjoint => true,
     };
     let name = plant.machine().name.clone();
     let mut gradient = Gradient::new(&mut plant, &tape, parameters)?;
-    let values = gradient.values(&results)?;
-    let table = match (by.is_empty(), adjoint) {
+    let mut values = gradient.values(&results)?;
+    let mut table = match (by.is_empty(), adjoint) {
         (true, _) => vec![Vec::new(); results.len()],
         (false, true) => results.iter().map(|result| gradient.adjoint(*result)).collect::<Result<_, _>>()?,
         (false, false) => gradient.forward(&results)?,
     };
+    for ((own, value), row) in named.iter().zip(&mut values).zip(&mut table) {
+        if let Quantity::Average { kind: Average::RootMeanSquare, .. } = own.quantity {
+            if *value == 0.0 {
+                return Err(GradientsError::Quantity { of: own.name.clone(), error: QuantityError::Zero });
+            }
+            *value = value.sqrt();
+            row.iter_mut().for_each(|slope| *slope /= 2.0 * *value);
+        }
+    }
     let of = named.into_iter().zip(times_s).zip(values).zip(table);
     let of = of.map(|(((own, time_s), value), derivatives)| {
         let Named { name, unit, .. } = own;
@@ -158,7 +169,10 @@ fn results(
 ) -> Result<Vec<(RunResult, Option<f64>)>, GradientsError> {
     let extreme = |own: &Named| match own.quantity {
         Quantity::Extreme { index, .. } => Some(index),
-        Quantity::Output { .. } | Quantity::LatchTime { .. } => None,
+        Quantity::Output { .. }
+        | Quantity::Average { .. }
+        | Quantity::LatchImpulse { .. }
+        | Quantity::LatchTime { .. } => None,
     };
     let sampled: Vec<usize> = named.iter().filter_map(extreme).collect();
     let samples = Samples::of(plant, tape, &sampled, (start_s, stop_s))?;
@@ -172,6 +186,11 @@ fn results(
                 list.push((RunResult::LatchTime { joint }, None));
                 continue;
             }
+            Quantity::LatchImpulse { joint } => {
+                list.push((RunResult::Impulse { joint }, Some(tape.latch_time_s(joint).unwrap_or(stop_s))));
+                continue;
+            }
+            Quantity::Average { index, .. } => (index, stop_s),
             Quantity::Output { index, time_s } => {
                 let time_s = time_s.unwrap_or(stop_s);
                 if !(start_s..=stop_s).contains(&time_s) {
@@ -189,7 +208,14 @@ fn results(
             None => plant.request(tape, time_s)?,
         };
         requested.push((time_s, time));
-        list.push((RunResult::Output { index, time }, Some(time_s)));
+        let result = match own.quantity {
+            Quantity::Average { kind, .. } => RunResult::Mean { index, time, square: kind == Average::RootMeanSquare },
+            Quantity::Output { .. }
+            | Quantity::Extreme { .. }
+            | Quantity::LatchImpulse { .. }
+            | Quantity::LatchTime { .. } => RunResult::Output { index, time },
+        };
+        list.push((result, Some(time_s)));
     }
     Ok(list)
 }

@@ -227,6 +227,74 @@ fn an_impulse_is_a_corner_of_the_rate() {
     close(found.of[0].derivatives[0], -0.125, "angle at the lock");
 }
 
+/// GR-50: mean and root mean square of the angle of an oscillation with their derivatives, both forward and adjoint, against central differences of
+/// the closed forms.
+#[test]
+fn means_of_an_oscillation_have_the_slopes_of_their_closed_forms() {
+    let stop_s = 2.2;
+    let known = |[stiffness, angle, rate]: [f64; 3]| {
+        let omega = f64::sqrt(stiffness);
+        let (amplitude, phase) = (angle.hypot(rate / omega), (rate / omega).atan2(angle));
+        let end = omega * stop_s - phase;
+        let mean = amplitude / (omega * stop_s) * (end.sin() + phase.sin());
+        let square = 1.0 + ((2.0 * end).sin() + (2.0 * phase).sin()) / (2.0 * omega * stop_s);
+        [mean, amplitude * (0.5 * square).sqrt()]
+    };
+    let usual = [SWING.stiffness, SWING.start_angle, SWING.start_rate];
+    for mode in [Mode::Auto, Mode::Forward, Mode::Adjoint] {
+        let found = SWING
+            .differentiate(&["mean(hinge.angle)", "rms(hinge.angle)"], stop_s, mode)
+            .unwrap_or_else(|error| panic!("{error}"));
+        for (row, own) in found.of.iter().enumerate() {
+            close(own.value, known(usual)[row], &own.name);
+            for (place, slope) in own.derivatives.iter().enumerate() {
+                let beside = |shift: f64| {
+                    let mut numbers = usual;
+                    numbers[place] += shift;
+                    known(numbers)[row]
+                };
+                close(*slope, (beside(1e-4) - beside(-1e-4)) / 2e-4, &own.name);
+            }
+        }
+    }
+    let still = Arm { start_angle: 0.0, start_rate: 0.0, ..SWING };
+    let refused = still.differentiate(&["rms(hinge.angle)"], 1.0, Mode::Auto).err().map(|error| error.to_string());
+    assert!(refused.as_deref().is_some_and(|message| message.contains("zero throughout")), "{refused:?}");
+}
+
+/// GR-51: impulse with which a rigid latch stops an arm under a constant torque from rest, `−√(−2 T θ)`, and its derivative with respect to the torque;
+/// elastic latches have no impulse.
+#[test]
+fn the_impulse_of_a_latch_has_the_slopes_of_its_closed_form() {
+    let latched = Arm {
+        stiffness: 0.0,
+        torque: -0.8,
+        start_angle: 0.0,
+        start_rate: 0.0,
+        latch_angle: Some(0.5),
+        rigid: true,
+        ..SWING
+    };
+    let numbers = || vec![latched.number("torque", |arm| &mut arm.torque)];
+    let edge = 0.49;
+    let impulse = -(-2.0 * latched.torque * edge).sqrt();
+    for mode in [Mode::Forward, Mode::Adjoint] {
+        let plant = latched.plant().unwrap_or_else(|error| panic!("{error}"));
+        let options = Options { of: vec!["hinge.latch_impulse".into()], stop_s: Some(1.5), mode, ..Options::default() };
+        let found = differentiate(plant, numbers(), &options).unwrap_or_else(|error| panic!("{error}"));
+        let own = &found.of[0];
+        assert_eq!(own.unit, "N.m.s");
+        close(own.value, impulse, "impulse");
+        close(own.time_s, (-2.0 * edge / latched.torque).sqrt(), "time");
+        close(own.derivatives[0], impulse / (2.0 * latched.torque), "by the torque");
+    }
+    let elastic = Arm { rigid: false, ..latched };
+    let refused = elastic.differentiate(&["hinge.latch_impulse"], 1.5, Mode::Auto).err().map(|error| error.to_string());
+    assert!(refused.as_deref().is_some_and(|message| message.contains("real output")), "{refused:?}");
+    let refused = latched.differentiate(&["hinge.latch_impulse"], 0.5, Mode::Auto).err().map(|error| error.to_string());
+    assert!(refused.as_deref().is_some_and(|message| message.contains("later stop time")), "{refused:?}");
+}
+
 /// Names, times and stop times that do not fit give errors that name them.
 #[test]
 fn results_that_do_not_exist_are_refused() {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};
-use crate::gradient::tape::{Ending, Step};
+use crate::gradient::tape::{Ending, Mark, Step};
 use crate::machine::builder::MachineBuilder;
 use crate::machine::{
     Air, AttachedMass, Beyond, Body, Effect, EndStops, Failure, Gauge, GeneratorLaw, Joint, JointKind, JointMotion,
@@ -15,6 +15,7 @@ use std::sync::Arc;
 
 mod air;
 mod inputs;
+mod means;
 mod motor;
 mod prescribed;
 mod refusals;
@@ -198,7 +199,20 @@ fn read_results(
                     *value = memory.latch.time_s;
                 }
             }
-            RunResult::Output { .. } => {}
+            RunResult::Impulse { joint } => {
+                let memory = plant.system_mut().state.joints[joint];
+                if memory.latch.closed && value.is_nan() {
+                    *value = memory.latch.impulse_n_m_s;
+                }
+            }
+            RunResult::Mean { index, time, square } if steps.contains(&tape.marks[time].step) => {
+                let step = tape.marks[time].step - first;
+                let branch = plant.branch(copy, step, times_s[time]).unwrap_or_else(|error| panic!("{error}"));
+                let mut copy = copy.clone();
+                copy.marks = vec![Mark { step, branch: Some(branch) }];
+                *value = mean::of_run(plant, &copy, RunResult::Mean { index, time: 0, square });
+            }
+            RunResult::Output { .. } | RunResult::Mean { .. } => {}
         }
     }
     let system = plant.system_mut();

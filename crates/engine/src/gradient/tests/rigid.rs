@@ -235,8 +235,8 @@ fn gradients_pass_through_locks_that_close() {
 }
 
 /// GR-37: an arm that turns freely and one that unfolds from its end, without any torque: angular momentum and energy are constant until a
-/// rigid latch joins the two, the momentum behind it as well. Latch time, angle, rate and energy by seven numbers, in closed form with one
-/// quadrature.
+/// rigid latch joins the two, the momentum behind it as well. Latch time, angle, rate, energy and impulse by eight numbers, in closed form
+/// with one quadrature.
 #[test]
 fn a_rigid_latch_keeps_the_angular_momentum() {
     #[derive(Clone, Copy)]
@@ -265,7 +265,7 @@ fn a_rigid_latch_keeps_the_angular_momentum() {
             .map_err(|refused| refused.to_string())?;
         Ok::<_, String>(Plant::new(Arc::new(machine)))
     };
-    let known = |Arms { numbers: [inner, outer, mass, arm, reach, spin, rate, edge] }: Arms| -> [f64; 4] {
+    let known = |Arms { numbers: [inner, outer, mass, arm, reach, spin, rate, edge] }: Arms| -> [f64; 5] {
         let inertias = |angle: f64| {
             let across = mass * arm * reach * angle.cos();
             let outer = outer + mass * reach * reach;
@@ -289,8 +289,10 @@ fn a_rigid_latch_keeps_the_angular_momentum() {
             latch_s += simpson * step / 3.0 / fold;
             turn += simpson * step / 3.0 * root / fold;
         }
-        let behind = momentum / inertias(edge)[0];
-        [latch_s, turn + behind * (END_S - latch_s), behind, 0.5 * momentum * behind]
+        let ([whole, mixed, own], [fold, root]) = (inertias(edge), rates(edge));
+        let behind = momentum / whole;
+        let impulse = mixed * (behind - root) - own * fold;
+        [latch_s, turn + behind * (END_S - latch_s), behind, 0.5 * momentum * behind, impulse]
     };
     let beside = |place: usize, shift: f64| {
         let mut numbers = USUAL;
@@ -307,6 +309,7 @@ fn a_rigid_latch_keeps_the_angular_momentum() {
         output(layout.joints.place(0, offset_of!(JointOutputs, angle_rad))),
         output(layout.joints.place(0, offset_of!(JointOutputs, rate_rad_s))),
         output(layout.energy.place(0, 0)),
+        RunResult::Impulse { joint: 1 },
     ];
     let parameter = |place: usize| {
         Parameter::new("number", 0.0, 1e-3 * USUAL[place], |shift| plant(beside(place, shift)))

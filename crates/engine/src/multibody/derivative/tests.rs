@@ -241,7 +241,9 @@ fn block_slopes_are_the_slope_of_the_residual() {
         let slopes = BlockSlopes::new(&case.model, weights.into_iter().zip(&models));
         let motion = Motion { q: &case.motion[0], v: &case.motion[1], a: &case.motion[2] };
         let mut found = vec![0.0; case.model.coordinates];
-        slopes.expect("equal meshes").residual((&case.root, &case.damping), motion, &mut found);
+        let mut swept = Workspace::new(&case.model);
+        residual(&case.model, &mut swept, motion, case.environment(), &mut found);
+        slopes.expect("equal meshes").residual(&swept, (&case.root, &case.damping), motion, &mut found);
         let mut known = vec![0.0; case.model.coordinates];
         for (weight, model) in weights.into_iter().zip(&models) {
             let mut one = vec![0.0; case.model.coordinates];
@@ -254,6 +256,50 @@ fn block_slopes_are_the_slope_of_the_residual() {
         let mut longer = case.model.clone();
         longer.elements[0].length_m *= 1.1;
         assert!(BlockSlopes::new(&case.model, [(1.0, &longer)].into_iter()).is_none());
+    }
+}
+
+/// GR-49: the slope of the residual by damping, which enters it linearly: central differences over a step of 1/8 are exact, to 1e-12 of the largest
+/// entry.
+#[test]
+fn damping_slopes_are_the_slope_of_the_residual() {
+    use crate::multibody::block_slopes::DampingSlope;
+    for seed in 0..10 {
+        let mut case = Case::new(seed);
+        case.loads.clear();
+        let own = case.damping.clone();
+        let changed = |share: f64| {
+            let by = |(i, own): (usize, &Damping)| Damping {
+                mass_1_s: own.mass_1_s + share * (1.0 + i as f64),
+                stiffness_s: own.stiffness_s - 0.01 * share,
+                strain_inertia_s2: own.strain_inertia_s2 + 1e-5 * share,
+            };
+            own.iter().enumerate().map(by).collect::<Vec<Damping>>()
+        };
+        let step = 0.125;
+        let others = [changed(step), changed(-step)];
+        let weights = [0.5 / step, -0.5 / step];
+        let weighted = || weights.into_iter().zip(others.iter().map(Vec::as_slice));
+        let motion = case.motion.clone();
+        let motion = Motion { q: &motion[0], v: &motion[1], a: &motion[2] };
+        let mut known = vec![0.0; case.model.coordinates];
+        for (weight, damping) in weighted() {
+            let mut one = vec![0.0; case.model.coordinates];
+            case.damping = damping.to_vec();
+            residual(&case.model, &mut Workspace::new(&case.model), motion, case.environment(), &mut one);
+            known.iter_mut().zip(&one).for_each(|(sum, one)| *sum += weight * one);
+        }
+        case.damping = own.clone();
+        let mut swept = Workspace::new(&case.model);
+        let mut found = vec![0.0; case.model.coordinates];
+        residual(&case.model, &mut swept, motion, case.environment(), &mut found);
+        found.fill(0.0);
+        let mut slope = DampingSlope::new(&case.model, &own, weighted()).expect("other damping");
+        slope.add_residual((&case.model, &swept), &case.root, motion, &mut found);
+        let miss: Vec<f64> = found.iter().zip(&known).map(|(a, b)| a - b).collect();
+        assert!(largest(&miss) < 1e-12 * largest(&known), "{seed}: {:.1e}", largest(&miss) / largest(&known));
+        let same = [(1.0, own.as_slice())].into_iter();
+        assert!(DampingSlope::new(&case.model, &own, same).is_none());
     }
 }
 
