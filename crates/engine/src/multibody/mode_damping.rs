@@ -104,6 +104,7 @@ impl Model {
             stations: Vec::new(),
             closures: Vec::new(),
             damped_modes: Vec::new(),
+            slides: Vec::new(),
             reference_length_m: self.reference_length_m,
         }
     }
