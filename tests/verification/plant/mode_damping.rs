@@ -223,8 +223,9 @@ fn lp13_energy_and_momentum_with_damped_modes() {
 }
 
 /// LP-14. Strains recovered from the wrench at the ends of elements are those of the deformation, without the stress of the damping: in a
-/// beam that decays with ratios near 1, against a mesh of constant elements, which interpolates strains. 1 % of the largest strain; the
-/// stress of the damping is as large as the elastic one.
+/// beam that decays with ratios near 1, against a mesh of constant elements, which interpolates strains. 0.1 of the largest strain, of waves of
+/// the modes without ratios, which differ by 0.03 between these meshes without damping as well; with the stress of the damping the end would
+/// be off by 1.4.
 #[test]
 fn lp14_gauges_with_damped_modes() {
     let strains = |kind: ElementKind, elements: usize| {
@@ -260,7 +261,7 @@ fn lp14_gauges_with_damped_modes() {
         let size = fine.iter().map(|strain| strain[gauge].abs()).fold(0.0, f64::max);
         let miss = pairs.iter().zip(&fine).map(|(a, b)| (a[gauge] - b[gauge]).abs()).fold(0.0, f64::max) / size;
         println!("LP-14 gauge {gauge}: {miss:.1e} of {size:.1e}");
-        assert!(miss < 1e-2, "gauge {gauge}: {miss:.1e}");
+        assert!(miss < 0.1, "gauge {gauge}: {miss:.1e}");
     }
 }
 
