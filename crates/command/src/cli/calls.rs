@@ -147,7 +147,7 @@ pub fn kinds(fmi: u8, [co_simulation, model_exchange]: [bool; 2], scalars: bool,
 /// As for the command: invalid names, libraries or files, and a default simulation that fails.
 pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(), Failure> {
     packages::check_kinds(packaging.kinds, machine)?;
-    packages::check_name(&packaging.output, "an FMU", "fmu")?;
+    packages::check_name(&packaging.output)?;
     let read = packaging.model.iter().chain(&packaging.libraries).map(PathBuf::as_path);
     let mut outlets = Outlets::new(packaging.force, read);
     let place = outlets.place(&packaging.output, Mark::FMU)?;

@@ -104,9 +104,9 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
         return print(&kinds.model_description(&machine, &kinds.interface(&machine), &text));
     }
     let output = &arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", machine.name)));
-    check_name(output, "an FMU", "fmu")?;
+    check_name(output)?;
     if let Some(ssp) = &arguments.ssp {
-        check_name(ssp, "an SSP", "ssp")?;
+        check_system_name(ssp)?;
     }
     let sources = sources(&arguments.libraries, library)?;
     let read = std::iter::once(arguments.model.as_path()).chain(sources.iter().map(|(_, path)| path.as_path()));
@@ -169,12 +169,21 @@ pub(super) fn check_kinds(kinds: Kinds, machine: &Machine) -> Result<(), Failure
 }
 
 /// Checks the file extension, which importers rely on.
-pub(super) fn check_name(output: &Path, kind: &str, ending: &str) -> Result<(), Failure> {
-    if output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending)) {
+pub(super) fn check_name(output: &Path) -> Result<(), Failure> {
+    if output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("fmu")) {
         return Ok(());
     }
     let shown = output.display();
-    Err(Failure::Usage(format!("{shown}: the name of {kind} must end in .{ending}; write {shown}.{ending}")))
+    Err(Failure::Usage(format!("{shown}: the name of an FMU must end in .fmu; write {shown}.fmu")))
+}
+
+/// Checks the file extension of a system.
+fn check_system_name(output: &Path) -> Result<(), Failure> {
+    if output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ssp")) {
+        return Ok(());
+    }
+    let shown = output.display();
+    Err(Failure::Usage(format!("{shown}: the name of an SSP must end in .ssp; write {shown}.ssp")))
 }
 
 /// Writes the cross-check files of one platform, and prints their folder unless `silent`.

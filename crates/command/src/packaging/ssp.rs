@@ -238,5 +238,11 @@ mod tests {
             assert!((degrees(rad) - written).abs() < 1e-12, "{written}");
         }
         assert_eq!(degrees(170.0_f64.to_radians()), 170.0);
+        // other numbers of rad may have none, and never come back beyond their bounds
+        for thousandth in -3000..=3000 {
+            let rad = f64::from(thousandth) / 1000.0;
+            let found = degrees(rad) * RADIANS;
+            assert!(found.abs() <= rad.abs() && (found - rad).abs() <= rad.abs() * f64::EPSILON, "{rad}");
+        }
     }
 }
