@@ -212,8 +212,8 @@ HEAD = """\
 Made by `make importers` in environments with pinned versions (`python/requirements-importers.txt`, `tools/second_importer`): FMUs of the
 shipped models in importers that are not ours, beside `foldwing simulate`. A cell has the number of models and the largest difference of an
 output over its range in the run (of a vector: over the largest range of its components). Co-simulation: all models, 0.1 s in 50 steps. Model
-Exchange: {exchanged}, 20 ms at a tolerance of 1e-8; angles, positions and energies. `–`: the importer has no such form, or the last column
-names the reason.
+Exchange: {exchanged}, 20 ms at a tolerance of 1e-8; angles, positions
+and energies. `–`: the importer has no such form, or the last column names the reason.
 
 """
 
