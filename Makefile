@@ -9,6 +9,7 @@ VENV    ?= $(TARGET)/venv
 PEERS   ?= $(TARGET)/venv-peers
 DASK    ?= $(TARGET)/venv-dask
 CASADI  ?= $(TARGET)/venv-casadi
+IMPORTERS ?= $(TARGET)/venv-importers
 SITE    ?= $(TARGET)/venv-site
 RELEASE ?= $(TARGET)/venv-release
 MODELS  := $(wildcard examples/models/*.toml)
@@ -268,10 +269,11 @@ audit: build venv ## Repeat the audit of physics and numerics: studies/audit, do
 	    echo "== $$script"; FOLDWING=$(abspath $(COMMAND)) $(abspath $(VENV_PYTHON)) $$script; \
 	done
 
-importers: build ## Have an importer that is not ours run every shipped model in all four forms: docs/tables/importers.md
+importers: build ## Have importers that are not ours run the shipped models: docs/tables/importers.md
 	$(CARGO) build --release --locked --manifest-path tools/second_importer/Cargo.toml --target-dir $(TARGET)/second_importer
-	@$(PYTHON) studies/second_importer.py --foldwing $(COMMAND) --importer $(TARGET)/second_importer/release/second_importer \
-	    --table docs/tables/importers.md
+	@$(PYTHON) tools/create_venv.py $(IMPORTERS) --requirements python/requirements-importers.txt
+	@$(PYTHON) studies/importers.py --foldwing $(COMMAND) --second-importer $(TARGET)/second_importer/release/second_importer \
+	    --python $(IMPORTERS)/bin/python --table docs/tables/importers.md
 
 # with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal
 # steps, a minute and more in this build
@@ -333,6 +335,7 @@ python-lock: venv ## Renew the pinned requirements in python/ from the .in files
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-peers.in python/requirements-peers.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/platforms.in python/platforms.txt
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-dask.in python/requirements-dask.txt 3.10
+	$(VENV_PYTHON) tools/lock_python.py python/requirements-importers.in python/requirements-importers.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-casadi.in python/requirements-casadi.txt 3.10
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-site.in python/requirements-site.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-release.in python/requirements-release.txt 3.10

@@ -31,6 +31,7 @@ ARRIVAL_RAD_S = -0.05  # rate at the latch, which needs a crossing to close
 REST_1_M, REST_RATE_1_M_S = 0.1, 10.0  # curvatures and their rates at the latch: 1e-4 of strain, 3 % of the bound
 POINTS = 3  # collocation points per interval
 GUESS_S = 0.3  # duration of the first guess
+COARSE = 30  # more intervals start from the optimum of half as many
 # motor of the model file, and inertia of the outer wing about the hinge, for the first guess only
 STIFFNESS_N_M_RAD, CONSTANT_TORQUE_N_M, DAMPING_N_M_S_RAD, INERTIA_KG_M2 = 0.026, 0.043, 0.0008, 1.6e-4
 
@@ -46,7 +47,7 @@ class Wing(NamedTuple):
 
 
 class Optimum(NamedTuple):
-    """The fastest unfolding: its duration, the torque at the ends of the intervals, strains at the collocation points."""
+    """The fastest unfolding: its duration, the torque at the ends of the intervals, strains at the collocation points; all unknowns, scaled."""
 
     duration_s: float
     torque_n_m: np.ndarray
@@ -55,6 +56,7 @@ class Optimum(NamedTuple):
     iterations: int
     converged: bool
     processor_s: float
+    unknowns: np.ndarray
 
 
 def package(foldwing, folder, elements, interface):
@@ -113,9 +115,26 @@ def guess(wing, intervals, times, slopes):
     return np.r_[GUESS_S, torque, np.concatenate(columns)]
 
 
+def refine(wing, unknowns, times):
+    """The same motion on twice as many intervals: states on the polynomials of the collocation, torque on its lines."""
+    n = len(wing.start)
+    intervals = (len(unknowns) - 2) // (n * POINTS + 1)
+    torque, columns = unknowns[1 : intervals + 2], unknowns[intervals + 2 :].reshape(intervals, POINTS, n)
+    begins = np.concatenate([wing.start[None], columns[:-1, -1]])
+    nodes = np.concatenate([begins[:, None], columns], axis=1)
+    halves = []
+    for half in (0, 1):
+        at = (half + times[1:]) / 2
+        weights = np.array([[np.prod([(s - other) / (own - other) for other in times if other != own]) for own in times] for s in at])
+        halves.append(np.einsum("jp,kpn->kjn", weights, nodes))
+    fine = np.stack(halves, axis=1).ravel()
+    return np.r_[unknowns[0], np.interp(np.arange(2 * intervals + 1) / 2, np.arange(intervals + 1), torque), fine]
+
+
 def solve(wing, intervals, max_iterations=200):
-    """The optimum: first the least torque in a given time, from there the least time."""
+    """The optimum: from that of half as many intervals; on the coarsest from the least torque in a given time."""
     begin_s, n = time.process_time(), len(wing.start)
+    before = solve(wing, intervals // 2, max_iterations) if intervals > COARSE and intervals % 2 == 0 else None
     times = np.array([0.0, *casadi.collocation_points(POINTS, "radau")])
     slopes = np.array(casadi.collocation_coeff(list(times[1:]))[0])
     unknowns = casadi.MX.sym("w", intervals + 2 + n * intervals * POINTS)
@@ -151,27 +170,33 @@ def solve(wing, intervals, max_iterations=200):
     bounds = [np.concatenate([np.full(row.numel(), row_[side]) for row_ in constraints for row in row_[:1]]) for side in (1, 2)]
     g = casadi.vertcat(*[row for row, _, _ in constraints])
 
-    def minimise(objective, first, shortest_s, longest_s, iterations):
+    def minimise(objective, first, shortest_s, longest_s, iterations, **more):
         # the Hessian matrix of the objective alone (Gauss and Newton): at the optimum bounds hold almost every unknown
         hessian = casadi.triu(casadi.hessian(objective, unknowns)[0])
         nothing, factor, multipliers = casadi.MX.sym("p", 0), casadi.MX.sym("f"), casadi.MX.sym("m", g.numel())
         own = casadi.Function("nlp_hess_l", [unknowns, nothing, factor, multipliers], [factor * hessian],
                               ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"])
         options = {"hess_lag": own, "print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes", "ipopt.tol": 1e-5,
-                   "ipopt.max_iter": iterations, "ipopt.mu_strategy": "adaptive"}
+                   "ipopt.max_iter": iterations, "ipopt.mu_strategy": "adaptive", **more}
         ipopt = casadi.nlpsol("ipopt", "ipopt", {"x": unknowns, "f": objective, "g": g}, options)
         free = np.full(n * intervals * POINTS, np.inf)
         low, high = (np.r_[limit, wing.hold, np.full(intervals, sign), sign * free] for limit, sign in ((shortest_s, -1.0), (longest_s, 1.0)))
         found = ipopt(x0=first, lbx=low, ubx=high, lbg=bounds[0], ubg=bounds[1])
         return np.array(found["x"]).ravel(), ipopt.stats()
 
-    small = casadi.sumsqr(torque) / intervals + intervals * casadi.sumsqr(steps)
-    found, first = minimise(0.1 * small, guess(wing, intervals, times, slopes), GUESS_S, GUESS_S, 30)
-    found, stats = minimise(10.0 * duration + 1e-4 * intervals * casadi.sumsqr(steps), found, 0.05, 0.5, max_iterations)
+    if before is None:
+        small = casadi.sumsqr(torque) / intervals + intervals * casadi.sumsqr(steps)
+        found, first = minimise(0.1 * small, guess(wing, intervals, times, slopes), GUESS_S, GUESS_S, 30)
+        iterations, close = first["iter_count"], {}
+    else:
+        found, iterations = refine(wing, before.unknowns, times), before.iterations
+        # near the optimum: the start is not pushed off its bounds
+        close = {"ipopt.mu_init": 1e-4, "ipopt.bound_push": 1e-6, "ipopt.bound_frac": 1e-6, "ipopt.mu_strategy": "monotone"}
+    found, stats = minimise(10.0 * duration + 1e-4 * intervals * casadi.sumsqr(steps), found, 0.05, 0.5, max_iterations, **close)
     strain = np.array(casadi.Function("strain", [unknowns], [casadi.vertcat(*strains)])(found)).ravel() * BOUND
     points_s = (np.arange(intervals)[:, None] + times[1:]).ravel() * found[0] / intervals
-    return Optimum(found[0], found[1 : intervals + 2] * TORQUE_LIMIT_N_M, points_s, strain, first["iter_count"] + stats["iter_count"],
-                   stats["success"], time.process_time() - begin_s)
+    return Optimum(found[0], found[1 : intervals + 2] * TORQUE_LIMIT_N_M, points_s, strain, iterations + stats["iter_count"],
+                   stats["success"], time.process_time() - begin_s, found)
 
 
 def replay(fmu, optimum, stop_s=0.35):

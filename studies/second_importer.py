@@ -1,7 +1,5 @@
-"""Validates and runs every shipped model in all four forms with an importer that is neither ours nor FMPy, the crate fmi-rs; `make
-importers`.
-
-  python studies/second_importer.py --foldwing COMMAND --importer PROGRAM [--table FILE]
+"""Validates and runs every shipped model in all four forms with an importer that is neither ours nor FMPy, the crate fmi-rs;
+`studies/importers.py` calls `table`.
 
 FMI 2.0 and 3.0, co-simulation and Model Exchange. Co-simulation is compared with `foldwing simulate` at the same communication points,
 Model Exchange, integrated by the importer with the fourth-order Runge–Kutta method and located events, with `foldwing simulate` at a
@@ -11,14 +9,12 @@ beams whose phase changes with the last bits of a latch time. Fails if a form th
 or a bound of `ALLOWED` is exceeded.
 """
 
-import argparse
 import csv
 import math
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
-from typing import Dict, List, Optional
+from typing import Dict, List, Optional, Tuple
 
 ROOT = Path(__file__).resolve().parents[1]
 MODELS = sorted((ROOT / "examples/models").glob("*.toml"))
@@ -131,29 +127,17 @@ def check(model: Path, version: int, kind: str, foldwing: str, importer: str, fo
     return [model.stem, form, str(len(apart)), f"{compared[worst]:.1e} (`{worst}`)", latch, "; ".join(wrong) or "runs"]
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--foldwing", required=True)
-    parser.add_argument("--importer", required=True)
-    parser.add_argument("--table", type=Path, help="Markdown file to write the table to")
-    parser.add_argument("--only", help="a part of the names of models")
-    arguments = parser.parse_args()
+def table(foldwing: str, importer: str, only: Optional[str] = None) -> Tuple[List[str], bool]:
+    """Lines of the table of all models in all forms, and whether a row is wrong."""
     lines = ["| model | form | outputs | largest difference | latch, s | |", "|---|---|---|---|---|---|"]
     wrong = False
     with tempfile.TemporaryDirectory() as folder:
         for model in MODELS:
-            if arguments.only and arguments.only not in model.stem:
+            if only and only not in model.stem:
                 continue
             for version, kind in FORMS:
-                row = check(model, version, kind, arguments.foldwing, arguments.importer, Path(folder))
+                row = check(model, version, kind, foldwing, importer, Path(folder))
                 wrong |= "**" in row[-1]
                 lines.append("| " + " | ".join(row) + " |")
                 print(lines[-1], flush=True)
-    if arguments.table:
-        head = "Made by `make importers`: fmi-rs 0.3.4 beside `foldwing simulate`, differences over the range of each output (of a vector: the largest of its components) in the run. In strips co-simulation takes aerodynamic steps; the integrator outside does not.\n"
-        arguments.table.write_text("# A second importer\n\n" + head + "\n" + "\n".join(lines) + "\n", encoding="utf-8")
-    return int(wrong)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return lines, wrong

@@ -36,3 +36,23 @@ def test_ca03_the_fastest_unfolding_is_what_co_simulation_does(unfolding, interv
     assert run["fold.latch_time"][-1] == pytest.approx(optimum.duration_s, abs=5e-3)
     assert off < allowed and before < (1 + allowed) * study.BOUND
     assert after < 0.3 * study.BOUND
+
+
+def test_ca04_refining_keeps_the_motion():
+    """CA-04. On twice as many intervals, states that are cubic in each interval and a torque linear in it have the same values at all times."""
+    times = np.array([0.0, *study.casadi.collocation_points(study.POINTS, "radau")])
+    intervals, duration_s = 4, 0.3
+    wing = study.Wing(None, np.array([1.0, -2.0]), None, None, 0.0)
+
+    def states(s):
+        return np.stack([1.0 + 0.3 * s - 0.2 * s**2 + 0.05 * s**3, -2.0 + s**3], axis=-1)
+
+    def torque(s):
+        return 0.4 - 0.1 * s
+
+    def unknowns(intervals, step):
+        at = (np.arange(intervals)[:, None] + times[1:]).ravel() * step
+        return np.r_[duration_s, torque(np.arange(intervals + 1) * step), states(at).ravel()]
+
+    fine = study.refine(wing, unknowns(intervals, 1.0), times)
+    assert np.allclose(fine, unknowns(2 * intervals, 0.5), rtol=0.0, atol=1e-13)

@@ -80,6 +80,8 @@ LONG = {
 
 # Scripts that no target runs, with the reason.
 RUN_OTHERWISE = {
+    "importer_runs.py": "studies/importers.py starts it in the environment of the importers",
+    "second_importer.py": "studies/importers.py imports it",
     "blade_frequencies.py": "by hand: the figures of one section of docs/validation",
     "cost_report.py": "imported by other studies",
     "plot_aircraft.py": "imported by aircraft_study.py",

@@ -149,6 +149,9 @@ const FOREIGN: &[&str] = &[
     "fold_torques",
     "root_moment",
     "air_force",
+    // functions of examples/controlled_wing_ssp.py
+    "for_fmpy",
+    "start_values",
     "slide_forces",
     "tip_path",
     "outputs_1",

@@ -66,6 +66,7 @@ Examples:
   foldwing package wing.toml -o Wing.fmu --library libfoldwing_fmu.so --library foldwing_fmu.dll
   foldwing package wing.toml -o Wing.fmu --interface cs,me
   foldwing package wing.toml -o Wing.fmu --fmi 3
+  foldwing package wing.toml -o Wing.fmu --ssp wing.ssp
   foldwing package wing.toml -o Wing.fmu --cross-check results
   foldwing package wing.toml --description-only";
 

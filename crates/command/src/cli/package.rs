@@ -44,6 +44,10 @@ pub struct Arguments {
     /// Add the linear model about a state: `start`, a time in s, or `equilibrium`, which is used if no state is given
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
+    /// Also write a system of this FMU alone (SSP 1.0) with its parameters in files of their own: values (SSV), angles in degrees, and
+    /// their mapping onto the variables of the FMU (SSM)
+    #[arg(long, value_name = "X.ssp")]
+    ssp: Option<PathBuf>,
     /// Omit the reference results; the model is then not simulated
     #[arg(long)]
     no_reference: bool,
@@ -58,7 +62,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Print modelDescription.xml and write nothing
-    #[arg(long, conflicts_with_all = ["output", "libraries", "linear", "no_reference", "cross_check", "json"])]
+    #[arg(long, conflicts_with_all = ["output", "libraries", "linear", "ssp", "no_reference", "cross_check", "json"])]
     description_only: bool,
 }
 
@@ -92,15 +96,23 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
         let cause = "--cross-check: its files are for FMI 2.0; leave out --fmi 3";
         return Err(Failure::Usage(cause.to_owned()));
     }
+    if arguments.ssp.is_some() && version == Version::Fmi3 && !kinds.scalars {
+        let cause = "--ssp: SSP 1.0 has no arrays; add --scalars, or leave out --fmi 3";
+        return Err(Failure::Usage(cause.to_owned()));
+    }
     if arguments.description_only {
         return print(&kinds.model_description(&machine, &kinds.interface(&machine), &text));
     }
     let output = &arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", machine.name)));
     check_name(output)?;
+    if let Some(ssp) = &arguments.ssp {
+        check_system_name(ssp)?;
+    }
     let sources = sources(&arguments.libraries, library)?;
     let read = std::iter::once(arguments.model.as_path()).chain(sources.iter().map(|(_, path)| path.as_path()));
     let mut outlets = Outlets::new(arguments.force.force, read);
     let place = outlets.place(output, Mark::FMU)?;
+    let system = arguments.ssp.as_ref().map(|ssp| outlets.place(ssp, Mark::SSP)).transpose()?;
     let progress = Progress::phase("reference results and linear model");
     let extras = Extras {
         kinds,
@@ -115,6 +127,10 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     }
     let fmu = packaging::package(&machine, &text, &extras, &libraries).map_err(failure)?;
     place.fill_durably(&fmu)?;
+    if let Some(system) = system {
+        let interface = kinds.interface(&machine);
+        system.fill_durably(&packaging::ssp::system(&machine, interface.variables(), kinds, fmu.clone()))?;
+    }
     if let (Some(folder), Some(reference)) = (&arguments.cross_check, &extras.reference) {
         let name = output.file_stem().and_then(|stem| stem.to_str()).unwrap_or("model");
         let files = CrossCheck::new(&machine, reference, name);
@@ -159,6 +175,15 @@ pub(super) fn check_name(output: &Path) -> Result<(), Failure> {
     }
     let shown = output.display();
     Err(Failure::Usage(format!("{shown}: the name of an FMU must end in .fmu; write {shown}.fmu")))
+}
+
+/// Checks the file extension of a system.
+fn check_system_name(output: &Path) -> Result<(), Failure> {
+    if output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ssp")) {
+        return Ok(());
+    }
+    let shown = output.display();
+    Err(Failure::Usage(format!("{shown}: the name of an SSP must end in .ssp; write {shown}.ssp")))
 }
 
 /// Writes the cross-check files of one platform, and prints their folder unless `silent`.

@@ -51,10 +51,8 @@ pub fn package(
     extras: &Extras,
     libraries: &[Library],
 ) -> Result<Vec<u8>, PackageError> {
-    let mut entries: BTreeMap<String, Entry> = contents(machine, model_text, extras)
-        .into_iter()
-        .map(|(path, bytes)| (path, Entry { bytes, permissions: 0o644 }))
-        .collect();
+    let mut entries: BTreeMap<String, Entry> =
+        contents(machine, model_text, extras).into_iter().map(|(path, bytes)| (path, Entry::data(bytes))).collect();
     entries.extend(binaries(libraries, extras.kinds.version)?);
     Ok(archive(&entries))
 }
@@ -77,13 +75,20 @@ fn binaries(libraries: &[Library], version: Version) -> Result<BTreeMap<String, 
 }
 
 /// File of the archive; the map that contains them sorts them by path.
-struct Entry {
+pub(super) struct Entry {
     bytes: Vec<u8>,
     permissions: u32,
 }
 
+impl Entry {
+    /// A file that is not executed.
+    pub(super) fn data(bytes: Vec<u8>) -> Self {
+        Self { bytes, permissions: 0o644 }
+    }
+}
+
 /// Creates a zip archive of the entries, all compressed with deflate and with a fixed date, so that the bytes depend only on the contents.
-fn archive(entries: &BTreeMap<String, Entry>) -> Vec<u8> {
+pub(super) fn archive(entries: &BTreeMap<String, Entry>) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (path, entry) in entries {
         let options = SimpleFileOptions::default()

@@ -40,6 +40,9 @@ const EXCHANGE_CAPABILITIES: [(&str, &str); 7] = [
     ("providesDirectionalDerivative", "true"),
 ];
 
+/// Maximum number of dependencies listed in `InitialUnknowns`, for 3 MB.
+const MAXIMUM_INITIAL: usize = 200_000;
+
 /// Returns the complete text of `modelDescription.xml`, ending in a line feed.
 ///
 /// `variables` is the table of `machine`, in order, with the dependencies of each row; `guid` is the hash that the library checks on
@@ -242,10 +245,11 @@ fn write_structure(xml: &mut Xml, variables: &[Variable], dependencies: &[Depend
         }
         let unknowns: Vec<_> = rows(variables).filter(|(_, v)| is_initial_unknown(v)).collect();
         if !unknowns.is_empty() {
+            let short = has_short_lists(variables, dependencies);
             nest(xml, "InitialUnknowns", &vec![], |xml| {
                 unknowns.iter().try_for_each(|(index, row)| {
                     // start values of states and derivatives depend on all quantities that act at the start
-                    let on_all = of(*index).on_all || row.causality == Causality::Local;
+                    let on_all = of(*index).on_all || row.causality == Causality::Local || !short;
                     unknown(xml, *index, on_all, &of(*index).initial)
                 })
             })?;
@@ -260,6 +264,13 @@ pub(super) fn is_initial_unknown(variable: &Variable) -> bool {
     let exposed = variable.nominal.is_some() || variable.derivative_of.is_some();
     (variable.causality == Causality::Output || exposed)
         && matches!(variable.initial, Some(Initial::Calculated | Initial::Approximate))
+}
+
+/// Returns whether the lists of `InitialUnknowns` are written. Initial values depend on nearly all inputs and parameters: with many
+/// outputs and loads the lists would be most of the description (10 of 13 MB for a wing with 1628 outputs), and a missing list means all.
+fn has_short_lists(variables: &[Variable], dependencies: &[Dependencies]) -> bool {
+    let lists = variables.iter().zip(dependencies).filter(|(variable, _)| is_initial_unknown(variable));
+    lists.map(|(_, dependencies)| dependencies.initial.len()).sum::<usize>() <= MAXIMUM_INITIAL
 }
 
 /// Rows with their indices in `ModelVariables`, which start at 1.

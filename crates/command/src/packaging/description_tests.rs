@@ -96,3 +96,15 @@ fn text_is_escaped_and_reproducible() {
     assert!(text.contains(&format!("generationTool=\"foldwing {VERSION}\"")));
     assert_eq!(text, self::text());
 }
+
+/// Lists of initial values that would be most of the description are left out, which means that these depend on everything.
+#[test]
+fn initial_lists_are_bounded() {
+    let with = |count: usize| {
+        let mut all = dependencies();
+        all[4].initial = vec![(3, DependencyKind::Dependent); count];
+        let text = model_description(&two_body_machine(), &table(), &all, "{guid}", Kinds::default());
+        text[text.find("<InitialUnknowns").unwrap()..].contains("dependencies=")
+    };
+    assert!(with(MAXIMUM_INITIAL) && !with(MAXIMUM_INITIAL + 1));
+}

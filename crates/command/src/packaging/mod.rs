@@ -17,6 +17,7 @@ pub mod linear_model;
 pub mod palette;
 pub mod reference;
 pub mod sketch;
+pub mod ssp;
 mod terminals;
 mod use_section;
 mod xml;

@@ -50,6 +50,12 @@ impl Mark {
         members: &["modelDescription.xml", "resources/model.toml"],
         has: b"generationTool=\"foldwing ",
     };
+    /// A system of one FMU.
+    pub const SSP: Self = Self::Archive {
+        name: "an SSP of foldwing",
+        members: &["SystemStructure.ssd", "resources/model.fmu"],
+        has: b"generationTool=\"foldwing ",
+    };
     /// A linear model for NumPy.
     pub const NPZ: Self = Self::Archive {
         name: "a linear model of foldwing",
