@@ -2,7 +2,8 @@
 
 use super::colours::{self, Rgb};
 use super::drawing::{Drawing, Face, Line, Vertex};
-use crate::report::film::run::{Aerofoil, Run, State, Vector};
+use super::outlines::Aerofoil;
+use crate::report::film::run::{Run, State, Vector};
 
 /// Opacity of the lattice lines.
 const LATTICE: f32 = 0.55;
