@@ -17,6 +17,7 @@ fn body(name: &str, joint: Joint) -> Body {
         name: name.to_owned(),
         length_m: 0.15,
         section: Section::rectangle(0.05, 0.002, &material, Some(0.18)).into(),
+        aerofoil: Vec::new(),
         element: ElementKind::Linear,
         elements: 3,
         natural_strain: [0.0; STRAINS].into(),

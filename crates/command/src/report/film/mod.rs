@@ -11,6 +11,7 @@ mod h264;
 mod letters;
 mod machine;
 mod mp4;
+mod outlines;
 mod raster;
 mod run;
 mod skin;

@@ -1,6 +1,7 @@
 //! Run read from the data of the page (`packed.rs`) for images: named quantities, interpolated states between frames,
 //! extents.
 
+use super::outlines::{Aerofoil, Solid};
 use crate::report::viewer::PackedRun;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -79,24 +80,6 @@ pub(super) struct Surface {
     pub columns: usize,
     pub panels: usize,
     pub places: Vec<f64>,
-}
-
-/// Heights of an aerofoil over its chord line, relative to the chord, at positions along it and at every edge of the strips.
-#[derive(Debug, Deserialize)]
-pub(super) struct Aerofoil {
-    pub stations: Vec<f64>,
-    pub upper: Vec<Vec<f64>>,
-    pub lower: Vec<Vec<f64>>,
-    #[serde(rename = "hidesSpar")]
-    pub hides_spar: bool,
-}
-
-/// Nacelle or hub: rings of points in the frame of its body.
-#[derive(Debug, Deserialize)]
-pub(super) struct Solid {
-    pub body: usize,
-    pub rings: Vec<Vec<[f64; 3]>>,
-    pub round: bool,
 }
 
 /// Offsets of the parts of a frame in its array of numbers.
@@ -250,21 +233,12 @@ impl Run {
         {
             return Err("surfaces or joints");
         }
-        let is_aerofoil = |(surface, aerofoil): (&Surface, &Option<Aerofoil>)| {
-            aerofoil.as_ref().is_none_or(|own| {
-                let fits = |side: &Vec<Vec<f64>>| {
-                    side.len() == surface.columns && side.iter().all(|edge| edge.len() == own.stations.len())
-                };
-                own.stations.len() > 1 && fits(&own.upper) && fits(&own.lower)
-            })
-        };
-        let is_solid = |solid: &Solid| {
-            let around = solid.rings.first().map_or(0, Vec::len);
-            solid.body < about.bodies.len() && around > 2 && solid.rings.iter().all(|ring| ring.len() == around)
+        let fit = |(surface, aerofoil): (&Surface, &Option<Aerofoil>)| {
+            aerofoil.as_ref().is_none_or(|own| own.fits(surface.columns))
         };
         if about.aerofoils.len() != about.surfaces.len()
-            || !about.surfaces.iter().zip(&about.aerofoils).all(is_aerofoil)
-            || !about.solids.iter().all(is_solid)
+            || !about.surfaces.iter().zip(&about.aerofoils).all(fit)
+            || !about.solids.iter().all(|solid| solid.is_on_one_of(about.bodies.len()))
         {
             return Err("aerofoils or solids");
         }

@@ -2,7 +2,8 @@
 
 use super::colours::{self, Rgb};
 use super::drawing::{Drawing, Face, Line, Vertex};
-use crate::report::film::run::{Aerofoil, Run, State, Vector};
+use super::outlines::Aerofoil;
+use crate::report::film::run::{Run, State, Vector};
 
 /// Opacity of the lattice lines.
 const LATTICE: f32 = 0.55;
@@ -44,8 +45,8 @@ pub(super) fn draw_aerofoil(
     let strips = surface.columns - 1;
     let vertex = |(at, normal): Point, strip: usize| Vertex { at, normal, rgb: rgb(strip) };
     for (strip, pair) in edges.windows(2).enumerate() {
-        for side in 0..2 {
-            for (inner, outer) in pair[0][side].windows(2).zip(pair[1][side].windows(2)) {
+        for (before, after) in pair[0].iter().zip(&pair[1]) {
+            for (inner, outer) in before.windows(2).zip(after.windows(2)) {
                 let [a, b, c, d] = [inner[0], outer[0], outer[1], inner[1]].map(|point| vertex(point, strip));
                 into.faces.push(Face { corners: [a, b, c], sheet: false });
                 into.faces.push(Face { corners: [a, c, d], sheet: false });
