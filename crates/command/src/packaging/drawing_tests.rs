@@ -28,7 +28,6 @@ fn body(name: &str, joint: Joint) -> Body {
         stiffness_damping_factors: Strain::repeat(1.0),
         shear_damping_factors: [1.0; 2],
         modal_damping_ratios: vec![],
-        aerofoil: vec![],
         station_positions_m: vec![0.05, 0.1],
         station_loads: vec![],
         load_frame: LoadFrame::Root,
