@@ -908,7 +908,7 @@ fn linkage(dice: &mut Dice, draft: &mut Draft) {
             .with("offsets_m", Value::List(vec![first_offset, second_offset]))
             .with("stiffness_N_m", 30.0)
             .with("damping_N_s_m", 0.2);
-        if draws % 3 == 0 {
+        if draws.is_multiple_of(3) {
             tie.set("inertia_kg", 0.01);
         }
         draft.add(tie);
