@@ -199,6 +199,8 @@ const SLIPS: &[&str] = &[
     "simulate wing.toml --csv x.csv --profile x.csv",
     "simulate wing.toml --csv ..",
     "package wing.toml -o Wing",
+    "package wing.toml -o x.fmu --ssp x.zip",
+    "package wing.toml -o x.fmu --fmi 3 --ssp x.ssp",
     "simulate wing.toml --csv - --variables fold.angel",
     "simulate wing.toml --csv - --variables zzzzzzzzzzzz",
     "simulate wing.toml --csv - --set fold.angle_command",
