@@ -27,7 +27,7 @@ fn flying(free: &Case, clamped: &Case, state: &State) -> State {
     let attitude = UnitQuaternion::from_matrix(&clamped.descriptions[0].mount);
     let place = match clamped.descriptions[0].parent {
         Attachment::Root(place) => place,
-        Attachment::Body { .. } => Vector3::zeros(),
+        Attachment::Body { .. } | Attachment::Axis { .. } => Vector3::zeros(),
     };
     flying.q[..3].copy_from_slice(place.as_slice());
     flying.q[3..7].copy_from_slice(&[attitude.w, attitude.i, attitude.j, attitude.k]);

@@ -107,6 +107,7 @@ impl<'a> Oracle<'a> {
         for body in &self.model.bodies {
             let parent = match body.base {
                 Base::Node(node) => nodes[node],
+                Base::Axis(_) => panic!("no sliding joints"),
                 Base::Root(position) => {
                     let mut rows = SMatrix::<f64, 4, 3>::zeros();
                     rows.set_row(0, &position.transpose());

@@ -43,7 +43,7 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
         checker.refuse_state(&["aerodynamics"], "aerodynamics", allowed);
     }
     if machine.experiment.start == StartState::Equilibrium {
-        let allowed = format!("\"undeformed\": no static equilibrium is sought with a sliding joint ({joint:?})");
+        let allowed = format!("\"unstrained\": no static equilibrium is sought with a sliding joint ({joint:?})");
         checker.refuse(&["simulation", "start"], "\"equilibrium\"", allowed);
     }
 }
