@@ -35,7 +35,7 @@ impl Action {
             .flat_map(|body| body.station_positions_m.iter().map(|_| body.load_frame))
             .collect();
         let slides = |kind: &JointKind| match kind {
-            JointKind::Prismatic(_) => Some(true),
+            JointKind::Prismatic(_) | JointKind::Sliding(_) => Some(true),
             JointKind::Revolute(_) => Some(false),
             JointKind::Clamped | JointKind::Spatial(_) => None,
         };

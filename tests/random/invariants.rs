@@ -507,7 +507,7 @@ fn with_laws_standing(mut machine: Machine) -> Option<Machine> {
     plant.initialize(start_s).ok()?;
     let places: Vec<f64> = plant.outputs().joints().iter().map(|joint| joint.angle_rad).collect();
     let joints = machine.bodies.iter_mut().filter_map(|body| match &mut body.joint.kind {
-        JointKind::Revolute(joint) | JointKind::Prismatic(joint) => Some(joint),
+        JointKind::Revolute(joint) | JointKind::Prismatic(joint) | JointKind::Sliding(joint) => Some(joint),
         JointKind::Clamped | JointKind::Spatial(_) => None,
     });
     for (joint, place) in joints.zip(places) {

@@ -49,7 +49,7 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
     // a free joint transmits nothing: its reaction is round-off, and is not an output of an FMU
     let is_free = |body: usize| match &machine.bodies[body].joint.kind {
         JointKind::Spatial(joint) => joint.freedom == SpatialFreedom::Free,
-        JointKind::Clamped | JointKind::Revolute(_) | JointKind::Prismatic(_) => false,
+        JointKind::Clamped | JointKind::Revolute(_) | JointKind::Prismatic(_) | JointKind::Sliding(_) => false,
     };
     for (i, wrench) in outputs.joint_reactions().iter().enumerate().filter(|(body, _)| !is_free(*body)) {
         add(format!("reaction {i} force"), polar(wrench.force_n), false);
@@ -191,7 +191,7 @@ fn units(machine: &Machine, rows: &[Row]) -> Vec<Unit> {
     let slides: Vec<bool> = machine
         .one_freedoms()
         .map(|(body, _)| match machine.bodies[body].joint.kind {
-            JointKind::Prismatic(_) => true,
+            JointKind::Prismatic(_) | JointKind::Sliding(_) => true,
             JointKind::Clamped | JointKind::Revolute(_) | JointKind::Spatial(_) => false,
         })
         .collect();
