@@ -326,11 +326,11 @@ impl<const N: usize> Coupling<N> {
 
     /// Adds `Φᵀ P K` and `Kᵀ P K` for an arm from the node to the carriage.
     fn add(&mut self, arm: &Vector3<f64>, pushed: &[Pair; N], twists: &[Pair; N]) {
-        for j in 0..N {
-            self.velocity[j] += pushed[j].linear;
-            self.spin[j] += pushed[j].angular + arm.cross(&pushed[j].linear);
+        for (j, pushed) in pushed.iter().enumerate() {
+            self.velocity[j] += pushed.linear;
+            self.spin[j] += pushed.angular + arm.cross(&pushed.linear);
             for (i, twist) in twists.iter().enumerate() {
-                self.block[(i, j)] += dot(twist, &pushed[j]);
+                self.block[(i, j)] += dot(twist, pushed);
             }
         }
     }
