@@ -1,4 +1,4 @@
-//! Impulses that stop joints, those of rigid latches and locks: the rates jump at one configuration, eqs. (X17) and (X18).
+//! Impulses that stop joints, those of rigid latches and locks: the rates jump at one configuration, eqs. (X17), (X18) and (X21).
 
 use crate::gradient::air::Sums;
 use crate::gradient::forward::Front;

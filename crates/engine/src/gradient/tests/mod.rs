@@ -193,16 +193,10 @@ fn read_results(
                 system.evaluate();
                 *value = system.outputs.values()[output];
             }
-            RunResult::LatchTime { joint } => {
-                let memory = plant.system_mut().state.joints[joint];
-                if memory.latch.closed && value.is_nan() {
-                    *value = memory.latch.time_s;
-                }
-            }
-            RunResult::Impulse { joint } => {
-                let memory = plant.system_mut().state.joints[joint];
-                if memory.latch.closed && value.is_nan() {
-                    *value = memory.latch.impulse_n_m_s;
+            RunResult::LatchTime { joint } | RunResult::Impulse { joint } => {
+                let latch = plant.system_mut().state.joints[joint].latch;
+                if latch.closed && value.is_nan() {
+                    *value = if result.is_latch_time() { latch.time_s } else { latch.impulse_n_m_s };
                 }
             }
             RunResult::Mean { index, time, square } if steps.contains(&tape.marks[time].step) => {

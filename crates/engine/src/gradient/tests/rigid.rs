@@ -130,7 +130,7 @@ fn gradients_pass_through_two_rigid_latches_and_stops() {
     assert!(tape.steps.windows(2).any(leaves), "no latch changes a contact");
     let places: Vec<Place> = PLACES.into_iter().filter(|place| place.0 != "latch_stiffness").collect();
     let compared = compare_results(chain, &InputRows::default(), &places, |plant| results(plant, &[1, 2]));
-    // 1.3e-6 found; probably the location of five crossings to 1e-10 s each, as for GR-16
+    // 1.3e-6 found; neither truncation nor the location of crossings alone, see GR-34
     agree(&compared, 3e-6);
 }
 
