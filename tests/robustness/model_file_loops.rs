@@ -183,14 +183,9 @@ fn a_loop_ends_on_the_root() {
     }
     // the point on the root is 0.01 m below that of the wing
     let lines = "bodies = [\"outer\", \"root\"]\noffsets_m = [[0, 0, 0.01], [0.25, 0, 0]]\nstiffness_N_m = 1e5";
-    assert!(
-        message(lines).starts_with(
-            "wing.toml:56: key 'loop.pin': a gap of 0.010000 m, from the first point to the second [0.000000, 0.000000, \
-             -0.010000],"
-        ),
-        "{}",
-        message(lines)
-    );
+    let text = message(lines);
+    let gap = "a gap of 0.010000 m, from the first point to the second [0.000000, 0.000000, -0.010000],";
+    assert!(text.contains("'loop.pin'") && text.contains(gap), "{text}");
 }
 
 /// No joint may have the name of the group of the loops' outputs.

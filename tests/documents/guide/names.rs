@@ -97,6 +97,8 @@ const FOREIGN: &[&str] = &[
     "m.u0",
     "m.y0",
     "<joint>.first_latch_time",
+    "<joint>.latch_impulse",
+    "fold.latch_impulse",
     "gauge.<name>.strain.peak",
     "set_param",
     "set_input_derivatives",

@@ -9,6 +9,9 @@ use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Entry, Gradient, GradientError, RunResult, add};
 use std::ops::Range;
 
+/// Means over the run with their places among the results, and the rows of their variations.
+type MeanRows<'a> = (&'a [(usize, Mean)], &'a mut [Vec<f64>]);
+
 /// Variations of a point of the run in several directions, and of its time.
 #[derive(Debug, Clone)]
 pub(super) struct Front {
@@ -142,7 +145,7 @@ impl Gradient<'_> {
         step: &Step,
         front: &mut Front,
         causes: Causes,
-        means: Option<(&[(usize, Mean)], &mut [Vec<f64>])>,
+        means: Option<MeanRows<'_>>,
     ) -> Result<(), GradientError> {
         self.adopt(step);
         let mut stages = self.stages_through(step, &front.variations, &front.shifts_s, causes)?;
