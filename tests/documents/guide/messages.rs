@@ -401,6 +401,27 @@ fn produced() -> Vec<String> {
     let twins = format!("name = \"Twins\"\n{}{}[simulation]\n", twin("left", "port"), twin("right", "starboard"));
     write("twins.toml", format!("{twins}stop_time_s = 1.0\nstep_s = 0.01\n").as_bytes());
 
+    // a body that slides along a beam, with parts that exclude it
+    let rail = include_str!("../../verification/plant/sliding.toml");
+    let reaches = |old: &str, new: &str| {
+        assert!(rail.contains(old), "{old}");
+        rail.replace(old, new)
+    };
+    write("rail.toml", rail.as_bytes());
+    write("rail_on_root.toml", reaches("parent = \"beam\"", "parent = \"root\"").as_bytes());
+    let second = "[rigid_body.second]\n[joint.second]\ntype = \"sliding\"\nparent = \"bead\"\nchild = \"second\"\n\
+                  start_position_m = 0.0\n[gauge.root]\nbody = \"beam\"\nposition_m = 0.1\n[solver]";
+    write("rail_on_bead.toml", reaches("[solver]", second).as_bytes());
+    let outside = "parent_position_m = 0.5\nstart_position_m = 1.5";
+    write("rail_outside.toml", reaches("start_position_m = 0.25", outside).as_bytes());
+    write("rail_at_rest.toml", reaches("step_s = 1e-2", "step_s = 1e-2\nstart = \"equilibrium\"").as_bytes());
+    let free = |text: &str| {
+        text.replace("type = \"sliding\"", "type = \"clamped\"")
+            .replace("start_position_m = 0.25", "parent_position_m = 1.0")
+    };
+    write("rail_clamped.toml", free(&reaches("load_stations = 0", "modal_damping_ratios = [0.1, 0.2]")).as_bytes());
+    write("rail_damped.toml", reaches("load_stations = 0", "modal_damping_ratios = [0.1, -0.1]").as_bytes());
+
     let library = crate::guide::commands::library().to_str().unwrap().to_owned();
     let call = |line: &str| {
         let line = line.replace("LIBRARY", &library).replace("COMMAND", env!("CARGO_BIN_EXE_foldwing"));
@@ -416,6 +437,15 @@ fn produced() -> Vec<String> {
     }
     let more = [
         "static aircraft.toml",
+        "check rail_on_root.toml",
+        "check rail_on_bead.toml",
+        "check rail_outside.toml",
+        "check rail_at_rest.toml",
+        "check rail_damped.toml",
+        "check rail_clamped.toml",
+        "modes rail.toml",
+        "simulate rail.toml --set slide.start_position=0.5 --stop 10",
+        "package rail.toml --interface me -o rail.fmu",
         "linearize stalled.toml --lattice -o x.json",
         "static diverges.toml --set wind.velocity.y=-200",
         "static spins.toml",

@@ -6,6 +6,7 @@ mod cholesky;
 pub mod closure;
 pub mod derivative;
 pub mod dynamics;
+mod elastic;
 pub mod element;
 pub mod energy;
 pub mod factor;
