@@ -62,7 +62,7 @@ ABSENT = [
     ("OMSimulator 3.0.0.post198", "PyPI has a source archive alone, whose installation downloads the program from the project's own server; not reached"),
     ("PyFMI 2.5", "PyPI ends in 2018: the source needs FMI Library, which no registry has, and Cython of that time; `assimulo` 3.0 fails in its `setup.py`"),
     ("FMI++ 2.1.0 (`fmipp`), `mosaik-fmi` 1.1.0", "source archives that need SWIG, Boost and SUNDIALS; the wheel fails at SWIG"),
-    ("OpenMDAO 3.45.1", "installs, but has no component for FMUs"),
+    ("OpenMDAO 3.45.1", "installs; no component for FMUs is known to us, and its sources were not searched for one"),
     ("GEMSEO-FMU 3.1.1", "installs; it runs FMUs by FMPy 0.3.19, so that it is no importer of its own"),
     ("fmusim, FMU Check, OpenModelica, Dymola, Simulink", "in none of the registries"),
 ]
