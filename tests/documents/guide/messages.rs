@@ -420,6 +420,11 @@ fn produced() -> Vec<String> {
             .replace("start_position_m = 0.25", "parent_position_m = 1.0")
     };
     write("rail_clamped.toml", free(&reaches("load_stations = 0", "modal_damping_ratios = [0.1, 0.2]")).as_bytes());
+    let closed = "[loop.pin]\nbodies = [\"bead\", \"root\"]\noffsets_m = [[0, 0, 0], [0.25, 0, 0]]\nstiffness_N_m = 1e4\n[solver]";
+    write("rail_closed.toml", reaches("[solver]", closed).as_bytes());
+    let air = "[aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 0.0]\n[surface.beam]\nbody = \"beam\"\n\
+               chord_m = 0.1\nstrips = 2\n[solver]";
+    write("rail_in_air.toml", reaches("[solver]", air).as_bytes());
     write("rail_damped.toml", reaches("load_stations = 0", "modal_damping_ratios = [0.1, -0.1]").as_bytes());
 
     let library = crate::guide::commands::library().to_str().unwrap().to_owned();
@@ -442,6 +447,8 @@ fn produced() -> Vec<String> {
         "check rail_outside.toml",
         "check rail_at_rest.toml",
         "check rail_damped.toml",
+        "check rail_closed.toml",
+        "check rail_in_air.toml",
         "check rail_clamped.toml",
         "modes rail.toml",
         "simulate rail.toml --set slide.start_position=0.5 --stop 10",

@@ -37,11 +37,6 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
         let allowed = format!("no loop in a machine with a sliding joint ({joint:?})");
         checker.refuse_state(&["loop", &closure.name], "a loop", allowed);
     }
-    if machine.air.is_some() {
-        let allowed =
-            format!("no aerodynamics in a machine with a sliding joint ({joint:?}); state loads at load stations");
-        checker.refuse_state(&["aerodynamics"], "aerodynamics", allowed);
-    }
     for body in machine.bodies.iter().filter(|body| body.modal_damping_ratios.iter().any(|ratio| *ratio > 0.0)) {
         let allowed = format!(
             "no damped modes in a machine with a sliding joint ({joint:?}); write stiffness_damping_s on the body"
@@ -51,6 +46,15 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     if machine.experiment.start == StartState::Equilibrium {
         let allowed = format!("\"unstrained\": no static equilibrium is sought with a sliding joint ({joint:?})");
         checker.refuse(&["simulation", "start"], "\"equilibrium\"", allowed);
+    }
+}
+
+/// Reports aerodynamics in a machine with a sliding joint.
+pub(super) fn in_air(machine: &Machine, checker: &mut Checker) {
+    if let (Some(joint), true) = (machine.sliding_joint(), machine.air.is_some()) {
+        let allowed =
+            format!("no aerodynamics in a machine with a sliding joint ({joint:?}); state loads at load stations");
+        checker.refuse_state(&["aerodynamics"], "aerodynamics", allowed);
     }
 }
 
