@@ -22,8 +22,8 @@ import xml.etree.ElementTree as ET
 import zipfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-MODEL = ROOT / "examples/models/folding_wing.toml"
+EXAMPLES = Path(__file__).resolve().parent
+MODEL = EXAMPLES / "models/folding_wing.toml"
 SPACES = {prefix: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
           for prefix, name in [("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"), ("ssm", "ParameterMapping")]}
 for _prefix, _space in SPACES.items():
@@ -61,7 +61,7 @@ def write(path, members):
 
 def controller_fmu(folder):
     """The FMU of pd_controller.py."""
-    command = [sys.executable, "-m", "pythonfmu", "build", "-f", str(ROOT / "examples/pd_controller.py"), "-d", str(folder), "--no-external-tool"]
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", str(EXAMPLES / "pd_controller.py"), "-d", str(folder), "--no-external-tool"]
     subprocess.run(command, check=True, capture_output=True)
     return Path(folder) / "Controller.fmu"
 

@@ -17,6 +17,8 @@ import sys
 import tarfile
 from pathlib import Path
 
+from build_site import without_sources
+
 ROOT = Path(__file__).resolve().parents[1]
 FIRST_OF_1980 = 315532800
 
@@ -71,6 +73,8 @@ def archive(folder, files, programs, seconds):
     with tarfile.open(fileobj=tar_bytes, mode="w", format=tarfile.PAX_FORMAT) as tar:
         for name in sorted(files):
             data = files[name].read_bytes()
+            if name.endswith(".md"):  # the archive has no sources
+                data = without_sources(data.decode()).encode()
             member = tarfile.TarInfo(f"{folder}/{name}")
             member.size = len(data)
             member.mtime = seconds

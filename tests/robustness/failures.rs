@@ -470,7 +470,7 @@ fn em07_failures_of_the_initialisation() {
         status,
         fmi2Error,
         "fmi2ExitInitializationMode: no equilibrium at t = 0 s beyond the load factor 0.0000, last tried 0.0001: no \
-         stiffness against \
+         stiffness resists \
          a motion of joint \"flight\": add a spring; reduce the load, or start from the unstrained shape",
     );
 

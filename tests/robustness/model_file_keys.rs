@@ -30,21 +30,21 @@ fn unknown_keys() {
         message("length_m = 0.15", "length = 0.15"),
         "wing.toml:16: key 'body.inner.length' is unknown; write length_m (m); allowed keys: count, length_m, section, \
          outer_section, width_taper, height_taper, shear, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, modal_damping_ratios, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("length_m = 0.15", "length_mm = 150"),
         "wing.toml:16: key 'body.inner.length_mm' is unknown; write length_m (m); allowed keys: count, length_m, \
          section, outer_section, width_taper, height_taper, shear, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, modal_damping_ratios, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
         message("elements = 2\nload", "lenght_m = 1\nelements = 2\nload"),
         "wing.toml:18: key 'body.inner.lenght_m' is unknown; perhaps length_m is meant; allowed keys: count, length_m, \
          section, outer_section, width_taper, height_taper, shear, element, elements, natural_curvature_1_m, twist_1_m, \
-         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, load_stations, \
+         curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, modal_damping_ratios, load_stations, \
          load_station_positions_m, load_frame"
     );
     assert_eq!(
@@ -157,7 +157,7 @@ fn choices() {
     assert_eq!(
         message("\"clamped\"", "\"welded\""),
         "wing.toml:25: key 'joint.mount.type': \"welded\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
-         \"prismatic\" or \"universal\" or \"ball\" or \"free\""
+         \"prismatic\" or \"sliding\" or \"universal\" or \"ball\" or \"free\""
     );
     assert_eq!(
         message("[solver]", "[solver]\nmethod = \"euler\""),

@@ -6,7 +6,7 @@ const TOP: &str = "name, description, gravity_m_s2, material, section, body, rig
                    failure, aerodynamics, surface, control_surface, gust, polar, wind, tower, solver, simulation";
 const BODY: &str = "count, length_m, section, outer_section, width_taper, height_taper, shear, element, elements, \
                     natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, \
-                    damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, load_stations, load_station_positions_m, load_frame";
+                    damp_attached_masses, stiffness_damping_s, stiffness_damping_factors, shear_damping_factors, modal_damping_ratios, load_stations, load_station_positions_m, load_frame";
 
 /// Tables: swapped letters, plurals, truncated names.
 #[test]
@@ -81,13 +81,13 @@ fn choices() {
             "\"clamped\"",
             "\"clamp\"",
             "wing.toml:25: key 'joint.mount.type': \"clamp\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
-             \"prismatic\" or \"universal\" or \"ball\" or \"free\" (did you mean \"clamped\"?)",
+             \"prismatic\" or \"sliding\" or \"universal\" or \"ball\" or \"free\" (did you mean \"clamped\"?)",
         ),
         (
             "\"revolute\"",
             "\"Revolut\"",
             "wing.toml:29: key 'joint.fold.type': \"Revolut\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
-             \"prismatic\" or \"universal\" or \"ball\" or \"free\" (did you mean \"revolute\"?)",
+             \"prismatic\" or \"sliding\" or \"universal\" or \"ball\" or \"free\" (did you mean \"revolute\"?)",
         ),
         (
             "\"explicit\"",

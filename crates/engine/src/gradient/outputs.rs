@@ -182,7 +182,7 @@ impl<'a> Gradient<'a> {
         Ok(Seed { step: *step, part: Part::of(branch), state, by_shift: 0.0, by_loads, by_parameters })
     }
 
-    /// Slopes of an output by the state at a prepared point.
+    /// Derivatives of an output with respect to the state at a prepared point.
     pub(super) fn output_gradient(&mut self, index: usize, at: &Point) -> Variation {
         let n = self.system.coordinates();
         let mut state = Variation::zeros(n);
@@ -204,7 +204,7 @@ impl<'a> Gradient<'a> {
         state
     }
 
-    /// Slopes of an output at a state by the parameters.
+    /// Derivatives of an output at a state with respect to the parameters.
     pub(super) fn output_by_parameters(&mut self, index: usize, at: &Point) -> Vec<f64> {
         let by_neighbours = self.neighbours.iter_mut().map(|beside| beside.slope(|system| values(system, at)[index]));
         let by_neighbours: Vec<f64> = by_neighbours.collect();

@@ -60,7 +60,7 @@ impl BlockSlopes {
 /// larger, the smaller the round-off.
 const DAMPING_CHANGE: f64 = 1e3;
 
-/// Derivative of the residual by a parameter of the damping of the bodies.
+/// Derivative of the residual with respect to a parameter of the damping of the bodies.
 pub(crate) struct DampingSlope {
     own: Vec<Damping>,
     /// The damping of the machine, changed along the derivative.

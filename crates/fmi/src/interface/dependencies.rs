@@ -196,11 +196,19 @@ fn loop_stretches_initially(topology: &Topology, closure: usize, known: Known) -
     })
 }
 
-/// Returns whether a change of a start angle or rate may change the rate of a loop's gap, whose inertia has kinetic energy.
+/// Returns whether a change of a start angle or rate may change the rate of a loop's gap, whose inertia has kinetic energy. The angle of the
+/// first rotating joint turns the gap of a loop on the root as a whole, which changes the rate of its length only if the body also translates.
 fn loop_moves_initially(topology: &Topology, closure: usize, known: Known) -> bool {
+    let on_root = topology.ends_on_root(closure);
+    let turns = |joints: &[Turning]| joints.iter().any(|&joint| topology.starts_turning(joint));
     topology.machine.closures[closure].inertia_kg > 0.0
         && topology.joined(closure).filter(|&body| moves_at_start(topology, body)).any(|body| {
-            topology.folds(body).any(|joint| starts(topology, joint, known) || start_rate(topology, joint, known))
+            let path = &topology.path[body];
+            path.iter().enumerate().any(|(i, &joint)| {
+                let Turning::Revolute(joint) = joint else { return false };
+                let matters = !on_root || turns(&path[..i]) || topology.drifts(body);
+                start_rate(topology, joint, known) || (starts(topology, joint, known) && matters)
+            })
         })
 }
 

@@ -171,7 +171,7 @@ mod tests {
         let written = page("wing", &run, &[other]);
         assert_eq!(run_of_page(&written).unwrap(), run);
         assert!(run_of_page("<!doctype html><html></html>").unwrap_err().contains("is not a page"));
-        let older = written.replacen("\"format\":3", "\"format\":1", 1);
+        let older = written.replacen("\"format\":4", "\"format\":1", 1);
         assert!(run_of_page(&older).unwrap_err().contains("another version"));
         // text that would not stay text in the page with both runs is rejected
         for (from, to) in [("\"name\":\"inner\"", "\"name\":\"<b>\""), ("\"name\":\"inner\"", "\"name\":\"{{runs}}\"")]
