@@ -1,5 +1,6 @@
 //! Sliding joints: bodies that ride on a beam that deforms, against Exudyn, closed forms and the balance of momenta and energy.
 
+use crate::counting_allocator::allocations;
 use crate::plant::machines::*;
 use foldwing::beam::section::Section;
 use foldwing::machine::builder::{BodyBuilder, JointBuilder};
@@ -287,6 +288,23 @@ fn sj06_states_across_borders_are_restored() {
     let differs_m = (other.outputs().joints()[0].angle_rad - late.angle_rad).abs();
     println!("SJ-06 {differs_m:.1e} m");
     assert!(differs_m < 1e-12);
+}
+
+/// SJ-11. Steps across borders allocate nothing, from before the first border on.
+#[test]
+fn sj11_steps_across_borders_allocate_nothing() {
+    for method in [Method::Esdirk4, Method::GeneralizedAlpha] {
+        let mut machine = bead(4, 1e-6);
+        machine.solver.method = method;
+        let mut plant = start(machine);
+        coast(&mut plant, 1e-3);
+        let (before, s_m) = (allocations(), plant.outputs().joints()[0].angle_rad);
+        (2..=420).for_each(|step| coast(&mut plant, 1e-3 * f64::from(step)));
+        let allocated = allocations() - before;
+        let crossed_m = plant.outputs().joints()[0].angle_rad;
+        assert!(s_m < 0.251 && crossed_m > 0.75, "{method:?}: from {s_m} to {crossed_m} m, over two borders");
+        assert_eq!(allocated, 0, "{method:?}: allocations");
+    }
 }
 
 /// A carriage without mass on a cantilever, with a pendulum on a hinge: a body that slides and turns.

@@ -12,7 +12,7 @@ use crate::packaging::drawing;
 use crate::packaging::sketch::sketch;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{
-    Body, Closure, ElementKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
+    Body, Closure, ElementKind, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
 };
 use foldwing_engine::plant::Plant;
 use foldwing_file::{BodySections, section_properties};
@@ -297,13 +297,15 @@ impl JointSummary {
     fn new(body: &Body, machine: &Machine, (variables, multipliers): (usize, usize)) -> Self {
         let parent = match body.joint.parent {
             Parent::Root { .. } => "root".to_owned(),
+            Parent::Body { index, .. } if body.joint.kind.rides() => machine.bodies[index].name.clone(),
             Parent::Body { index, position_m } => format!("{} at {position_m} m", machine.bodies[index].name),
         };
-        let (kind, figures) = match (body.joint.kind.one_freedom(), body.joint.kind.spatial()) {
-            (Some((travel, joint)), _) => (motion(travel, joint), Figures::of_one_freedom(travel, joint)),
-            (_, Some(joint)) => (spatial_kind(joint), Figures::of_spatial(joint)),
-            (None, None) => ("clamped".to_owned(), Figures::none()),
+        let figures = match (body.joint.kind.one_freedom(), body.joint.kind.spatial()) {
+            (Some((travel, joint)), _) => Figures::of_one_freedom(travel, joint),
+            (_, Some(joint)) => Figures::of_spatial(joint),
+            (None, None) => Figures::none(),
         };
+        let kind = body.joint.kind.described();
         let size = JointSize::new(&body.joint.kind, variables, multipliers);
         Self { name: body.joint.name.clone(), body: body.name.clone(), parent, kind, figures, size }
     }
@@ -322,23 +324,6 @@ impl JointSummary {
         }
         text + "\n"
     }
-}
-
-fn spatial_kind(joint: &Spatial) -> String {
-    let kind = match joint.freedom {
-        SpatialFreedom::Universal { .. } => "universal",
-        SpatialFreedom::Ball => "ball",
-        SpatialFreedom::Free => "free",
-    };
-    kind.to_owned()
-}
-
-fn motion(travel: Travel, joint: &OneFreedom) -> String {
-    travel.words(match joint.motion {
-        JointMotion::Free => "revolute",
-        JointMotion::Locked => "revolute, locked",
-        JointMotion::Prescribed(_) => "revolute, prescribed",
-    })
 }
 
 /// JSON key, name, value and unit of a joint parameter; the unit is for a revolute joint.

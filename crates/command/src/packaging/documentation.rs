@@ -5,7 +5,7 @@ use crate::packaging::{VERSION, air_section, drawing, palette, use_section};
 use foldwing_engine::beam::section::Section;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{
-    Body, ElementKind, JointMotion, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
+    Body, ElementKind, JointKind, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
 };
 use foldwing_engine::math::so3::rotation_vector;
 use foldwing_engine::math::strain::STRAINS;
@@ -186,7 +186,7 @@ fn joints_section(html: &mut String, machine: &Machine) {
             };
             let mut row = vec![escape(&body.joint.name).into_owned(), escape(&body.name).into_owned(), on];
             match (body.joint.kind.one_freedom(), body.joint.kind.spatial()) {
-                (Some((travel, joint)), _) => row.extend(one_freedom(travel, joint)),
+                (Some((travel, joint)), _) => row.extend(one_freedom(&body.joint.kind, travel, joint)),
                 (_, Some(joint)) => row.extend(spatial(joint, &body.joint.mount)),
                 (None, None) => row.extend(["clamped", "", "", "", "", "", ""].map(str::to_owned)),
             }
@@ -241,12 +241,8 @@ fn spatial(joint: &Spatial, mount: &Matrix3<f64>) -> Vec<String> {
 
 /// Describes a joint with one degree of freedom. The columns have the units of a revolute joint; cells of a prismatic joint include
 /// their units.
-fn one_freedom(travel: Travel, joint: &OneFreedom) -> Vec<String> {
-    let motion = travel.words(match joint.motion {
-        JointMotion::Free => "revolute",
-        JointMotion::Locked => "revolute, locked",
-        JointMotion::Prescribed(_) => "revolute, prescribed",
-    });
+fn one_freedom(kind: &JointKind, travel: Travel, joint: &OneFreedom) -> Vec<String> {
+    let motion = kind.described();
     let unit = travel.units()[0];
     let drive = &joint.motor;
     let latch = joint.latch.as_ref().map_or("none".to_owned(), |latch| match latch.kind {

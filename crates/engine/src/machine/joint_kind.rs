@@ -22,6 +22,31 @@ impl JointKind {
         }
     }
 
+    /// Name of the joint type in files and messages.
+    pub fn type_name(&self) -> &'static str {
+        match self {
+            Self::Clamped => "clamped",
+            Self::Revolute(_) => Travel::Rotation.joint_type(),
+            Self::Prismatic(_) => Travel::Translation.joint_type(),
+            Self::Sliding(_) => "sliding",
+            Self::Spatial(own) => match own.freedom {
+                SpatialFreedom::Universal { .. } => "universal",
+                SpatialFreedom::Ball => "ball",
+                SpatialFreedom::Free => "free",
+            },
+        }
+    }
+
+    /// Joint type and, unless it is free, the motion of a joint with one degree of freedom, as in `revolute, locked`.
+    pub fn described(&self) -> String {
+        let motion = self.one_freedom().map_or("", |(_, own)| match own.motion {
+            JointMotion::Free => "",
+            JointMotion::Locked => ", locked",
+            JointMotion::Prescribed(_) => ", prescribed",
+        });
+        format!("{}{motion}", self.type_name())
+    }
+
     /// Travel and parts of a joint with one degree of freedom; `None` for all others.
     pub fn one_freedom(&self) -> Option<(Travel, &OneFreedom)> {
         match self {
