@@ -3,7 +3,7 @@
 use crate::lattice::wing::{DENSITY_KG_M3, inset, options};
 use foldwing::aero::established::Established;
 use foldwing::aero::flow::Flow;
-use foldwing::aero::lattice::LatticeOptions;
+use foldwing::aero::lattice::{LatticeOptions, LoadRule};
 use foldwing::aero::lattice_state::LatticeState;
 use foldwing::aero::strip::StripOptions;
 use foldwing::aero::surface::{ChordLine, Profile, Surface};
@@ -70,9 +70,14 @@ fn turning(
 fn u40_a_root_that_turns_is_a_wing_that_turns() {
     let spin_rad_s = Vector3::new(0.4, -0.3, 4.0);
     let lattice = AirOptions::Lattice(LatticeOptions { wake_rows: 8, ..options() });
-    for (options, established) in
-        [(lattice.clone(), true), (lattice, false), (AirOptions::Strips(StripOptions::default()), false)]
-    {
+    let by_segments = LatticeOptions { load_rule: LoadRule::KuttaJoukowski, wake_rows: 8, ..options() };
+    let joukowski = AirOptions::Lattice(by_segments);
+    for (options, established) in [
+        (lattice.clone(), true),
+        (lattice, false),
+        (joukowski, true),
+        (AirOptions::Strips(StripOptions::default()), false),
+    ] {
         let (root, _) = turning(&options, spin_rad_s, established, true);
         let (wing, _) = turning(&options, spin_rad_s, established, false);
         let largest_n = root[6].circulatory.iter().map(|load| load.force_n.norm()).fold(0.0, f64::max);

@@ -14,8 +14,8 @@ use foldwing::multibody::tangent::{JointTangent, Surroundings, Tangent};
 use foldwing::multibody::{Model, Workspace, station};
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
-/// A tower, a rigid body on a hinge offset from its top, a twisted blade on that body, and a mass at the blade's tip; loads in both frames
-/// along the bodies and at the ends.
+/// A tower, a rigid body on a hinge offset from its top, a twisted blade on that body, a mass at the blade's tip and a rigid body on a hinge
+/// there; loads in both frames along the bodies and at the ends.
 fn tree([axial_shortening, section_rotation]: [bool; 2]) -> Model {
     let machine = turbine();
     let law_of = |name: &str| {
@@ -58,7 +58,15 @@ fn tree([axial_shortening, section_rotation]: [bool; 2]) -> Model {
         load_frame: LoadFrame::Root,
         ..body(law_of("blade1"), 61.5, 17)
     };
-    Model::new(&[tower, nacelle, blade])
+    // what is attached to a modal body that moves passes its forces through it
+    let tip = BodyDescription {
+        parent: Attachment::Body { index: 2, position_m: 61.5 },
+        offset_m: Vector3::new(0.3, -0.4, 0.1),
+        joint: JointKind::Revolute { axis: Vector3::y() },
+        masses: vec![(0.0, heavy(700.0))],
+        ..nacelle.clone()
+    };
+    Model::new(&[tower, nacelle, blade, tip])
 }
 
 /// An unused section.
@@ -241,10 +249,8 @@ fn wt11_places_move_as_their_positions_change() {
     let at =
         |t: f64| -> Vec<f64> { (0..n).map(|i| setting.q[i] + t * setting.v[i] + 0.5 * t * t * setting.a[i]).collect() };
     let rate = |t: f64| -> Vec<f64> { (0..n).map(|i| setting.v[i] + t * setting.a[i]).collect() };
-    let tower: Vec<usize> = (0..model.stations.len()).filter(|i| model.stations[*i].body == 0).collect();
     let step = 1e-4;
-    for index in tower {
-        let place = &model.stations[index];
+    for (index, place) in model.stations.iter().enumerate() {
         let mut work = Workspace::new(model);
         let mut moving = |t: f64| {
             let (q, v) = (at(t), rate(t));
@@ -255,10 +261,13 @@ fn wt11_places_move_as_their_positions_change() {
         let (before, now, after) = (moving(-step), moving(0.0), moving(step));
         let velocity = (after.motion.position_m - before.motion.position_m) / (2.0 * step);
         let acceleration = (after.motion.velocity_m_s - before.motion.velocity_m_s) / (2.0 * step);
-        // the position is a polynomial of fourth order in time: its differences have an error of the square of the step, 1e-8 of about 1e2
-        // m/s³
-        assert!((velocity - now.motion.velocity_m_s).norm() < 1e-5, "station {index}: {velocity}");
-        assert!((acceleration - now.acceleration_m_s2).norm() < 1e-5, "station {index}: {acceleration}");
+        // differences have an error of the square of the step: on the tower, whose positions are polynomials of fourth order in time, 1e-8 of
+        // about 1e2 m/s³; farther out, where bodies turn at a few rad/s, of up to 1e5 m/s³, beside Coriolis terms of 1 m/s² and more
+        let allowed = if place.body == 0 { 1e-5 } else { 1e-3 };
+        assert!((velocity - now.motion.velocity_m_s).norm() < allowed, "station {index}: {velocity}");
+        let off = (acceleration - now.acceleration_m_s2).norm();
+        println!("WT-11: station {index} of body {}: {off:.1e} m/s² of {:.1e}", place.body, acceleration.norm());
+        assert!(off < allowed, "station {index}: {acceleration}");
         let turned = Rotation3::from_matrix_unchecked(after.motion.rotation * before.motion.rotation.transpose());
         let spin = turned.scaled_axis() / (2.0 * step);
         let spin_rate = (after.motion.spin_rad_s - before.motion.spin_rad_s) / (2.0 * step);

@@ -192,4 +192,14 @@ fn samples_are_those_of_the_exact_motion() {
     near(a[(2, 0)], -slow * sine);
     near(b[(0, 0)], whole.b[(2, 0)] * (1.0 - cosine) / (slow * slow));
     near(b[(2, 1)], whole.b[(2, 1)] * sine / slow);
+    // a motion of which a sample covers 5e-5 of its time constant: the difference from 1 would cancel
+    let creep = StateSpace {
+        a: DMatrix::from_element(1, 1, -1e-3),
+        b: DMatrix::from_element(1, 1, 2.0),
+        c: DMatrix::from_element(1, 1, 1.0),
+        d: DMatrix::zeros(1, 1),
+    };
+    let (a, b) = sampled(&creep, 0.05).unwrap();
+    near(a[(0, 0)], (-5e-5f64).exp());
+    near(b[(0, 0)], -2.0 * (-5e-5f64).exp_m1() / 1e-3);
 }
