@@ -109,6 +109,13 @@ class Browser:
         assert "exceptionDetails" not in result, result
         return result["result"].get("value")
 
+    def await_value(self, expression, wanted):
+        """Waits until a JavaScript expression has a value: what the page does in later frames takes its own time on a busy machine."""
+        stop = time.monotonic() + PATIENCE_S
+        while (value := self.value(expression)) != wanted:
+            assert time.monotonic() < stop, f"{expression} is {value!r}, not {wanted!r}, after {PATIENCE_S:.0f} s"
+            time.sleep(0.02)
+
     def complaints(self):
         """Console messages, log entries and exceptions since the page was opened."""
         kinds = {"Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded"}

@@ -175,15 +175,12 @@ def test_f387_frames_have_the_height_of_their_content(browser, tmp_path):
     (tmp_path / "outer.html").write_text("<!doctype html><iframe class='live-model' style='border:0' width='360' src='inner.html'></iframe><script src='frames.js'></script>", encoding="utf-8")
     height = "document.querySelector('iframe').style.height"
     browser.open(tmp_path / "outer.html", 390, 800)
-    for _ in range(200):
-        if browser.value(height):
-            break
-    assert browser.value(height) == "1236px"
+    browser.await_value(height, "1236px")
+    # the last of the messages is counted: they arrive in order
+    browser.value("globalThis.arrived = 0, addEventListener('message', () => { arrived += 1 }), true")
     browser.value("postMessage({ foldwingHeight: 99 }, '*'), postMessage({ other: 1 }, '*'), postMessage('x', '*'), true")
-    browser.value("new Promise(done => setTimeout(done, 50))")
+    browser.await_value("arrived", 3)
     assert browser.value(height) == "1236px"
+    # in two columns it has the height of the frame
     browser.value("document.querySelector('iframe').width = 1000, true")
-    for _ in range(200):
-        if not browser.value(height):
-            break
-    assert browser.value(height) == "", "in two columns it has the height of the frame"
+    browser.await_value(height, "")
