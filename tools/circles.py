@@ -188,10 +188,10 @@ def name(module):
 
 
 def main():
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("crate", nargs="*", help="crates of which the circles are listed")
-    options.add_argument("--cuts", action="store_true", help="also imports of which the removal opens each circle")
-    options = options.parse_args()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("crate", nargs="*", help="crates of which the circles are listed")
+    parser.add_argument("--cuts", action="store_true", help="also imports of which the removal opens each circle")
+    options = parser.parse_args()
     found = crates()
     print(f"{'crate':<12}{'files':>6}{'circles':>9}{'in circles':>12}{'largest':>9}")
     for crate, tree in found.items():

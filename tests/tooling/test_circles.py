@@ -13,7 +13,7 @@ import circles  # noqa: E402
 SIZES = {
     "command": [41, 4, 3, 3, 3, 2, 2, 2, 2],
     "engine": [24, 20, 13, 12, 10, 8, 7, 4, 3, 3, 3, 3, 2, 2],
-    "file": [39, 2],
+    "file": [],
     "fmi": [12, 2],
     "fmu": [2],
     "python": [2],

@@ -2,11 +2,11 @@
 //! `[gust.<name>]`.
 
 use crate::air_file::{AirFile, AirModelFile, CouplingFile, IndicialFile, LeadingEdgeFile, SurfaceFile, TipLossFile};
+use crate::checker::Checker;
 use crate::file::ModelFile;
 use crate::function::along_body;
 use crate::gust;
 use crate::rotor;
-use crate::validate::Checker;
 use foldwing_engine::aero::lattice::WakeModel;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use foldwing_engine::aero::strip::indicial::Fit;

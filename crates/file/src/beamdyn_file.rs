@@ -4,7 +4,7 @@
 //! leading edge, `z` downwind: `(x, y, z) = (z, −y, x)` in BeamDyn's axes. BeamDyn's twist is negative about its `z`.
 
 use crate::section_files::{Lines, Station, Stiffness};
-use crate::station_file::{StationFault, StationTable, fault};
+use crate::station_table::{StationFault, StationTable, fault};
 use foldwing_engine::math::quadrature::gauss_pieces;
 use foldwing_engine::math::spline::CubicSpline;
 

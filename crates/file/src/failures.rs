@@ -1,9 +1,9 @@
 //! Builds the failures of the model file with a [`MachineBuilder`].
 
+use crate::checker::Checker;
 use crate::failure_file::{FailureFile, FailureKind, WhenFile};
 use crate::file::ModelFile;
 use crate::joint_file::JointType;
-use crate::validate::Checker;
 use foldwing_engine::machine::builder::{FailureBuilder, MachineBuilder};
 use foldwing_engine::machine::failure::{BoundSide, FrictionBrake, Quantity};
 use foldwing_engine::machine::units::quoted;

@@ -4,7 +4,7 @@
 //! `x-allowed` overrides the text of error messages for other conditions.
 
 use crate::air_file::{AirFile, ControlSurfaceFile, GustFile, SurfaceFile};
-use crate::body::{BodyFile, LoadFrameFile};
+use crate::body_file::{BodyFile, RigidBodyFile};
 use crate::failure_file::FailureFile;
 use crate::joint_file::JointFile;
 use crate::modal_body::ModalBodyFile;
@@ -102,46 +102,6 @@ pub(super) struct ModelFile {
     /// Default simulation: times and initial state.
     #[serde(default)]
     pub simulation: SimulationFile,
-}
-
-/// A rigid body: a frame that carries mass, loads and other bodies. Its joint holds it at its frame.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RigidBodyFile {
-    /// Mass, default 0: a massless frame, or a body whose masses are tables `[mass.<name>]`.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub mass_kg: f64,
-    /// Centre of mass in the body's frame, default: its origin.
-    #[serde(default)]
-    pub centre_of_mass_m: [f64; 3],
-    /// Inertia tensor about the centre of mass, body frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
-    /// Default: a point mass.
-    #[serde(default)]
-    pub inertia_kg_m2: [f64; 6],
-    /// Require only positive principal moments of `inertia_kg_m2`, without the triangle inequality: for inertia about
-    /// some axes only, such as a generator rotor about its shaft. Default false.
-    #[serde(default)]
-    pub allow_nonphysical_inertia: bool,
-    /// Attachment frames on the body by name; joints refer to them by `parent_frame`.
-    #[serde(default)]
-    pub frame: IndexMap<String, FrameFile>,
-    /// Frame of the force and moment at the body's only load station, its origin: `root`, or `section` (the body
-    /// frame).
-    #[serde(default)]
-    pub load_frame: LoadFrameFile,
-}
-
-/// An attachment frame on a rigid body.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct FrameFile {
-    /// Origin in the body's frame.
-    pub position_m: [f64; 3],
-    /// Rotation vector in the body's frame, default: none.
-    #[serde(default)]
-    #[schemars(inner(range(min = -360.0, max = 360.0)))]
-    pub rotation_deg: [f64; 3],
 }
 
 /// Cross-section. `y` is chordwise, `z` through the thickness.

@@ -1,6 +1,6 @@
 //! Functions along a body, given as a number, a polynomial or a table.
 
-use crate::validate::Checker;
+use crate::checker::Checker;
 use foldwing_engine::beam::profile::Profile;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! Gusts of the model file: the tables `[gust.<name>]`.
 
 use crate::air_file::{GustFile, GustShapeFile};
-use crate::validate::Checker;
+use crate::checker::Checker;
 use foldwing_engine::aero::continuous_turbulence::{Component, ContinuousTurbulence, Spectrum};
 use foldwing_engine::aero::flow::GustShape;
 use foldwing_engine::machine::builder::GustBuilder;

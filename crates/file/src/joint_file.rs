@@ -1,7 +1,6 @@
 //! Joints of the model file: structure and descriptions, as in [`crate::file`]. Keys of prismatic joints are next to those of revolute
 //! joints; [`PAIRS`] lists the pairs.
 
-use crate::generator::GeneratorFile;
 use foldwing_engine::machine::Travel;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -372,6 +371,47 @@ pub(super) const PAIRS: &[(&str, &str, &str)] = &[
     ("end_stops", "stiffness_N_m_rad", "stiffness_N_m"),
     ("end_stops", "damping_N_m_s_rad", "damping_N_s_m"),
 ];
+
+/// Generator on the high-speed shaft of a revolute joint's motor: torque as a function of speed. Speeds refer to the
+/// high-speed shaft: the joint rate times `gear_ratio` of `[joint.<name>.motor]`; torque against the motion is
+/// positive.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GeneratorFile {
+    /// Rows `[speed in rpm, torque in N·m]`, speeds ascending, linear between rows.
+    #[serde(rename = "table_rpm_N_m")]
+    #[schemars(length(min = 1, max = 1000), extend("x-allowed" = "1 to 1000 rows [speed in rpm, torque in N·m] of finite numbers, speeds ascending"))]
+    pub table_rpm_n_m: Vec<[f64; 2]>,
+    /// Torque over the square of the speed below the first row, in N·m/rpm²; default: the torque of the first row.
+    #[serde(rename = "quadratic_gain_N_m_rpm2")]
+    #[schemars(range(min = 0.0))]
+    pub quadratic_gain_n_m_rpm2: Option<f64>,
+    /// Quantity that is constant above the last row, default `constant_torque`.
+    #[serde(default)]
+    pub above_table: AboveTableFile,
+    /// Ratio of electrical to mechanical power, default 1.
+    #[serde(default = "whole")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub efficiency: f64,
+    /// Start value of the input `<joint>.generator_on`: false disconnects it. Default true.
+    #[serde(default = "yes")]
+    pub on: bool,
+}
+
+/// Quantity that is constant above the table of a generator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum AboveTableFile {
+    /// The torque of the last row.
+    #[default]
+    ConstantTorque,
+    /// The power of the last row.
+    ConstantPower,
+}
+
+fn whole() -> f64 {
+    1.0
+}
 
 pub(super) fn yes() -> bool {
     true

@@ -1,10 +1,11 @@
 //! Builds the joints of the model file with a [`JointBuilder`]: parent, motion, latch, end stops.
 
-use crate::file::{FrameFile, ModelFile};
+use crate::body_file::FrameFile;
+use crate::checker::Checker;
+use crate::file::ModelFile;
 use crate::joint_file::{
     EndStopsFile, JointFile, JointType, LatchFile, LatchType, MotionType, MotorFile, PAIRS, SpringFile, TableEnds,
 };
-use crate::validate::Checker;
 use foldwing_engine::machine::builder::{JointBuilder, LatchBuilder};
 use foldwing_engine::machine::units::quoted;
 use foldwing_engine::machine::{

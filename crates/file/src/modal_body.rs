@@ -1,7 +1,7 @@
 //! Modal bodies of the model file.
 
-use crate::body::LoadFrameFile;
-use crate::validate::Checker;
+use crate::body_file::LoadFrameFile;
+use crate::checker::Checker;
 use foldwing_engine::beam::profile::Profile;
 use foldwing_engine::machine::builder::BodyBuilder;
 use foldwing_engine::machine::{Body, ModalLaw, Shape};

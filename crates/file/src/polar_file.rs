@@ -1,6 +1,6 @@
 //! Polars from files in AeroDyn's airfoil format or CSV.
 
-use crate::station_file::without_mark;
+use crate::station_table::without_mark;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use std::str::SplitWhitespace;
 

@@ -2,12 +2,12 @@
 
 use crate::air_file::AirFile;
 use crate::base64;
+use crate::checker::Checker;
 use crate::file::ModelFile;
 use crate::rotor_file::{
     EndRuleFile, PitchRateFile, PolarFile, PotentialFile, ShadowFile, SideFile, SpreadFile, TowerFile, TurnsFile,
     WindFile,
 };
-use crate::validate::Checker;
 use crate::wind_file::{BladedSettings, is_bladed, read_field};
 use foldwing_engine::aero::polar::{Polar, PolarRow};
 use foldwing_engine::aero::rotor::induction::EndRule;

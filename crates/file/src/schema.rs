@@ -16,6 +16,9 @@ pub(super) const IDENTIFIER: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
 /// Description of a function along a body, appended to that of a number.
 const FUNCTION_ALLOWED: &str = "{ polynomial = [c0, c1, …] } or { table = [[s, value], …] }";
 
+/// Maximum number of tables named in a message.
+const MAXIMUM_HOMES: usize = 4;
+
 /// Returns the JSON schema (draft 2020-12) of the model file, pretty-printed, for editors that complete TOML.
 pub fn schema() -> String {
     let mut text = format!("{:#}", derived());
@@ -223,6 +226,37 @@ pub(super) fn in_range(value: f64, schema: &Json) -> bool {
         && value < bound("exclusiveMaximum", f64::INFINITY)
 }
 
+/// Tables that have a key, in the notation of the file, such as `[joint.<name>.motor]`; empty if there are none or many.
+pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut look = |title: String, schema: Node| {
+        if properties(schema).any(|(known, _)| known == key) {
+            found.push(title);
+        }
+    };
+    look("the top of the file, before the first table".to_owned(), top);
+    for (name, property) in properties(top) {
+        match property.child("additionalProperties").resolve() {
+            inner if inner.is_table() => visit(&format!("[{name}.<name>]"), inner, &mut look),
+            _ => visit(&format!("[{name}]"), property.resolve(), &mut look),
+        }
+    }
+    if found.len() > MAXIMUM_HOMES { Vec::new() } else { found }
+}
+
+/// Calls `look` for a table, its variants and the tables inside it.
+fn visit<'s>(title: &str, schema: Node<'s>, look: &mut impl FnMut(String, Node<'s>)) {
+    match tagged(schema) {
+        Some((tag, variants)) => {
+            variants.into_iter().for_each(|(name, variant)| look(format!("{title} with {tag} = {name:?}"), variant));
+        }
+        None => look(title.to_owned(), schema),
+    }
+    for (key, property) in properties(schema).filter(|(_, property)| property.resolve()["type"] == "object") {
+        visit(&format!("{}.{key}]", title.trim_end_matches(']')), property.resolve(), look);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -239,5 +273,16 @@ mod tests {
         let text: Value = serde_json::from_str(WRITTEN).expect("JSON; take either side of a conflict and `make bless`");
         assert_eq!(text.to_string(), derived.to_string(), "`make bless`");
         assert_eq!(written, Json::deserialize(derived).unwrap());
+    }
+
+    #[test]
+    fn keys_have_homes() {
+        let tree = tree();
+        let homes = |key: &str| homes(Node::root(&tree), key);
+        assert_eq!(homes("capture_deg"), ["[joint.<name>.latch]"]);
+        assert_eq!(homes("latch"), ["[joint.<name>]"]);
+        assert_eq!(homes("gravity_m_s2"), ["the top of the file, before the first table"]);
+        assert_eq!(homes("mass_kg_m"), ["[section.<name>] with shape = \"explicit\"", "[modal_body.<name>]"]);
+        assert!(homes("body").is_empty(), "gauges, masses, loads, surfaces and the top have it");
     }
 }

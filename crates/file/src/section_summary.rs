@@ -1,13 +1,14 @@
 //! Sections along the beams of a valid model, with their properties.
 
-use crate::body::{BodyFile, section_law};
+use crate::body::section_law;
+use crate::body_file::BodyFile;
+use crate::checker::Checker;
 use crate::copies::{self, Copies};
 use crate::document::Document;
 use crate::file::ModelFile;
 use crate::sections::{self, Built, Sections};
 use crate::shaped;
 use crate::shapes::{SectionProperties, Shape};
-use crate::validate::Checker;
 use foldwing_engine::beam::law::SectionLaw;
 use serde::Serialize;
 
@@ -55,7 +56,7 @@ pub(super) fn each_beam<R>(
     copies: &Copies,
     see: impl Fn(&str, &BodyFile, &Built, &SectionLaw) -> R,
 ) -> Vec<R> {
-    let mut checker = Checker::new(document, copies);
+    let mut checker = Checker::new(document, &copies.names);
     let materials = shaped::materials(file, &mut checker);
     let build = |(name, section)| (String::as_str(name), sections::build(name, section, &materials, &mut checker));
     let sections: Sections = file.section.iter().map(build).collect();

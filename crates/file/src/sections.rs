@@ -1,10 +1,10 @@
 //! Conversion of the sections in the model file to [`Section`]: outlines, stiffness matrices, inertia.
 
+use crate::checker::Checker;
 use crate::file::{ExplicitSection, SectionFile, SolidSection, TableSection};
 use crate::shaped::{self, Builder, Materials};
 use crate::shapes::Shape;
-use crate::stations::Places;
-use crate::validate::Checker;
+use crate::stations::Stations;
 use foldwing_engine::beam::section::{Material, Outline, Section, Solid, condensed, uncoupled_shear};
 use foldwing_engine::machine::validate::section::{are_second_moments, asymmetry, is_positive_definite, is_sound};
 use foldwing_engine::math::strain::{EDGE, FLAP, SHEAR_Y, SHEAR_Z, SHEARED, STRAINS, STRETCH, StrainMatrix, TWIST};
@@ -24,14 +24,6 @@ pub(super) enum Built {
     Shape(Box<Shape>),
     /// Several sections along a body.
     Table(Stations),
-}
-
-/// Sections along a body.
-pub(super) struct Stations {
-    /// Positions of the sections.
-    pub places: Places,
-    /// Sections at these positions.
-    pub sections: Vec<Section>,
 }
 
 impl Built {

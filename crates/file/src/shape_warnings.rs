@@ -1,7 +1,7 @@
 //! Warnings about sections given by shape: dimensions in another unit, shear deflection, torsion with restrained warping, and an elastic
 //! axis away from the shear centre.
 
-use crate::body::BodyFile;
+use crate::body_file::BodyFile;
 use crate::copies::Copies;
 use crate::document::Document;
 use crate::file::ModelFile;
@@ -10,12 +10,13 @@ use crate::section_summary::each_beam;
 use crate::sections::Built;
 use crate::shapes::{SectionProperties, Shape};
 use crate::shear_share::{is_unstated, neglected_shear, shear_over_bending};
-use crate::warnings::MAXIMUM_OUTLINE_M;
 use foldwing_engine::machine::units::shortest;
 
 /// Warning: path of its key, reason, advice.
 pub(super) type ShapeWarning = (Vec<String>, String, String);
 
+/// Outer dimension of sections in m beyond that of blades, towers and hulls: probably in another unit.
+pub(super) const MAXIMUM_OUTLINE_M: f64 = 30.0;
 /// Ratio of outer dimension to body length above which one of them is probably in another unit; then the limit of the inverse ratio.
 const MAXIMUM_WIDTH: f64 = 3.0;
 const MAXIMUM_SLENDERNESS: f64 = 1000.0;

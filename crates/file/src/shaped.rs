@@ -1,6 +1,7 @@
 //! Conversion of materials and sections by shape in the model file to [`Shape`].
 
 use crate::air_file::LeadingEdgeFile;
+use crate::checker::Checker;
 use crate::file::ModelFile;
 use crate::function::{FunctionFile, along_body};
 use crate::shape_file::{
@@ -10,7 +11,6 @@ use crate::shapes::{
     Across, Dimension, FrameDimensions, Material, Ply, ProfileShape, Refused, Shape, naca, named_material,
     names_of_materials, nearest_name,
 };
-use crate::validate::Checker;
 use foldwing_engine::machine::units::shortest;
 use indexmap::IndexMap;
 

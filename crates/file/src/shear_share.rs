@@ -1,8 +1,8 @@
 //! Ratio of shear to bending deflection of a cantilever.
 
-use crate::body::BodyFile;
+use crate::body_file::BodyFile;
 use crate::document::Document;
-use crate::station_file::StationTable;
+use crate::station_table::StationTable;
 
 /// Deflection by shear over that by bending above which there is a warning.
 const MAXIMUM_SHEAR: f64 = 0.01;

@@ -3,19 +3,9 @@
 use crate::beamdyn_file;
 use crate::renamed;
 use crate::section_files::{FileUnits, is_list, is_of_a_program, read_list, read_program};
+use crate::station_table::{StationFault, StationTable, fault, without_mark};
 use crate::stations::MAXIMUM_STATIONS;
-use std::fmt::Write;
 use std::path::Path;
-
-/// Error in a file of stations.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("line {line}: {reason}")]
-pub struct StationFault {
-    /// Line, numbered from 1.
-    pub line: usize,
-    /// Cause of the error.
-    pub reason: String,
-}
 
 /// Keys of `[section.<name>.along]`.
 pub(super) const SECTION_COLUMNS: &[&str] = &[
@@ -56,35 +46,6 @@ pub(super) const SECTION_COLUMNS: &[&str] = &[
 
 /// Keys of `[body.<name>.axis]`.
 pub(super) const AXIS_COLUMNS: &[&str] = &["eta", "s_m", "y_m", "z_m", "twist_deg"];
-
-/// Table of numbers in named columns.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct StationTable {
-    /// Names of the columns, which are keys of the model file.
-    pub names: Vec<String>,
-    /// Values of each column.
-    pub columns: Vec<Vec<f64>>,
-}
-
-impl StationTable {
-    /// Returns a column by its name.
-    pub fn column(&self, name: &str) -> Option<&[f64]> {
-        let index = self.names.iter().position(|known| known == name)?;
-        self.columns.get(index).map(Vec::as_slice)
-    }
-
-    /// Formats the table as `key = { name = [...], … }`, one line of TOML.
-    pub(super) fn text(&self, key: &str) -> String {
-        let mut text = format!("{key} = {{ ");
-        for (index, (name, column)) in self.names.iter().zip(&self.columns).enumerate() {
-            let comma = if index == 0 { "" } else { ", " };
-            let numbers: Vec<String> = column.iter().map(|value| format!("{value:?}")).collect();
-            // writing to a String cannot fail
-            let _ = write!(text, "{comma}{name} = [{}]", numbers.join(", "));
-        }
-        text + " }"
-    }
-}
 
 /// Reads sections along a body: CSV with the keys of `[section.<name>.along]` as column names in the first row, or a file of VABS, BECAS,
 /// ANBA4, PreComp, windIO (SONATA, WISDEM) or BeamDyn in SI units, whose 6×6 stiffness is stored as the condensed stiffness with zero
@@ -146,15 +107,6 @@ pub fn read_axis(text: &str) -> Result<StationTable, StationFault> {
         true => beamdyn_file::read_key_points(text),
         false => read_columns(text, AXIS_COLUMNS, SECTION_COLUMNS),
     }
-}
-
-/// Returns the text without the byte order mark that some programs write at its beginning.
-pub(super) fn without_mark(text: &str) -> &str {
-    text.strip_prefix('\u{feff}').unwrap_or(text)
-}
-
-pub(super) fn fault(line: usize, reason: impl Into<String>) -> StationFault {
-    StationFault { line, reason: reason.into() }
 }
 
 /// Reads the columns in `own`; those in `other` are left to another reader of the same file.

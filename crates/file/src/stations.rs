@@ -1,7 +1,6 @@
 //! Functions along a body given at stations: section properties, points of the axis.
 
-use crate::sections::Stations;
-use crate::validate::Checker;
+use crate::checker::Checker;
 use foldwing_engine::beam::axis::Axis;
 use foldwing_engine::beam::section::{Section, expanded};
 use foldwing_engine::machine::units::shortest;
@@ -20,6 +19,14 @@ pub(super) enum Places {
     Shares(Vec<f64>),
     /// As distances in m from the inner end.
     Lengths(Vec<f64>),
+}
+
+/// Sections along a body.
+pub(super) struct Stations {
+    /// Positions of the sections.
+    pub places: Places,
+    /// Sections at these positions.
+    pub sections: Vec<Section>,
 }
 
 /// Maximum relative difference between the last position and the length of a body that is attributed to rounding, such as that of a

@@ -2,9 +2,9 @@
 
 use crate::document::{Document, key_text};
 use crate::error::{Fault, Problem};
-use crate::meant::{did_you_mean, homes, nearest};
+use crate::meant::{did_you_mean, nearest};
 use crate::renamed;
-use crate::schema::{IDENTIFIER, Node, allowed, in_range, is_required, options, properties, tagged, tree};
+use crate::schema::{IDENTIFIER, Node, allowed, homes, in_range, is_required, options, properties, tagged, tree};
 use foldwing_engine::machine::UNLIMITED;
 use foldwing_engine::machine::units::same_quantity;
 use foldwing_engine::machine::validate::{IDENTIFIER_ALLOWED, is_identifier};

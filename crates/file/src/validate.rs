@@ -1,198 +1,115 @@
 //! Third pass: builds the machine with a [`MachineBuilder`], and reports errors of the machine with the keys and lines
 //! of the file.
 
+use crate::checker::Checker;
 use crate::copies::Copies;
-use crate::document::{Document, key_text};
-use crate::error::{Fault, Problem};
+use crate::document::Document;
+use crate::error::Problem;
 use crate::file::ModelFile;
 use crate::meant::did_you_mean;
 use crate::run::{MethodFile, ModeFile};
 use crate::{air, attachments, body, failures, joints, loops, modal_body, sections, shaped};
 use foldwing_engine::machine::builder::MachineBuilder;
 use foldwing_engine::machine::fault::{Fault as MachineFault, Subject};
-use foldwing_engine::machine::units::quoted;
 use foldwing_engine::machine::{Machine, Method, Solver};
 use sections::Sections;
-use toml::de::DeValue;
 
 /// Default fixed step of real-time mode, in s.
 const REAL_TIME_STEP_S: f64 = 1e-3;
 
-/// Collects errors with the positions of their keys.
-pub(super) struct Checker<'d, 'a> {
-    document: &'d Document<'a>,
-    problems: Vec<Problem>,
-    /// Paths of the machine whose values were replaced after an error; further errors there are consequences of it.
-    stand_ins: Vec<Vec<String>>,
-    /// Parts that are defined once in the file and copied in the machine.
-    copies: &'d Copies,
+/// Reports an error of the machine with the key and line in the file.
+fn tell(fault: &MachineFault, file: &ModelFile, checker: &mut Checker) {
+    if checker.has_stand_in(&fault.place.0) {
+        return;
+    }
+    let path = path_of(&fault.place.0, file, checker);
+    let path: Vec<&str> = path.iter().map(String::as_str).collect();
+    let mut allowed = fault.allowed.clone();
+    for (machine, file) in WORDS {
+        allowed = allowed.replace(machine, file);
+    }
+    match &fault.subject {
+        Subject::Value => checker.refuse(&path, allowed),
+        Subject::State => match checker.plain_number(&path) {
+            Some(allowed) => checker.refuse(&path, allowed),
+            None => checker.refuse_as(&path, &fault.value, allowed),
+        },
+        Subject::Name { known } => {
+            let name = fault.value.trim_matches('"');
+            let hint = did_you_mean(name, known.iter().map(String::as_str));
+            checker.refuse(&path, allowed + &hint);
+        }
+    }
 }
 
-impl<'d, 'a> Checker<'d, 'a> {
-    /// Creates a checker without errors.
-    pub fn new(document: &'d Document<'a>, copies: &'d Copies) -> Self {
-        Self { document, problems: Vec::new(), stand_ins: Vec::new(), copies }
-    }
-}
-
-impl Checker<'_, '_> {
-    /// Reports an invalid or missing value at `path`.
-    pub fn refuse(&mut self, path: &[&str], allowed: impl Into<String>) {
-        self.push(self.document.refusal(&self.stated(path), allowed.into()));
-    }
-
-    /// Path in the file for a path that may belong to a copy.
-    fn stated<'p>(&'p self, path: &[&'p str]) -> Vec<&'p str> {
-        let mut path = path.to_vec();
-        if let Some(name) = path.get(1).and_then(|name| self.copies.names.get(*name)) {
-            path[1] = name;
-        }
-        path
-    }
-
-    /// Adds a problem; an error that all copies have is reported once.
-    fn push(&mut self, problem: Problem) {
-        if self.copies.names.is_empty() || !self.problems.contains(&problem) {
-            self.problems.push(problem);
+/// Path in the file for a path in the machine.
+fn path_of(place: &[String], file: &ModelFile, checker: &Checker) -> Vec<String> {
+    let mut path: Vec<String> = place.to_vec();
+    for part in path.iter_mut().skip(1) {
+        if let Some((_, key)) = KEYS.iter().find(|(field, _)| field == part) {
+            *part = (*key).to_owned();
         }
     }
-
-    /// Reports the invalid state described by `value`, at `path`.
-    pub fn refuse_as(&mut self, path: &[&str], value: impl Into<String>, allowed: impl Into<String>) {
-        let fault = Fault::NotAllowed { value: value.into(), allowed: allowed.into() };
-        let path = &self.stated(path);
-        let span = self
-            .document
-            .find(path)
-            .map_or_else(|| self.document.span_of(path), |entry| self.document.value_span(entry.offset, entry.value));
-        let problem = Problem { line: self.document.line_of(path), span, key: key_text(path), fault };
-        self.push(problem);
-    }
-
-    /// Returns whether the file states the key.
-    pub fn states(&self, path: &[&str]) -> bool {
-        self.document.find(&self.stated(path)).is_some()
-    }
-
-    /// Reports an unknown name; `known` are the allowed names.
-    pub fn unknown_name<'k>(&mut self, path: &[&str], name: &str, what: &str, known: impl Iterator<Item = &'k str>) {
-        let known: Vec<&str> = known.collect();
-        let hint = did_you_mean(name, known.iter().copied());
-        self.refuse(path, format!("{what}: {}{hint}", quoted(&known)));
-    }
-
-    /// Suppresses errors at and below this path of the machine.
-    pub fn stands_in(&mut self, place: &[&str]) {
-        self.stand_ins.push(place.iter().map(|part| (*part).to_owned()).collect());
-    }
-
-    /// Reports an error of the machine with the key and line in the file.
-    fn tell(&mut self, fault: &MachineFault, file: &ModelFile) {
-        if self.stand_ins.iter().any(|place| fault.place.0.starts_with(place)) {
-            return;
-        }
-        let path = self.path_of(&fault.place.0, file);
-        let path: Vec<&str> = path.iter().map(String::as_str).collect();
-        let mut allowed = fault.allowed.clone();
-        for (machine, file) in WORDS {
-            allowed = allowed.replace(machine, file);
-        }
-        match &fault.subject {
-            Subject::Value => self.refuse(&path, allowed),
-            Subject::State => match self.plain_number(&path) {
-                Some(allowed) => self.refuse(&path, allowed),
-                None => self.refuse_as(&path, &fault.value, allowed),
-            },
-            Subject::Name { known } => {
-                let name = fault.value.trim_matches('"');
-                let hint = did_you_mean(name, known.iter().map(String::as_str));
-                self.refuse(&path, allowed + &hint);
+    let states = |keys: &[&'static str], table: &[String]| -> Option<&'static str> {
+        let path = |key| -> Vec<&str> { table.iter().map(String::as_str).chain([key]).collect() };
+        keys.iter().copied().find(|key| checker.states(&path(*key)))
+    };
+    let kind = path[0].clone();
+    match (kind.as_str(), path.get(2).map(String::as_str)) {
+        ("air", _) => path[0] = "aerodynamics".to_owned(),
+        ("surface", _) => {
+            let stated = file.surface.iter().find(|(_, surface)| path.get(1) == Some(&surface.body));
+            if let Some((name, _)) = stated {
+                path[1] = name.clone();
             }
         }
-    }
-
-    /// Allowed values if the file gives a function along a body as a single number.
-    fn plain_number(&self, path: &[&str]) -> Option<&'static str> {
-        let entry = self.document.find(&self.stated(path))?;
-        let number = matches!(entry.value.get_ref(), DeValue::Integer(_) | DeValue::Float(_));
-        match path.last() {
-            Some(&("width_taper" | "height_taper")) if number => Some("a finite factor > 0"),
-            Some(&"chord_m") if number => Some("a finite length > 0 m"),
-            _ => None,
-        }
-    }
-
-    /// Path in the file for a path in the machine.
-    fn path_of(&self, place: &[String], file: &ModelFile) -> Vec<String> {
-        let mut path: Vec<String> = place.to_vec();
-        for part in path.iter_mut().skip(1) {
-            if let Some((_, key)) = KEYS.iter().find(|(field, _)| field == part) {
-                *part = (*key).to_owned();
+        ("failure", Some("when")) if path.get(3).is_some_and(|part| part == "value") => {
+            if let Some(key) = states(&failures::BOUNDS, &path[..3]) {
+                path[3] = key.to_owned();
             }
         }
-        let states = |keys: &[&'static str], table: &[String]| -> Option<&'static str> {
-            let path = |key| -> Vec<&str> { table.iter().map(String::as_str).chain([key]).collect() };
-            keys.iter().copied().find(|key| self.states(&path(*key)))
-        };
-        let kind = path[0].clone();
-        match (kind.as_str(), path.get(2).map(String::as_str)) {
-            ("air", _) => path[0] = "aerodynamics".to_owned(),
-            ("surface", _) => {
-                let stated = file.surface.iter().find(|(_, surface)| path.get(1) == Some(&surface.body));
-                if let Some((name, _)) = stated {
-                    path[1] = name.clone();
-                }
+        ("joint", Some("offset_m")) => path[2] = "parent_offset_m".to_owned(),
+        // rigid bodies have a separate table that includes their mass; an error that concerns all bodies has no
+        // name
+        ("body" | "mass", _)
+            if path.get(1).is_some_and(|name| file.rigid_body.contains_key(name) && !file.mass.contains_key(name)) =>
+        {
+            path[0] = "rigid_body".to_owned();
+            if path.get(2).is_some_and(|part| part == "offset_m") {
+                path[2] = "centre_of_mass_m".to_owned();
             }
-            ("failure", Some("when")) if path.get(3).is_some_and(|part| part == "value") => {
-                if let Some(key) = states(&failures::BOUNDS, &path[..3]) {
-                    path[3] = key.to_owned();
-                }
-            }
-            ("joint", Some("offset_m")) => path[2] = "parent_offset_m".to_owned(),
-            // rigid bodies have a separate table that includes their mass; an error that concerns all bodies has no
-            // name
-            ("body" | "mass", _)
-                if path
-                    .get(1)
-                    .is_some_and(|name| file.rigid_body.contains_key(name) && !file.mass.contains_key(name)) =>
-            {
-                path[0] = "rigid_body".to_owned();
-                if path.get(2).is_some_and(|part| part == "offset_m") {
-                    path[2] = "centre_of_mass_m".to_owned();
-                }
-            }
-            // so do modal bodies
-            ("body", _) if path.get(1).is_some_and(|name| file.modal_body.contains_key(name)) => {
-                path[0] = "modal_body".to_owned();
-                // mode shapes are in separate arrays for each type
-                if let ("flap" | "edge", Some(field)) = (path[2].as_str(), path.get(3).cloned()) {
-                    let key = match field.as_str() {
-                        "coefficients" => "shapes",
-                        "damping_ratio" => "damping_ratios",
-                        _ => "start_m",
-                    };
-                    path[2] = format!("{}_{key}", path[2]);
-                    path.truncate(3);
-                } else if path[2] == "flap" {
-                    path[2] = "flap_shapes".to_owned();
-                }
-            }
-            ("body", Some("natural_strain")) => {
-                let key = states(&["twist_1_m", "curvature_y_1_m", "curvature_z_1_m"], &path[..2]);
-                path[2] = key.unwrap_or("natural_curvature_1_m").to_owned();
-            }
-            ("body", Some("section")) => {
-                if let Some(key) = states(&["width_taper", "height_taper"], &path[..2]) {
-                    path[2] = key.to_owned();
-                }
-            }
-            ("loop", Some("positions_m")) if states(&["positions_m"], &path[..2]).is_none() => {
-                path[2] = "bodies".to_owned();
-            }
-            _ => {}
         }
-        path
+        // so do modal bodies
+        ("body", _) if path.get(1).is_some_and(|name| file.modal_body.contains_key(name)) => {
+            path[0] = "modal_body".to_owned();
+            // mode shapes are in separate arrays for each type
+            if let ("flap" | "edge", Some(field)) = (path[2].as_str(), path.get(3).cloned()) {
+                let key = match field.as_str() {
+                    "coefficients" => "shapes",
+                    "damping_ratio" => "damping_ratios",
+                    _ => "start_m",
+                };
+                path[2] = format!("{}_{key}", path[2]);
+                path.truncate(3);
+            } else if path[2] == "flap" {
+                path[2] = "flap_shapes".to_owned();
+            }
+        }
+        ("body", Some("natural_strain")) => {
+            let key = states(&["twist_1_m", "curvature_y_1_m", "curvature_z_1_m"], &path[..2]);
+            path[2] = key.unwrap_or("natural_curvature_1_m").to_owned();
+        }
+        ("body", Some("section")) => {
+            if let Some(key) = states(&["width_taper", "height_taper"], &path[..2]) {
+                path[2] = key.to_owned();
+            }
+        }
+        ("loop", Some("positions_m")) if states(&["positions_m"], &path[..2]).is_none() => {
+            path[2] = "bodies".to_owned();
+        }
+        _ => {}
     }
+    path
 }
 
 /// Fields of the machine and its builder whose keys have different names, with these keys.
@@ -246,16 +163,16 @@ const WORDS: &[(&str, &str)] = &[
 /// # Errors
 /// All problems, in the order of the file.
 pub(super) fn machine(file: &ModelFile, document: &Document, copies: &Copies) -> Result<Machine, Vec<Problem>> {
-    let mut checker = Checker::new(document, copies);
+    let mut checker = Checker::new(document, &copies.names);
     for (table, name, copy) in &copies.taken {
         let allowed = format!("a table under another name: {copy:?} is one of the copies of {name:?}");
         checker.refuse_as(&[table, copy], format!("the name {copy:?}"), allowed);
     }
     let machine = describe(file, &mut checker).build();
     if let Err(refused) = &machine {
-        refused.faults.iter().for_each(|fault| checker.tell(fault, file));
+        refused.faults.iter().for_each(|fault| tell(fault, file, &mut checker));
     }
-    let mut problems = checker.problems;
+    let mut problems = checker.into_problems();
     problems.sort_by_key(|problem| problem.line);
     match machine {
         Ok(machine) if problems.is_empty() => Ok(machine),

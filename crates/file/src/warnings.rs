@@ -7,7 +7,7 @@ use crate::document::{Document, key_text};
 use crate::file::{ModelFile, SectionFile};
 use crate::section_summary::each_beam;
 use crate::sections::Built;
-use crate::shape_warnings::shape_warnings;
+use crate::shape_warnings::{MAXIMUM_OUTLINE_M, shape_warnings};
 use crate::shear_share::{is_unstated, neglected_shear, shear_shares};
 use crate::station_file::sections_of_a_program;
 use std::collections::BTreeMap;
@@ -28,9 +28,8 @@ const BAR_SPEED_M_S: Range<f64> = 10.0..5e4;
 /// Minimum ratio of length to thickness of beams without shear deformation: `docs/guide/theory.md`.
 const MINIMUM_SLENDERNESS: f64 = 10.0;
 const MINIMUM_SLENDERNESS_WITH_SHEAR: f64 = 1.0;
-/// Length of bodies and outer dimensions of sections in m beyond those of blades, towers and hulls: probably in another unit.
+/// Length of bodies in m beyond that of blades, towers and hulls: probably in another unit.
 const MAXIMUM_LENGTH_M: f64 = 300.0;
-pub(super) const MAXIMUM_OUTLINE_M: f64 = 30.0;
 /// Ratio of length to width or thickness above which one of the lengths is probably in another unit; no real wing exceeds it.
 const MAXIMUM_SLENDERNESS: f64 = 1000.0;
 /// Ratio of width or thickness to length above which one of them is probably in another unit.

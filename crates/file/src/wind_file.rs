@@ -1,6 +1,6 @@
 //! Wind from files: full-field files of TurbSim and Bladed, and tables over time at hub height.
 
-use crate::station_file::without_mark;
+use crate::station_table::without_mark;
 use foldwing_engine::aero::rotor::turbulence_box::TurbulenceBox;
 use foldwing_engine::aero::rotor::wind::{TableRow, WindTable};
 

@@ -1,9 +1,9 @@
 //! Output of ANBA4 about the origin of its mesh: the JSON of its command line, or the two matrices printed by its solver, stiffness
 //! first.
 
+use super::matrices::{Station, Stiffness};
 use super::text::Lines;
-use super::{Station, Stiffness};
-use crate::station_file::{StationFault, fault};
+use crate::station_table::{StationFault, fault};
 use nalgebra::Matrix6;
 use serde_json::Value;
 

@@ -1,8 +1,8 @@
 //! Output of BECAS: stiffness and mass matrices about the reference point of the section.
 
+use super::matrices::{Station, Stiffness};
 use super::text::Lines;
-use super::{Station, Stiffness};
-use crate::station_file::StationFault;
+use crate::station_table::StationFault;
 
 /// Title of the stiffness matrix.
 pub(super) const STIFFNESS: &str = "Stiffness matrix w.r.t. to the cross section reference point";

@@ -4,9 +4,9 @@
 //! Its strains are (stretch, twist, flap, lag) = `(εx, κx, −κy, −κz)`, and its printed offsets `(X, Y)` are `(z, −y)`. The signs follow
 //! from its sums over the wall, and the axial–flap and axial–lag stiffnesses of an output agree with its tension centre.
 
+use super::matrices::{Station, Stiffness, slice_inertia};
 use super::text::{Lines, number};
-use super::{Station, Stiffness, slice_inertia};
-use crate::station_file::{StationFault, fault};
+use crate::station_table::{StationFault, fault};
 use crate::stations::MAXIMUM_STATIONS;
 use nalgebra::Matrix6;
 

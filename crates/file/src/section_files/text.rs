@@ -1,6 +1,6 @@
 //! Reading of numbers and matrices from lines of text.
 
-use crate::station_file::{StationFault, fault};
+use crate::station_table::{StationFault, fault};
 use crate::stations::MAXIMUM_STATIONS;
 use nalgebra::SMatrix;
 

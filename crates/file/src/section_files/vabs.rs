@@ -1,9 +1,9 @@
 //! Output of VABS, `.K`: mass matrix, classical stiffness and, from a Timoshenko analysis, 6×6 stiffness, about the origin of its
 //! mesh.
 
+use super::matrices::{KEPT, Station, Stiffness};
 use super::text::Lines;
-use super::{KEPT, Station, Stiffness};
-use crate::station_file::StationFault;
+use crate::station_table::StationFault;
 use foldwing_engine::math::strain::STRAINS;
 use nalgebra::Matrix6;
 

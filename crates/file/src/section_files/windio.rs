@@ -1,9 +1,9 @@
 //! `elastic_properties` of a blade in a windIO file (YAML), and `six_x_six` of the first windIO version, as written by SONATA and WISDEM:
 //! stiffness and inertia about the reference axis, in BeamDyn's axes. Only keys and bracketed lists of numbers are read.
 
+use super::matrices::{BLADE, Station, Stiffness, slice_inertia};
 use super::text::number;
-use super::{Station, Stiffness, slice_inertia};
-use crate::station_file::{StationFault, fault};
+use crate::station_table::{StationFault, fault};
 use crate::stations::MAXIMUM_STATIONS;
 use nalgebra::Matrix6;
 
@@ -111,7 +111,7 @@ fn slices(lists: &Lists, count: usize) -> Result<Vec<Matrix6<f64>>, StationFault
         .map(|i| {
             // our (x, y, z) of the slice are (z, −y, x) of the file
             let slice = slice_inertia([mass[i], -y[i], x[i], edge[i], -product[i], flap[i]]);
-            let mut inertia = super::BLADE.back(&slice);
+            let mut inertia = BLADE.back(&slice);
             inertia[(5, 5)] = polar[i];
             inertia
         })
