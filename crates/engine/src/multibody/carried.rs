@@ -4,9 +4,9 @@
 use crate::math::strain::{LINEAR, Strain, StrainMatrix};
 use crate::multibody::cholesky::{back, forward};
 use crate::multibody::model::{Element, Strained};
+use crate::multibody::node::ElementFactor;
 use crate::multibody::slide::Coupling;
 use crate::multibody::slope::SlopeInertia;
-use crate::multibody::workspace::ElementFactor;
 use nalgebra::Vector3;
 use std::array::from_fn;
 

@@ -2,8 +2,8 @@
 
 use crate::beam::element::ElementKind;
 use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
-use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Body, Element, Model, Strained};
+use crate::multibody::motion::Motion;
 use crate::multibody::workspace::Workspace;
 
 /// Damping of one body; acts on its beam, and optionally on attached masses, on the velocity relative to the carrier of the tree: the root

@@ -6,8 +6,9 @@ use crate::math::strain::{SHEARED, STRAINS, Strain};
 use crate::multibody::dynamics::{Damping, multiply};
 use crate::multibody::joint::JointWork;
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
+use crate::multibody::node::Node;
 use crate::multibody::slope;
-use crate::multibody::workspace::{Node, Workspace};
+use crate::multibody::workspace::Workspace;
 use nalgebra::{Matrix4, Vector3};
 
 /// Dissipation of the mass-proportional damping, `α ėᵀM̂ė` of each beam with `ė` relative to the carrier of the tree, eq. (D15), in W; one

@@ -9,11 +9,12 @@ use crate::beam::law::SectionLaw;
 use crate::load::{LoadFrame, Wrench};
 use crate::multibody::dynamics::{multiply, multiply_transposed, wrench_of};
 use crate::multibody::gauge::{Side, section_wrench};
-use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Model, Station};
+use crate::multibody::motion::Motion;
+use crate::multibody::node::Node;
 use crate::multibody::slide;
 use crate::multibody::station;
-use crate::multibody::workspace::{Node, Workspace};
+use crate::multibody::workspace::Workspace;
 use nalgebra::{Matrix3, Vector3};
 
 /// A section of a beam for internal loads.

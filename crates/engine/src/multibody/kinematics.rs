@@ -7,16 +7,7 @@ use crate::multibody::slope;
 use crate::multibody::workspace::Workspace;
 use std::array::from_fn;
 
-/// Coordinates, rates and accelerations, each of [`Model::coordinates`].
-#[derive(Debug, Clone, Copy)]
-pub struct Motion<'a> {
-    /// Joint angles (rad) and strains (–, 1/m).
-    pub q: &'a [f64],
-    /// Their rates per second.
-    pub v: &'a [f64],
-    /// Their accelerations per second squared.
-    pub a: &'a [f64],
-}
+pub use crate::multibody::motion::Motion;
 
 /// Computes only poses and Jacobians, for a kinematic norm or a tangent at a configuration.
 pub fn sweep_poses(model: &Model, work: &mut Workspace, q: &[f64]) {

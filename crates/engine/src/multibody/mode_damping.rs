@@ -12,45 +12,10 @@ use crate::multibody::model::{Base, Body, Element, Model};
 use crate::multibody::workspace::Workspace;
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 
+pub use crate::multibody::damped_mode::DampedMode;
+
 /// Largest number of damped modes of a body: each adds a solution of the tree to a factorisation.
 pub const MAXIMUM_DAMPED_MODES: usize = 12;
-
-/// A damped mode of a body.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DampedMode {
-    /// Index of the body.
-    pub body: usize,
-    /// Index of the body's first strain in `q`.
-    pub first: usize,
-    /// Momenta `Mφ` of the mode, `φᵀMφ = 1`, per strain of the body.
-    pub momenta: Vec<f64>,
-    /// `2ζω` in 1/s.
-    pub rate_1_s: f64,
-}
-
-impl DampedMode {
-    /// Rate of the mode's coordinate at rates `v` of all coordinates.
-    pub fn rate(&self, v: &[f64]) -> f64 {
-        self.momenta.iter().zip(&v[self.first..]).map(|(momentum, v)| momentum * v).sum()
-    }
-
-    /// Adds the damping forces at rates `v`, eq. (D31).
-    pub(crate) fn add_forces(&self, v: &[f64], residual: &mut [f64]) {
-        let force = self.rate_1_s * self.rate(v);
-        self.momenta.iter().zip(&mut residual[self.first..]).for_each(|(momentum, sum)| *sum += momentum * force);
-    }
-
-    /// Dissipated power in W.
-    pub fn power_w(&self, v: &[f64]) -> f64 {
-        self.rate_1_s * self.rate(v).powi(2)
-    }
-
-    /// Damping forces on the strains of an element at rates `v`.
-    pub(crate) fn forces_on<const N: usize>(&self, element: &Element, v: &[f64]) -> [f64; N] {
-        let force = self.rate_1_s * self.rate(v);
-        std::array::from_fn(|i| self.momenta[element.coordinate - self.first + i] * force)
-    }
-}
 
 /// Modes of a clamped body in ascending frequency.
 pub struct ClampedModes {

@@ -9,10 +9,10 @@ use crate::beam::modal::ModalElement;
 use crate::load::LoadFrame;
 use crate::math::strain::{SHEARED, Strain, StrainMatrix};
 use crate::multibody::closure::{Closure, ClosureDescription};
+use crate::multibody::damped_mode::DampedMode;
 pub use crate::multibody::element::{Elastic, Element, Strained};
 use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::modal::Modal;
-use crate::multibody::mode_damping::DampedMode;
 use crate::multibody::slide::Slide;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 

@@ -2,8 +2,10 @@
 
 use crate::math::strain::{SHEARED, STRAINS};
 use crate::multibody::model::{Base, Model};
+use crate::multibody::node::NormSquared;
+use crate::multibody::node::Pair;
 use crate::multibody::slide;
-use crate::multibody::workspace::{Pair, Workspace};
+use crate::multibody::workspace::Workspace;
 
 /// Twist of an element's outer end due to that of its inner end `node` and the change of its strains.
 #[inline]
@@ -92,27 +94,4 @@ pub fn largest_share(model: &Model, work: &Workspace, change: &[f64]) -> usize {
 /// Kinematic norm of one twist.
 fn alone(moved: &Pair, reference_length_m: f64) -> f64 {
     (moved.linear.norm() / reference_length_m).max(moved.angular.norm())
-}
-
-/// Largest squares of displacement and rotation so far.
-#[derive(Default)]
-pub(crate) struct NormSquared {
-    linear: f64,
-    pub(crate) angular: f64,
-    /// Sum of all entries times zero: preserves NaN and infinity, which `max` would drop.
-    taint: f64,
-}
-
-impl NormSquared {
-    #[inline]
-    pub(crate) fn include(&mut self, moved: &Pair) {
-        let (linear, angular) = (moved.linear.norm_squared(), moved.angular.norm_squared());
-        self.taint += (linear + angular) * 0.0;
-        self.linear = self.linear.max(linear);
-        self.angular = self.angular.max(angular);
-    }
-
-    pub(crate) fn value(&self, reference_length_m: f64) -> f64 {
-        (self.linear.sqrt() / reference_length_m).max(self.angular.sqrt()) + self.taint
-    }
 }

@@ -7,9 +7,10 @@
 use crate::load::RootMotion;
 use crate::math::strain::{LINEAR, STRETCH};
 use crate::multibody::dynamics::{product, transposed_product, wrench_of};
-use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Body, Element, Model};
-use crate::multibody::workspace::{ArticulatedInertia, Node, Workspace};
+use crate::multibody::motion::Motion;
+use crate::multibody::node::{ArticulatedInertia, Node};
+use crate::multibody::workspace::Workspace;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use std::array::from_fn;
 

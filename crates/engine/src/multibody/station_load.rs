@@ -6,11 +6,12 @@
 use crate::load::{LoadFrame, Wrench};
 use crate::math::local_link::{LANES, Lanes, LocalLinks, Strains, Three, cross, poses, turned, turned_back, vector};
 use crate::math::strain::{SHEARED, STRAINS};
-use crate::multibody::kinematics::Motion;
 use crate::multibody::modal::Modal;
 use crate::multibody::model::{Model, Station};
+use crate::multibody::motion::Motion;
+use crate::multibody::node::Pair;
 use crate::multibody::station::{self, Step, apply, first_coordinate, inner_node, mix, node_under, sibling, steps};
-use crate::multibody::workspace::{Pair, Workspace};
+use crate::multibody::workspace::Workspace;
 use nalgebra::Vector3;
 use std::array::from_fn;
 

@@ -1,8 +1,8 @@
 //! Joints with one degree of freedom, a rotation about an axis or a translation along it, and their elimination.
 
-use crate::multibody::factor::{BadPivot, FreedomTangent, ROUND_OFF, Weights};
+use crate::multibody::elimination::{BadPivot, FreedomTangent, ROUND_OFF, Weights};
 use crate::multibody::joint::{Joint, JointKind};
-use crate::multibody::workspace::{ArticulatedInertia, Pair};
+use crate::multibody::node::{ArticulatedInertia, Pair};
 use nalgebra::Vector3;
 
 /// Type of motion along or about the axis.

@@ -1,8 +1,8 @@
 //! Prismatic joints: translation along an axis that is fixed to both sides.
 
 use crate::multibody::joint::one_freedom::OneFreedom;
-use crate::multibody::kinematics::Motion;
-use crate::multibody::workspace::Node;
+use crate::multibody::motion::Motion;
+use crate::multibody::node::Node;
 use nalgebra::{Matrix3, Vector3};
 
 /// Moves a node from the joint's zero position along the axis, eq. (J7); returns the displacement in m, root frame.

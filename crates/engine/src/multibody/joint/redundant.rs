@@ -4,11 +4,11 @@
 //! a joint holds first the forces on its degrees of freedom, then the residuals of its constraints; the solution holds the change of its
 //! parameters. NOTATION eq. (J5).
 
-use crate::multibody::factor::{BadPivot, FreedomTangent, ROUND_OFF, Weights};
+use crate::multibody::elimination::{BadPivot, FreedomTangent, ROUND_OFF, Weights};
 use crate::multibody::joint::Joint;
 use crate::multibody::joint::parameters::JointPose;
-use crate::multibody::kinematics::Motion;
-use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
+use crate::multibody::motion::Motion;
+use crate::multibody::node::{ArticulatedInertia, Node, Pair};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// Factors of one joint, passed from its inward sweep to the outward one.

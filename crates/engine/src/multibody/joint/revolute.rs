@@ -2,8 +2,8 @@
 
 use crate::math::so3::rotation_about;
 use crate::multibody::joint::one_freedom::OneFreedom;
-use crate::multibody::kinematics::Motion;
-use crate::multibody::workspace::Node;
+use crate::multibody::motion::Motion;
+use crate::multibody::node::Node;
 use nalgebra::{Matrix3, Vector3};
 
 /// Rotates a node at the joint, eq. (K9).

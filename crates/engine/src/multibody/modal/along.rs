@@ -4,7 +4,7 @@ use super::Modal;
 use crate::beam::modal::{FEW_MODES, MAXIMUM_MODES};
 use crate::load::{LoadFrame, Wrench};
 use crate::multibody::model::Station;
-use crate::multibody::workspace::Node;
+use crate::multibody::node::Node;
 use nalgebra::Vector3;
 
 /// Generalised forces of loads along a body, frame of its inner end.
@@ -91,8 +91,9 @@ mod tests {
     use crate::beam::profile::Profile;
     use crate::math::strain::STRAINS;
     use crate::multibody::joint::JointKind;
-    use crate::multibody::kinematics::{Motion, sweep_motion};
+    use crate::multibody::kinematics::sweep_motion;
     use crate::multibody::model::{Attachment, BodyDescription, Model};
+    use crate::multibody::motion::Motion;
     use crate::multibody::workspace::Workspace;
     use crate::multibody::{station, station_load};
 

@@ -4,8 +4,8 @@
 use super::{Modal, ModalWork};
 use crate::beam::modal::MAXIMUM_MODES;
 use crate::math::so3::hat;
-use crate::multibody::factor::{BadPivot, Weights};
-use crate::multibody::workspace::{ArticulatedInertia, Node, Pair};
+use crate::multibody::elimination::{BadPivot, Weights};
+use crate::multibody::node::{ArticulatedInertia, Node, Pair};
 use nalgebra::{Matrix3, Vector3};
 
 /// Factor of one elimination.

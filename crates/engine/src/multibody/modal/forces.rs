@@ -3,8 +3,8 @@
 use super::{Modal, ModalWork, inside, square};
 use crate::beam::modal_mass::{MassForces, MassMotion};
 use crate::load::RootMotion;
-use crate::multibody::kinematics::Motion;
-use crate::multibody::workspace::Node;
+use crate::multibody::motion::Motion;
+use crate::multibody::node::Node;
 use nalgebra::{Matrix3, Vector3};
 
 /// A mass between the ends and its motion, frame of the inner end.

@@ -13,8 +13,8 @@ pub(crate) mod place;
 pub(crate) use factor::ModalFactor;
 
 use crate::beam::modal::{MAXIMUM_MODES, ModalElement};
-use crate::multibody::kinematics::Motion;
-use crate::multibody::workspace::{Node, Pair};
+use crate::multibody::motion::Motion;
+use crate::multibody::node::{Node, Pair};
 use nalgebra::{Matrix3, Vector3};
 
 /// A modal body's element with its position in `q`.

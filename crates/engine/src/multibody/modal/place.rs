@@ -4,9 +4,9 @@ use super::{Modal, square};
 use crate::beam::modal::{MAXIMUM_MODES, ShapesAt};
 use crate::beam::small_turn::SmallTurn;
 use crate::load::SectionMotion;
-use crate::multibody::kinematics::Motion;
+use crate::multibody::motion::Motion;
+use crate::multibody::node::Node;
 use crate::multibody::station::Accelerated;
-use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
 /// A position on a modal body at given coordinates.
