@@ -1,10 +1,10 @@
 //! Two-sided stops of a joint: a stiff spring and damper beyond each end, which can push but not pull.
 
 use crate::force::latch::CROSSING_S;
+pub use crate::force::memory::{Contact, Side};
 use crate::force::memory::{JointMemory, Told};
 use crate::force::{Here, Moving, Outcome, Place, Push};
 use crate::solve::Powers;
-use serde::{Deserialize, Serialize};
 
 /// Parameters of end stops, NOTATION eq. (A8).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,27 +17,6 @@ pub struct EndStops {
     pub stiffness_n_m_rad: f64,
     /// Contact damping in N·m·s/rad.
     pub damping_n_m_s_rad: f64,
-}
-
-/// Side of an end stop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Side {
-    /// End stop at the smallest angle.
-    Lower,
-    /// End stop at the largest angle.
-    Upper,
-}
-
-/// Contact state of a joint with its end stops.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Contact {
-    /// Between the end stops, without contact.
-    #[default]
-    Apart,
-    /// In contact with one, which exerts a torque.
-    Pressed(Side),
-    /// Beyond one, but receding faster than the stop's spring and damper can follow: no torque acts.
-    Leaving(Side),
 }
 
 /// Depth and speed beyond an end.
@@ -220,7 +199,7 @@ impl TwoSidedStops {
 mod tests {
     use super::*;
     use crate::force::drive::Slew;
-    use crate::force::latch::LatchState;
+    use crate::force::memory::LatchState;
 
     const STOPS: EndStops =
         EndStops { lower_rad: Some(-1.0), upper_rad: Some(2.0), stiffness_n_m_rad: 50.0, damping_n_m_s_rad: 5.0 };

@@ -1,8 +1,8 @@
 //! Latch of a fold joint.
 
+pub use crate::force::memory::LatchState;
 use crate::force::memory::{JointMemory, Told};
 use crate::force::{Here, Moving, Outcome, Push};
-use serde::{Deserialize, Serialize};
 
 /// Kind of a latch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -148,19 +148,4 @@ impl CatchingLatch {
         }
         caught
     }
-}
-
-/// State of a latch.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct LatchState {
-    /// Whether the latch is closed.
-    pub closed: bool,
-    /// Whether the latch may close.
-    pub enabled: bool,
-    /// Time of the last closing in s; −1 before the first.
-    pub time_s: f64,
-    /// Number of closings.
-    pub count: i32,
-    /// Impulse in N·m·s of the last closing of a rigid latch on the outer body about `+θ`; 0 before the first.
-    pub impulse_n_m_s: f64,
 }

@@ -1,8 +1,6 @@
 //! Discrete state of the forces on one joint between steps, and their inputs.
 
 use crate::force::drive::Slew;
-use crate::force::end_stops::Contact;
-use crate::force::latch::LatchState;
 use serde::{Deserialize, Serialize};
 
 /// Discrete state of the forces on a joint with one degree of freedom.
@@ -41,4 +39,40 @@ pub struct Told {
     pub command_rate_rad_s: f64,
     /// Largest rate of the neutral angle in rad/s.
     pub rate_limit_rad_s: f64,
+}
+
+/// State of a latch.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LatchState {
+    /// Whether the latch is closed.
+    pub closed: bool,
+    /// Whether the latch may close.
+    pub enabled: bool,
+    /// Time of the last closing in s; −1 before the first.
+    pub time_s: f64,
+    /// Number of closings.
+    pub count: i32,
+    /// Impulse in N·m·s of the last closing of a rigid latch on the outer body about `+θ`; 0 before the first.
+    pub impulse_n_m_s: f64,
+}
+
+/// Side of an end stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Side {
+    /// End stop at the smallest angle.
+    Lower,
+    /// End stop at the largest angle.
+    Upper,
+}
+
+/// Contact state of a joint with its end stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Contact {
+    /// Between the end stops, without contact.
+    #[default]
+    Apart,
+    /// In contact with one, which exerts a torque.
+    Pressed(Side),
+    /// Beyond one, but receding faster than the stop's spring and damper can follow: no torque acts.
+    Leaving(Side),
 }

@@ -1,7 +1,7 @@
 //! Gradients through rigid latches and locks, which stop a joint by an impulse.
 
 use super::*;
-use crate::force::end_stops::Contact;
+use crate::force::memory::Contact;
 use crate::machine::{Closure, InternalLoad};
 use crate::signal::JointInputs;
 use crate::system::JointOutputs;
