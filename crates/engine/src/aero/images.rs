@@ -1,6 +1,6 @@
 //! The ground as a mirror, and the stretching that relates compressible to incompressible flow.
 
-use crate::aero::biot_savart::{Block, LANES};
+use crate::aero::sheet::{Block, LANES};
 use nalgebra::Vector3;
 
 /// A plane that mirrors the flow.

@@ -9,17 +9,9 @@ use crate::aero::biot_savart::{Block, LANES};
 use crate::aero::lattice::VortexLattice;
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::near_sheets::nearness;
+pub use crate::aero::surface::Edge;
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
-
-/// An edge of a surface along the chord.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Edge {
-    /// Index of the surface.
-    pub surface: usize,
-    /// Whether it is the outer edge; otherwise the inner one.
-    pub outer: bool,
-}
 
 /// One chordwise segment of an edge.
 struct Piece {

@@ -10,7 +10,7 @@ use crate::aero::lattice::{LoadRule, VortexLattice};
 use crate::aero::lattice_linear::{About, MOVING_ROWS, NO_CIRCULATION, STEP, WEIGHTS, in_sections};
 use crate::aero::lattice_state::SheetKind;
 use crate::aero::near_sheets::{Facing, NoCirculation};
-use crate::aero::wake::SHED_PANELS;
+use crate::aero::rear::SHED_PANELS;
 use crate::aero::wide::wide;
 use crate::aero::{AirLoads, lattice_loads};
 use nalgebra::{DMatrix, Vector3};
@@ -333,9 +333,9 @@ impl VortexLattice {
 mod tests {
     use super::*;
     use crate::aero::flow::Flow;
-    use crate::aero::joined_edges::Edge;
     use crate::aero::lattice::LatticeOptions;
     use crate::aero::lattice_state::LatticeState;
+    use crate::aero::surface::Edge;
     use crate::aero::surface::{Profile, Surface};
     use crate::aero::test_lattices::{chord, flow, options, section};
     use crate::load::SectionMotion;

@@ -4,14 +4,13 @@ use crate::aero::AirLoads;
 use crate::aero::established::Established;
 use crate::aero::flap::{Deflection, Flap, HingeMoment};
 use crate::aero::flow::{AirPath, Flow};
-use crate::aero::joined_edges::Edge;
 use crate::aero::lattice::{LatticeOptions, VortexLattice};
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::near_sheets::NoCirculation;
 use crate::aero::rotor::bem::{Rotor, RotorOptions, RotorState};
 use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::strip::{StripOptions, StripState, Strips};
-use crate::aero::surface::Surface;
+use crate::aero::surface::{Edge, Surface};
 use crate::load::SectionMotion;
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,5 @@
 //! Normal forces of the panels of a lattice, for pictures of the pressure: summed beside the loads, and no part of any state.
 
-use crate::aero::biot_savart::LANES;
-use crate::aero::lattice::VortexLattice;
-use crate::aero::lattice_state::LatticeState;
-
 /// Normal forces of all panels, in the order of the equations, of the circulation with which they were summed.
 #[derive(Debug, Clone, Default)]
 pub(super) struct PanelForces {
@@ -38,18 +34,9 @@ impl PanelForces {
     pub fn belong_to(&self, circulation_m2_s: &[f64]) -> bool {
         self.of_m2_s == circulation_m2_s
     }
-}
 
-impl VortexLattice {
-    /// Normal force in N of a panel of a surface at the end of the step to `state`, positive along chord times span: steady part and rate of
-    /// the impulse, without the corrections of profiles. `None` if the last solved step is another.
-    pub fn panel_force_n(&self, state: &LatticeState, surface: usize, row: usize, strip: usize) -> Option<f64> {
-        let panel = self.first_panel[surface] + row * self.bound[surface].strips + strip;
-        self.panel_forces.belong_to(&state.circulation_m2_s).then(|| self.panel_forces.normal_n[panel])
-    }
-
-    /// Unit normal of a panel, numbered as in the equations.
-    pub(super) fn panel_normal(&self, panel: usize) -> nalgebra::Vector3<f64> {
-        self.normals[panel / LANES].get(panel % LANES)
+    /// Force of a panel in N.
+    pub fn normal_n(&self, panel: usize) -> f64 {
+        self.normal_n[panel]
     }
 }

@@ -1,7 +1,12 @@
 //! End of the last ring: position of the vorticity that leaves the trailing edge during a step.
 
-use crate::aero::wake::SHED_PANELS;
 use nalgebra::Vector3;
+
+/// Displacement of the trailing edge relative to the air, in panel chords, after which the wake gets a new row.
+///
+/// An edge without motion relative to the air sheds no row, because the rings would accumulate there. If steps are shorter than this, the
+/// foremost row grows until it is long enough.
+pub(super) const SHED_PANELS: f64 = 0.05;
 
 /// Pairs of the displacement of the air in a step and the position of the youngest vortex behind the trailing edge, in panel chords.
 const PLACES: [(f64, f64); 11] = [

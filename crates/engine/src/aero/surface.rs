@@ -101,3 +101,12 @@ impl Surface {
         self.strips() * self.chord_panels
     }
 }
+
+/// An edge of a surface along the chord.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Edge {
+    /// Index of the surface.
+    pub surface: usize,
+    /// Whether it is the outer edge; otherwise the inner one.
+    pub outer: bool,
+}

@@ -3,8 +3,8 @@
 //! The vectors are explicit because compilers do not vectorise square roots of arrays, which halves the speed. Each lane undergoes the same
 //! operations in the same order for any vector width, without fused multiply-add: results are bit-identical on all machines.
 
-use crate::aero::biot_savart::{Block, Filaments, LANES, Sheet};
 use crate::aero::images::Stretch;
+use crate::aero::sheet::{Block, Filaments, LANES, Sheet};
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 use std::f64::consts::PI;

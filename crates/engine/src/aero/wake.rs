@@ -4,16 +4,11 @@ use crate::aero::biot_savart::{Block, LANES, blocks};
 use crate::aero::flow::{AirPath, Flow};
 use crate::aero::lattice::{Factors, VortexLattice, WakeModel};
 use crate::aero::lattice_state::{LatticeState, SheetKind};
+use crate::aero::rear::SHED_PANELS;
 use crate::aero::surface::Surface;
 use nalgebra::Vector3;
 
-/// Displacement of the trailing edge relative to the air, in panel chords, after which the wake gets a new row.
-///
-/// An edge without motion relative to the air sheds no row, because the rings would accumulate there. If steps are shorter than this, the
-/// foremost row grows until it is long enough.
-pub(super) const SHED_PANELS: f64 = 0.05;
-
-/// Relative round-off of that displacement: a round number of steps can give exactly the threshold, and must then shed in every frame of
+/// Relative round-off of the displacement [`SHED_PANELS`]: a round number of steps can give exactly the threshold, and must then shed in every frame of
 /// reference.
 pub(super) const SHED_ROUND_OFF: f64 = 1e-9;
 
@@ -24,10 +19,6 @@ pub(super) const NEAR_ROWS: usize = 8;
 
 /// Number of rows of a free wake whose velocities are summed in every step, eq. (U31).
 pub(super) const FRESH_ROWS: usize = 40;
-
-/// Period of the updates of far rows: each row is summed once in this number of steps and moves with that velocity in between, so that all
-/// steps have the same amount of work. The error is of first order in the step, like that of the wake's path itself.
-pub(super) const FAR_PERIOD: usize = 4;
 
 impl VortexLattice {
     /// Convects the wake to the end of a step and sheds a row behind the trailing edge, with the circulation at the start of the step, eqs.
@@ -261,7 +252,7 @@ mod tests {
     use super::*;
     use crate::aero::AirLoads;
     use crate::aero::flow::{Gust, GustShape};
-    use crate::aero::lattice::LatticeOptions;
+    use crate::aero::lattice::{FAR_PERIOD, LatticeOptions};
     use crate::aero::surface::{ChordLine, Profile};
     use crate::aero::test_lattices::{flow, options, section};
 
