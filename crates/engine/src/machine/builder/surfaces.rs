@@ -7,7 +7,8 @@ use crate::machine::edges::{RootEdge, free_edges, other_half};
 use crate::machine::fault::{Checker, Range, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::air::MAXIMUM_STRIPS;
-use crate::machine::validate::body::{least_of, profile, section_stands};
+use crate::machine::validate::body::section_stands;
+use crate::machine::validate::profile::{least_of, profile};
 use crate::machine::{Body, LiftingSurface};
 use nalgebra::Vector3;
 

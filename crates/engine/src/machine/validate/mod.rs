@@ -2,35 +2,27 @@
 
 pub(crate) mod air;
 mod attached;
+mod basics;
 pub(crate) mod body;
 mod damped_modes;
 mod failure;
 pub mod joint;
 mod modal;
+pub(crate) mod profile;
 pub mod section;
 mod sliding;
+
+pub use basics::{IDENTIFIER_ALLOWED, is_identifier};
+pub(super) use basics::{MAXIMUM_STATIONS_OF_BODY, names, unit_vector};
 
 use crate::machine::fault::{Checker, Fault, Range, array_text};
 use crate::machine::units::shortest;
 use crate::machine::{Air, Body, Coupling, Experiment, Machine, Method, Parent, Solver};
-use std::collections::BTreeSet;
-
-/// Allowed form of names.
-pub const IDENTIFIER_ALLOWED: &str = "an identifier: letters, digits and _, no digit first";
 
 /// Maximum number of load stations of a machine: its model description then has about ten megabytes.
 const MAXIMUM_STATIONS: usize = 2_000;
-/// Maximum number of load stations of a body.
-pub(super) const MAXIMUM_STATIONS_OF_BODY: usize = 1_000;
 /// Maximum number of elements of a machine: a step then takes a tenth of a second.
 const MAXIMUM_ELEMENTS: usize = 20_000;
-
-/// Whether a name has only letters, digits and _, and does not start with a digit.
-pub fn is_identifier(name: &str) -> bool {
-    let mut letters = name.chars();
-    letters.next().is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
-        && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
-}
 
 impl Machine {
     /// Returns all errors of the machine; empty if it is valid. Plants and interfaces require valid machines.
@@ -116,20 +108,6 @@ pub(super) fn surroundings(machine: &Machine, checker: &mut Checker) {
     }
     solver(&machine.solver, machine.air.as_ref(), checker);
     experiment(&machine.experiment, checker);
-}
-
-/// Checks that names are identifiers, and unique for each type.
-pub(super) fn names<'n>(kind: &str, names: impl Iterator<Item = &'n str>, checker: &mut Checker) {
-    let mut seen = BTreeSet::new();
-    for name in names {
-        if !is_identifier(name) {
-            checker.refuse_state(&[kind, name], format!("the name {name:?}"), IDENTIFIER_ALLOWED);
-        }
-        if !seen.insert(name) {
-            let allowed = format!("a name that no other {kind} has");
-            checker.refuse_state(&[kind, name], format!("the name {name:?}"), allowed);
-        }
-    }
 }
 
 /// Checks that parents come before their children, with joints at positions on them.
@@ -268,17 +246,4 @@ fn experiment(experiment: &Experiment, checker: &mut Checker) {
         let allowed = format!("a finite time > 0 s and <= {} s, the duration of the simulation", shortest(duration_s));
         checker.refuse(&["simulation", "step_s"], shortest(step_s), allowed);
     }
-}
-
-/// Reports directions that are not unit vectors.
-fn unit_vector(place: &[&str], direction: &nalgebra::Vector3<f64>, checker: &mut Checker) -> bool {
-    let fits = (direction.norm() - 1.0).abs() <= 1e-9;
-    if !fits {
-        checker.refuse(
-            place,
-            array_text(direction.as_slice()),
-            "a unit vector: 3 finite numbers, not all 0, scaled to length 1",
-        );
-    }
-    fits
 }

@@ -3,7 +3,7 @@
 use crate::beam::modal::{MAXIMUM_MODES, ModalLaw, Shape};
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::units::shortest;
-use crate::machine::validate::body::{least_of, profile};
+use crate::machine::validate::profile::{least_of, profile};
 use crate::machine::{Body, LoopEnd, Machine, Parent};
 
 /// Largest deviation from 1 of the sum of a shape's coefficients: published tables deviate by 1e-3 (the second shape of the NREL 5 MW
