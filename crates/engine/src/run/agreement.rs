@@ -16,7 +16,7 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::air::start::{flow, refusal};
 use crate::system::air::{AirCoupling, AirHistory, Gain, Sample, StepLoads, gaps};
-use crate::system::failures::FailureMemory;
+use crate::system::failure_memory::FailureMemory;
 use crate::system::state::State;
 use crate::system::{PlantError, Statistics, System};
 use nalgebra::Vector3;

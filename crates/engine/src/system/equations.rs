@@ -17,9 +17,10 @@ use crate::multibody::model::{Attachment, BodyDescription, Element};
 use crate::multibody::{Model, Workspace, energy, norm, station_load};
 use crate::signal::{Inputs, Parameters};
 use crate::solve::{EquationsOfMotion, Powers, Singular};
-use crate::system::air::{AirCoupling, StepLoads};
+use crate::system::air::StepLoads;
+use crate::system::air::sections::add_sections;
 use crate::system::course::Course;
-use crate::system::failures;
+use crate::system::failure_memory;
 use crate::system::joint_forces;
 use crate::system::spatial::SpatialJoint;
 
@@ -122,7 +123,7 @@ impl Equations {
             model.damp_modes(index, &body.modal_damping_ratios);
         }
         let load_stations = model.stations.len();
-        AirCoupling::add_sections(machine, &mut model);
+        add_sections(machine, &mut model);
         let mut tangents = vec![FreedomTangent::HELD; model.bodies.len()];
         for (body, _) in machine.spatials() {
             tangents[body].free = true;
@@ -150,7 +151,7 @@ impl Equations {
             branch_s: 0.0,
             booked: true,
             failure_s: f64::INFINITY,
-            sound: if failures::weaken_bodies(machine) { model.elements.clone() } else { Vec::new() },
+            sound: if failure_memory::weaken_bodies(machine) { model.elements.clone() } else { Vec::new() },
             scratch: vec![0.0; model.coordinates],
             model,
         }

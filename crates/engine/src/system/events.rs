@@ -8,7 +8,7 @@ use crate::solve::{EquationsOfMotion, Singular, control};
 use crate::system::PlantError;
 use crate::system::System;
 use crate::system::equations::Equations;
-use crate::system::failures;
+use crate::system::failure_memory;
 use crate::system::joint_forces;
 use crate::system::state::State;
 use std::sync::Arc;
@@ -97,7 +97,7 @@ impl System {
                     command_rate_rad_s: rates.joints()[i].command_rad,
                     rate_limit_rad_s: parameters.joints()[i].rate_limit_rad_s,
                 };
-                failures::tell(&machine.failures, failures, forces.body, memory, &mut told);
+                failure_memory::tell(&machine.failures, failures, forces.body, memory, &mut told);
                 outcome.add(forces.take_inputs(&told, start, memory));
             }
             outcome

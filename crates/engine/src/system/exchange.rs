@@ -5,81 +5,14 @@ use crate::machine::Travel;
 use crate::math::strain::{CURVATURES, NAMES};
 use crate::system::hybrid::NotHybrid;
 use crate::system::nominal::{self, OF_JOINTS};
+use crate::system::outside::Outside;
 use crate::system::{PlantError, System};
-use serde::{Deserialize, Serialize};
 
 /// Constraint violation of the redundant parameters (of order 1) above which a step requests an event that projects the states. Derivatives
 /// do not depend on the violation: the projection only keeps the states meaningful.
 const DRIFT: f64 = 1e-4;
 /// Number of energy accounts that are states: work of the inputs, dissipated energy.
 const ACCOUNTS: usize = 2;
-
-/// Options of an external integrator.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Manner {
-    /// The energy accounts are not states.
-    without_accounts: bool,
-    /// `1/ω_c²` of the frequency limit in s², eq. (D21); 0 without a limit, and while the machine takes steps of its own.
-    pub(super) strain_inertia_s2: f64,
-}
-
-/// Values set by an external integrator.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Outside {
-    /// Time in s.
-    time_s: f64,
-    /// Moving coordinates, their rates, lag states of strips, energy accounts.
-    states: Vec<f64>,
-    /// Whether the integrator is in Event Mode, before the transitions of the crossed indicators.
-    entered: bool,
-}
-
-/// Implemented by hand, because a derived `clone_from` allocates, and events copy the state.
-impl Clone for Outside {
-    fn clone(&self) -> Self {
-        Self { time_s: self.time_s, states: self.states.clone(), entered: self.entered }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        (self.time_s, self.entered) = (source.time_s, source.entered);
-        self.states.clone_from(&source.states);
-    }
-}
-
-impl Outside {
-    /// Whether these values can have been set in a run of a machine with this number of states.
-    pub fn fits(&self, initialized: bool, states: usize) -> bool {
-        initialized && self.states.len() == states
-    }
-}
-
-/// Quantities computed from the set states, if they have been evaluated.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Told {
-    /// Whether the present point and the derivatives correspond to the set states.
-    found: bool,
-    derivatives: Vec<f64>,
-    indicators: Vec<f64>,
-    /// Violation of the constraints by the redundant parameters.
-    drift: f64,
-    /// Indicators crossed in the event.
-    crossed: Vec<usize>,
-}
-
-impl Told {
-    /// Allocates memory for these numbers of states and indicators.
-    fn make_room(&mut self, states: usize, indicators: usize) {
-        self.derivatives.resize(states, 0.0);
-        self.indicators.resize(indicators, 1.0);
-        self.crossed.clear();
-        self.crossed.reserve(indicators);
-    }
-
-    /// Marks the quantities as out of date, because states, time or inputs have changed.
-    pub fn forget(&mut self) {
-        self.found = false;
-    }
-}
 
 /// Name of a coordinate that is a state of an external integrator.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,7 @@ use crate::multibody::model::Element;
 use crate::signal::JointParameters;
 use crate::solve::EquationsOfMotion;
 use crate::system::PlantError;
-use crate::system::air::continuous::ContinuousAir;
+use crate::system::air::strip_workspace::ContinuousAir;
 use crate::system::equations::Equations;
 use crate::system::events::settle;
 use crate::system::outputs::Outputs;

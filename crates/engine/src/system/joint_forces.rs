@@ -4,11 +4,12 @@ use crate::force::Force;
 use crate::force::attitude::AttitudeSpring;
 use crate::force::borders::Borders;
 use crate::force::brake::Brake;
-use crate::force::end_stops::{Contact, TwoSidedStops};
+use crate::force::end_stops::TwoSidedStops;
 use crate::force::external::External;
 use crate::force::generator::Generator;
 use crate::force::joint::JointForces;
 use crate::force::latch::{CatchingLatch, Latch};
+use crate::force::memory::Contact;
 use crate::force::motor::Motor;
 use crate::force::prescribed::Law;
 use crate::force::set::Forces;
@@ -17,13 +18,13 @@ use crate::machine::{JointMotion, Machine, OneFreedom};
 use crate::multibody::Model;
 use crate::multibody::model::Base;
 use crate::signal::{Inputs, Parameters};
-use crate::system::failures;
+use crate::system::failure_memory;
 
 /// Forces on all joints of a machine; inputs and parameters are set later.
 pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
     let joints = machine.one_freedoms().map(|(body, own)| {
         let mut forces = of_joint(own);
-        forces.extend(failures::forces_on(machine, body));
+        forces.extend(failure_memory::forces_on(machine, body));
         if let Base::Axis(slide) = model.bodies[body].base {
             forces.push(Force::Borders(Borders::new(model.slides[slide].borders_m(model))));
         }

@@ -11,15 +11,18 @@ mod error;
 pub(crate) mod events;
 mod exchange;
 mod failed_steps;
+pub(crate) mod failure_memory;
 pub(crate) mod failures;
 mod fastest;
 pub(crate) mod freedoms;
 mod hybrid;
 mod joint_forces;
 pub(crate) mod magnitude;
+mod model_magnitude;
 mod nominal;
 mod not_finite;
 pub(crate) mod outputs;
+mod outside;
 pub(crate) mod place;
 mod rest;
 pub(crate) mod shape;
@@ -68,9 +71,9 @@ pub struct System {
     /// Indices of the coordinates that are Model Exchange states.
     moving: Vec<usize>,
     /// Quantities that follow from the states set by an external integrator.
-    told: exchange::Told,
+    told: outside::Told,
     /// Options of an external integrator.
-    exchange: exchange::Manner,
+    exchange: outside::Manner,
     gauges: Vec<GaugePoint>,
     pub(crate) state: State,
     /// State to roll back to if the current step or transition fails.
@@ -108,11 +111,11 @@ impl System {
             spatial_joints: machine.spatials().map(|(body, _)| body).collect(),
             tip_bodies: machine.tip_bodies().collect(),
             gauges_need_forces: machine.gauges.iter().any(recovered),
-            model_is_moderate: magnitude::model_is_moderate(&equations.model, &gauges),
+            model_is_moderate: model_magnitude::model_is_moderate(&equations.model, &gauges),
             gauges,
             moving: Self::moving_coordinates(&equations),
-            told: exchange::Told::default(),
-            exchange: exchange::Manner::default(),
+            told: outside::Told::default(),
+            exchange: outside::Manner::default(),
             begin: state.clone(),
             built_with: state.parameters.clone(),
             state,

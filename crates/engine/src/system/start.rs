@@ -1,13 +1,13 @@
 //! The start of a run: coordinates and rates, then accelerations and outputs.
 
 use crate::force::drive::Slew;
-use crate::force::end_stops::Contact;
-use crate::force::latch::LatchState;
+use crate::force::memory::Contact;
+use crate::force::memory::LatchState;
 use crate::force::memory::{JointMemory, Told};
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::events::{Place, settle};
-use crate::system::failures::{self, FailureMemory};
+use crate::system::failure_memory::{self, FailureMemory};
 use crate::system::{PlantError, System};
 
 impl System {
@@ -18,7 +18,7 @@ impl System {
         let mut v = vec![0.0; q.len()];
         let mut joints = Vec::new();
         self.state.failures = vec![FailureMemory::default(); self.machine.failures.len()];
-        failures::begin(&self.machine.failures, &self.state.inputs, time_s, &mut self.state.failures);
+        failure_memory::begin(&self.machine.failures, &self.state.inputs, time_s, &mut self.state.failures);
         let inputs = &self.state.inputs;
         for (((_, revolute), inputs), (parameters, equations)) in self
             .machine
@@ -58,7 +58,7 @@ impl System {
                 },
             };
             if !self.state.failures.is_empty() {
-                failures::begin_joint(
+                failure_memory::begin_joint(
                     &self.machine.failures,
                     &self.state.failures,
                     (equations.body, described),

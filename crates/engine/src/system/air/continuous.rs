@@ -4,14 +4,14 @@
 use crate::aero::near_sheets::NoCirculation;
 use crate::aero::strip::Strips;
 use crate::aero::strip::continuous::LOAD_ROWS;
-use crate::aero::strip::instant::{Instant, SectionAcceleration};
+use crate::aero::strip::instant::Instant;
 use crate::aero::{AirModel, AirState};
 use crate::load::Wrench;
-use crate::multibody::kinematics::Motion;
+use crate::multibody::motion::Motion;
 use crate::multibody::station;
 use crate::solve::EquationsOfMotion;
-use crate::solve::acceleration::Anderson;
 use crate::system::air::start::{flow, refusal};
+use crate::system::air::strip_workspace::ContinuousAir;
 use crate::system::air::{AirCoupling, AirHistory, Gain, Sample, gaps};
 use crate::system::events::settle_by;
 use crate::system::{PlantError, System};
@@ -25,60 +25,6 @@ const AGREED: f64 = 1e-12;
 /// Convergence threshold of the accelerations relative to their round-off: if the air is light or slow compared with the structure, the
 /// aerodynamic loads vanish in the round-off of the structural loads.
 const AGREED_NOISES: f64 = 4.0;
-
-/// Workspace for the loads of strip theory at an instant, with their lag states.
-pub(crate) struct ContinuousAir {
-    /// Whether gusts have separate lag states.
-    pub gusts: bool,
-    /// Lag states in m/s, in the order of [`Strips::lags`].
-    pub lags_m_s: Vec<f64>,
-    accelerations: Vec<SectionAcceleration>,
-    answer: Vec<f64>,
-    guess: Vec<f64>,
-    residual: Vec<f64>,
-    anderson: Anderson,
-    /// Second derivatives of the control surface angles in rad/s²: an external integrator does not provide them.
-    flap_rad_s2: Vec<f64>,
-}
-
-impl ContinuousAir {
-    /// Workspace for an aerodynamic model with a continuous-time form; `None` for other models.
-    pub fn new(model: &AirModel, sections: usize, gusts: bool) -> Option<Self> {
-        let AirModel::Strips(strips) = model else { return None };
-        let loads = LOAD_ROWS * sections;
-        Some(Self {
-            gusts,
-            lags_m_s: vec![0.0; strips.lag_count(gusts)],
-            accelerations: vec![[Vector3::zeros(); 2]; sections],
-            answer: vec![0.0; strips.rows(sections, gusts)],
-            guess: vec![0.0; loads],
-            residual: vec![0.0; loads],
-            anderson: Anderson::new(loads),
-            flap_rad_s2: vec![0.0; strips.flap_count()],
-        })
-    }
-
-    /// Rates of the lag states in m/s², from the last solution for the accelerations.
-    pub fn lag_rates_m_s2(&self) -> &[f64] {
-        &self.answer[self.guess.len()..][..self.lags_m_s.len()]
-    }
-
-    /// Magnitudes in N of the change from the guess to the result and of the result; moments are divided by `length_m`.
-    fn compare(&mut self, length_m: f64) -> (f64, f64) {
-        let (mut change_n, mut size_n) = (0.0_f64, 0.0_f64);
-        for (row, (residual, (answer, guess))) in
-            self.residual.iter_mut().zip(self.answer.iter().zip(&self.guess)).enumerate()
-        {
-            let share = if row % LOAD_ROWS < 3 { 1.0 } else { 1.0 / length_m };
-            *residual = answer - guess;
-            change_n = change_n.max(residual.abs() * share);
-            size_n = size_n.max(answer.abs() * share);
-        }
-        // `max` drops NaN: check for it explicitly
-        let sound = self.residual.iter().all(|entry| entry.is_finite());
-        (if sound { change_n } else { f64::NAN }, size_n)
-    }
-}
 
 /// Section wrenches from their rows.
 pub(crate) fn write(rows: &[f64], loads: &mut [Wrench]) {

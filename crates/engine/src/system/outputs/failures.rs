@@ -1,7 +1,7 @@
 //! Outputs of failures: whether and when they occurred.
 
 use crate::signal::Switch;
-use crate::system::failures::FailureMemory;
+use crate::system::failure_memory::FailureMemory;
 use crate::system::outputs::Present;
 use bytemuck::{Pod, Zeroable};
 

@@ -1,8 +1,6 @@
 //! Forces and moments of joints, at sections, of closed loops and on the aircraft; strains of gauges.
 
-use crate::beam::recovery::axial_row;
 use crate::load::Wrench;
-use crate::machine::{Gauge, Machine};
 use crate::multibody::gauge::GaugePoint;
 use crate::system::outputs::Present;
 use bytemuck::{Pod, Zeroable};
@@ -16,16 +14,6 @@ pub struct LoopOutputs {
     pub gap_m: Vector3<f64>,
     /// Force on the first point in N, eq. (C2); its opposite acts on the second.
     pub force_n: Vector3<f64>,
-}
-
-/// Positions and weights of the gauges per strain measure; an invalid fibre direction is read as axial.
-pub(crate) fn gauge_points(machine: &Machine) -> Vec<GaugePoint> {
-    let point = |gauge: &Gauge| {
-        let row = gauge.row(&machine.bodies[gauge.body].section);
-        let row = row.unwrap_or_else(|| axial_row(gauge.y_m, gauge.z_m));
-        GaugePoint { body: gauge.body, position_m: gauge.position_m, row }
-    };
-    machine.gauges.iter().map(point).collect()
 }
 
 /// Writes the forces and moments of the joints on their bodies.
