@@ -1,26 +1,12 @@
-//! Status and errors of calls.
+//! Errors of calls.
 
 use crate::instance::phase::{InterfaceKind, Phase, Rule, Version};
 use crate::instance::resource::ResourceError;
 use crate::instance::state::StateError;
+use crate::instance::status::Status;
 use crate::interface::AccessError;
 use foldwing_engine::plant::{NotHybrid, PlantError};
 use foldwing_file::ConfigError;
-
-/// Outcome of a call: the statuses common to both versions of the standard.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Status {
-    /// The call succeeded.
-    Ok,
-    /// The call succeeded, with a warning.
-    Warning,
-    /// A value was rejected; nothing changed.
-    Discard,
-    /// The call is illegal or failed.
-    Error,
-    /// The instance can no longer be used.
-    Fatal,
-}
 
 /// Error of a call.
 #[derive(Debug, thiserror::Error)]

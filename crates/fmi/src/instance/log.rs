@@ -1,6 +1,7 @@
 //! Messages to the importer: categories, filter, text.
 
-use crate::instance::error::{CallError, Status};
+use crate::instance::error::CallError;
+use crate::instance::status::Status;
 
 /// Callback for messages to the importer: status, category, text.
 pub type Sink = Box<dyn Fn(Status, LogCategory, &str)>;

@@ -9,15 +9,17 @@ mod log;
 mod phase;
 mod resource;
 mod state;
+mod status;
 mod step;
 mod values;
 
-pub use error::{CallError, InstantiationError, Status};
+pub use error::{CallError, InstantiationError};
 pub use exchange::EventInfo;
 pub use log::{LOG_CATEGORIES, Log, LogCategory, Sink};
 pub use phase::{InterfaceKind, Phase, Rule, Version};
 pub use resource::{MODEL_FILE, ResourceError, resource_path};
 pub use state::StateError;
+pub use status::Status;
 
 pub use foldwing_engine::plant::Reached;
 

@@ -1,7 +1,7 @@
 //! Saved FMU states: a registry with checked handles, and a serialised form with model and version.
 
-use crate::instance::error::Status;
 use crate::instance::phase::{InterfaceKind, Phase};
+use crate::instance::status::Status;
 use foldwing_engine::plant::Snapshot;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -1,7 +1,8 @@
 //! Values and derivatives of variables.
 
-use crate::instance::error::{CallError, Status};
+use crate::instance::error::CallError;
 use crate::instance::log::LogCategory;
+use crate::instance::status::Status;
 use crate::instance::{Instance, InterfaceKind, Phase};
 use crate::interface::{AccessError, DerivativeError, Interface, Kind, Scalar, Selection, Stage, Whole};
 use foldwing_engine::plant::Plant;

@@ -3,8 +3,7 @@
 use crate::interface::Variability;
 use crate::interface::cause::{Cause, Depends};
 use crate::interface::known::{Input, JointInput, JointParameter, Known, Parameter};
-use crate::interface::rows::{wrench, wrench_texts};
-use crate::interface::table::{POSITIVE, Shape, Table, Text, Type};
+use crate::interface::table::{POSITIVE, Shape, Table, Text, Type, wrench, wrench_texts};
 use crate::interface::topology::Topology;
 use foldwing_engine::plant::{FlapInputs, FlapOutputs, OutputSet, RotorLoads};
 use std::mem::offset_of;

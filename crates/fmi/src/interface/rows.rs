@@ -3,7 +3,9 @@
 use crate::interface::cause::{Cause, Depends, Reach};
 use crate::interface::dependencies::loop_reach;
 use crate::interface::known::{BodyParameter, Input, JointInput, Parameter};
-use crate::interface::table::{FACTOR, NON_NEGATIVE, POSITIVE, Range, Shape, TOLERANCE, Table, Text, Type, place};
+use crate::interface::table::{
+    FACTOR, NON_NEGATIVE, POSITIVE, ParameterRow, Shape, TOLERANCE, Table, Text, Type, place, wrench, wrench_texts,
+};
 use crate::interface::topology::Topology;
 use crate::interface::{Variability, air, counters, joints};
 use foldwing_engine::load::{LoadFrame, RootMotion, Wrench};
@@ -212,23 +214,6 @@ fn failure_outputs(table: &mut Table, index: usize, name: &str) {
     table.event_output(at, Type::Real("Time"), depends(), text);
 }
 
-/// Rows of a force and a moment in succession.
-pub(super) fn wrench(
-    table: &mut Table,
-    (first, needs): (usize, OutputSet),
-    depends: &Depends,
-    [force, moment]: [Text; 2],
-) {
-    let at = |offset: usize| (first + offset / size_of::<f64>(), needs);
-    table.output(at(offset_of!(Wrench, force_n)), Shape::Vector, "Force", depends.clone(), force);
-    table.output(at(offset_of!(Wrench, moment_n_m)), Shape::Vector, "Moment", depends.clone(), moment);
-}
-
-/// Names of the force and the moment of a wrench, with their meanings.
-pub(super) fn wrench_texts(name: &str, [force, moment]: [&str; 2]) -> [Text; 2] {
-    [Text::new(format!("{name}.force"), force), Text::new(format!("{name}.moment"), moment)]
-}
-
 fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &str) {
     let layout = table.outputs;
     let [first, second] =
@@ -380,9 +365,6 @@ fn energies(table: &mut Table, topology: &Topology, accounts: bool) {
     };
     add("total", offset_of!(EnergyOutputs, total), now, total, meaning);
 }
-
-/// Key, field, position, variability, declared type, range, meaning.
-pub(super) type ParameterRow<Field> = (&'static str, Field, usize, Variability, &'static str, Range, &'static str);
 
 const BODY_PARAMETERS: &[ParameterRow<BodyParameter>] = {
     use BodyParameter as P;

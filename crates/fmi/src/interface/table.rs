@@ -1,11 +1,13 @@
 //! Construction of the table: signals with their positions in the flat vectors, and scalar variables.
 
 use crate::interface::cause::Depends;
-use crate::interface::counters::{Counter, Duration};
+use crate::interface::counter::{Counter, Duration};
 use crate::interface::known::{Input, Known, Parameter};
 use crate::interface::{Causality, Initial, Value, Variability, Variable};
+use foldwing_engine::load::Wrench;
 use foldwing_engine::machine::{Machine, UNLIMITED};
 use foldwing_engine::plant::{FACTOR_RANGE, Inputs, OutputLayout, OutputSet, Parameters};
+use std::mem::offset_of;
 
 /// Components of a vector.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -355,3 +357,23 @@ impl Table {
         self.signals.push(Signal { name, shape, causality, first_reference, place: first, meaning, array });
     }
 }
+
+/// Rows of a force and a moment in succession.
+pub(super) fn wrench(
+    table: &mut Table,
+    (first, needs): (usize, OutputSet),
+    depends: &Depends,
+    [force, moment]: [Text; 2],
+) {
+    let at = |offset: usize| (first + offset / size_of::<f64>(), needs);
+    table.output(at(offset_of!(Wrench, force_n)), Shape::Vector, "Force", depends.clone(), force);
+    table.output(at(offset_of!(Wrench, moment_n_m)), Shape::Vector, "Moment", depends.clone(), moment);
+}
+
+/// Names of the force and the moment of a wrench, with their meanings.
+pub(super) fn wrench_texts(name: &str, [force, moment]: [&str; 2]) -> [Text; 2] {
+    [Text::new(format!("{name}.force"), force), Text::new(format!("{name}.moment"), moment)]
+}
+
+/// Key, field, position, variability, declared type, range, meaning.
+pub(super) type ParameterRow<Field> = (&'static str, Field, usize, Variability, &'static str, Range, &'static str);
