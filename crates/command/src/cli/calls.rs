@@ -295,9 +295,7 @@ impl SweepPlan {
     ) -> Result<Self, Failure> {
         let plan = Plan::rows("sweep", keys, rows, &interface)?;
         for name in &run.outputs {
-            interface
-                .find(name)
-                .ok_or_else(|| crate::cli::simulate::unknown(name, "variable", interface.variables()))?;
+            interface.find(name).ok_or_else(|| crate::cli::choice::unknown(name, "variable", interface.variables()))?;
         }
         let [start, stop, step] = run.times_s;
         points(&machine, start, stop, step)?;

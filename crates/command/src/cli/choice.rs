@@ -3,7 +3,7 @@
 
 use crate::cli::Failure;
 use crate::report::Channel;
-use crate::report::inputs::name_message;
+use crate::report::inputs::{name_message, unknown_name};
 use foldwing_study::names::choose;
 
 /// Returns the variables selected by the names, each once, in the order of the names.
@@ -16,4 +16,13 @@ pub(super) fn chosen<'a, C: Channel>(
     what: &'static str,
 ) -> Result<Vec<&'a C>, Failure> {
     choose(names, rows, C::name, what).map_err(|error| Failure::Usage(name_message::<C>(&error)))
+}
+
+/// Error for an unknown variable name.
+pub(super) fn unknown<'a, C: Channel + 'a>(
+    name: &str,
+    what: &'static str,
+    rows: impl IntoIterator<Item = &'a C>,
+) -> Failure {
+    Failure::Usage(unknown_name(name, what, rows.into_iter()))
 }

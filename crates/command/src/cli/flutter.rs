@@ -2,10 +2,10 @@
 
 use crate::cli::Failure;
 use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write_figures};
-use crate::cli::modes::shares;
 use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
 use crate::cli::progress::Progress;
 use crate::cli::shapes;
+use crate::cli::shapes::shares;
 use crate::cli::sweep::axis;
 use crate::report::figure::{Curve, Figure};
 use clap::builder::NonEmptyStringValueParser;

@@ -12,6 +12,7 @@ mod choice;
 mod compare;
 mod completions;
 mod examples;
+mod failure;
 mod fit;
 mod flutter;
 mod gradient;
@@ -37,6 +38,7 @@ mod periodic;
 mod periodic_tables;
 mod pictures;
 mod progress;
+mod reading;
 mod renamed;
 mod render;
 #[cfg(feature = "import")]
@@ -56,6 +58,7 @@ mod sweep;
 mod tell;
 mod timing;
 mod trim;
+mod version;
 mod view;
 
 pub use calls::{
@@ -63,24 +66,16 @@ pub use calls::{
     package, periodic_page, points, rest, summary, summary_json, text_with_values, write_page,
 };
 
+pub use failure::Failure;
 pub use render::{Camera, Settings as FilmSettings, film_of_page};
 
 use clap::{CommandFactory, Parser, Subcommand};
-use foldwing_engine::machine::Machine;
 use foldwing_file as config;
+use reading::{print, read_bytes, read_model, shown};
 use std::ffi::OsString;
-use std::io::{self, Read, Write};
 use std::path::Path;
 use std::process::ExitCode;
-
-/// Build identification: version, commit if it was built from a repository, target.
-fn version() -> &'static str {
-    if env!("FOLDWING_COMMIT").is_empty() {
-        concat!(env!("CARGO_PKG_VERSION"), " (", env!("FOLDWING_TARGET"), ")")
-    } else {
-        concat!(env!("CARGO_PKG_VERSION"), " (", env!("FOLDWING_COMMIT"), ", ", env!("FOLDWING_TARGET"), ")")
-    }
-}
+use version::version;
 
 /// Flexible multibody models with joints, such as folding wings, from short model files: FMUs, simulation, analysis
 ///
@@ -216,63 +211,6 @@ enum Command {
     Completions(completions::Arguments),
 }
 
-/// Reason for the failure of a command; each type has its exit code.
-#[derive(Debug, thiserror::Error)]
-pub enum Failure {
-    /// The content of a file is rejected.
-    #[error("{0}")]
-    Refused(String),
-    /// A model file is invalid.
-    #[error("{error}")]
-    Model {
-        /// The file's text.
-        text: String,
-        /// Errors in it.
-        error: config::ConfigError,
-    },
-    /// The command line is invalid.
-    #[error("{0}")]
-    Usage(String),
-    /// The simulation failed.
-    #[error("the simulation failed: {0}")]
-    Simulation(String),
-    /// A static, modal or linear analysis failed.
-    #[error("{0}")]
-    Statics(String),
-    /// A file could not be read or written.
-    #[error("{0}")]
-    Files(String),
-    /// Two tables differ: number of differing columns, number of all columns.
-    #[error("{0} of {1} columns differ by more than the tolerance; --rtol, --atol and --tolerance NAME=X set it")]
-    Differ(usize, usize),
-    /// Standard output was closed, for example by `head`: not an error.
-    #[error("standard output was closed")]
-    Closed,
-}
-
-impl Failure {
-    /// Returns the exit code of the command.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Closed => 0,
-            Self::Refused(_) | Self::Model { .. } => 1,
-            Self::Usage(_) => 2,
-            Self::Simulation(_) | Self::Statics(_) => 3,
-            Self::Files(_) => 4,
-            Self::Differ(..) => 5,
-        }
-    }
-
-    /// Returns the failure for an error while writing to `target`.
-    fn writing(target: &str, error: &io::Error) -> Self {
-        if error.kind() == io::ErrorKind::BrokenPipe {
-            Self::Closed
-        } else {
-            Self::Files(format!("{target}: cannot be written: {error}"))
-        }
-    }
-}
-
 /// Runs the command with the arguments of this process.
 pub fn run() -> ExitCode {
     let arguments = std::env::args_os();
@@ -325,60 +263,6 @@ fn run_command(command: Command, library: Option<&Path>) -> u8 {
             failure.exit_code()
         }
     }
-}
-
-/// Writes text to standard output, with a final line feed.
-fn print(text: &str) -> Result<(), Failure> {
-    let mut out = io::stdout().lock();
-    writeln!(out, "{}", text.trim_end())
-        .and_then(|()| out.flush())
-        .map_err(|error| Failure::writing("standard output", &error))
-}
-
-/// Reads a model and its text.
-fn read_model(path: &Path) -> Result<(Machine, String), Failure> {
-    let shown = shown(path);
-    let bytes = read_bytes(path)?;
-    if bytes.starts_with(b"PK\x03\x04") {
-        return Err(Failure::Refused(format!(
-            "{shown}: is a ZIP archive such as an FMU, not a model file; `foldwing run` runs FMUs"
-        )));
-    }
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let line = error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
-        Failure::Refused(format!("{shown}:{}: a model file is UTF-8 text; this line is not", line + 1))
-    })?;
-    // standard input has an empty parent: paths are relative to the working directory
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let lost = config::warnings_of_files(&text, folder);
-    let text = match config::with_files(text.clone(), folder, &shown) {
-        Ok(text) => text,
-        Err(error) => return Err(Failure::Model { text, error }),
-    };
-    match config::parse(&text, &shown) {
-        Ok(machine) => {
-            lost.iter()
-                .chain(&config::warnings(&text))
-                .for_each(|warning| tell::warning_about_key(&shown, &text, warning));
-            Ok((machine, text))
-        }
-        Err(error) => Err(Failure::Model { text, error }),
-    }
-}
-
-/// Name of a file in messages; `-` is standard input.
-fn shown(path: &Path) -> String {
-    if path == Path::new("-") { "<standard input>".to_owned() } else { path.display().to_string() }
-}
-
-/// Reads a whole file, or standard input if the path is `-`.
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    let mut bytes = Vec::new();
-    let read = match path == Path::new("-") {
-        true => io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes),
-        false => std::fs::read(path),
-    };
-    read.map_err(|error| Failure::Files(format!("{}: cannot be read: {error}", shown(path))))
 }
 
 #[cfg(test)]

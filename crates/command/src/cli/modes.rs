@@ -4,6 +4,7 @@ use crate::cli::branches::{BranchArguments, BranchTable, Varied, csv_text, write
 use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
 use crate::cli::progress::Progress;
 use crate::cli::settings::read_plant;
+use crate::cli::shapes::shares;
 use crate::cli::statics::BranchOption;
 use crate::cli::{Failure, campbell, print, shapes, stability};
 use clap::builder::NonEmptyStringValueParser;
@@ -273,17 +274,6 @@ fn frequency(mode: &ModeShape) -> String {
     }
     let damping = if mode.damping_ratio.abs() < 5e-7 { 0.0 } else { mode.damping_ratio };
     format!("{:14.6} {damping:10.6}{mark}", mode.frequency_hz)
-}
-
-/// Types of deformation, largest participation first.
-pub(super) fn shares(mode: &ModeShape) -> String {
-    let mut list: Vec<(f64, &str)> =
-        mode.shares.iter().copied().zip(energy_share_names()).filter(|(share, _)| *share > 5e-3).collect();
-    if list.is_empty() {
-        return "free motion".to_owned();
-    }
-    list.sort_by(|a, b| b.0.total_cmp(&a.0));
-    list.iter().map(|(share, name)| format!("{name} {:.0} %", 100.0 * share)).collect::<Vec<_>>().join(", ")
 }
 
 pub(super) fn as_json(plant: &Plant, modes: &[ModeShape], bare: bool) -> Value {

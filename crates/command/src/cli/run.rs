@@ -1,13 +1,13 @@
 //! `foldwing run`: simulates an FMU of any tool and writes CSV.
 
-use crate::cli::choice::chosen;
+use crate::cli::choice::{chosen, unknown};
 use crate::cli::grid::{Grid, grid_of};
 use crate::cli::number::six;
 use crate::cli::outlets::{Leftover, Mark, Outlets};
 use crate::cli::pictures::{check_figures, write_series};
 use crate::cli::progress::Progress;
 pub use crate::cli::run_arguments::Arguments;
-use crate::cli::simulate::{one_standard_output, read_inputs, unknown};
+use crate::cli::simulate::{one_standard_output, read_inputs};
 use crate::cli::{Failure, print};
 use crate::import::{
     CallError, Datum, Description, Fault, Fmu, ImportError, Kind, Message, Readout, Severity, Slave, Step, Variable,

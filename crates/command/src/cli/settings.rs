@@ -1,6 +1,6 @@
 //! `--set NAME=VALUE`: plants with the start values given on the command line.
 
-use crate::cli::simulate::unknown;
+use crate::cli::choice::unknown;
 use crate::cli::{Failure, read_model};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Plant, Turn};

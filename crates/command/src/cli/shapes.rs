@@ -1,14 +1,15 @@
 //! `--view` and `--vtk` of modes: pictures of mode shapes about an equilibrium, over a range of wind speeds and about a periodic motion.
 
 use crate::cli::Failure;
-use crate::cli::modes::shares;
 use crate::cli::outlets::{Mark, Outlets};
 use crate::report::recording::{Frame, Scene};
 use crate::report::shapes::{DrawnMode, DrawnState, Shapes, changes_of, displaced, state_of};
 use crate::report::viewer::{PackedModes, page_of_modes};
 use crate::report::vtk;
 use foldwing_engine::machine::Machine;
-use foldwing_engine::plant::{FloquetMode, ModeShape, OutputSet, Plant, PlantError, SAMPLES, Snapshot, Turn};
+use foldwing_engine::plant::{
+    FloquetMode, ModeShape, OutputSet, Plant, PlantError, SAMPLES, Snapshot, Turn, energy_share_names,
+};
 use foldwing_fmi::interface::Interface;
 use foldwing_study::flutter::{self, Flutter, FlutterError, sweep_with};
 use foldwing_study::periodic::{self, Periodic};
@@ -220,4 +221,15 @@ fn cycle(scene: &Scene, base: &Frame, mode: &DrawnMode) -> Vec<Frame> {
         frame
     };
     (0..CYCLE).map(frame).collect()
+}
+
+/// Types of deformation, largest participation first.
+pub(super) fn shares(mode: &ModeShape) -> String {
+    let mut list: Vec<(f64, &str)> =
+        mode.shares.iter().copied().zip(energy_share_names()).filter(|(share, _)| *share > 5e-3).collect();
+    if list.is_empty() {
+        return "free motion".to_owned();
+    }
+    list.sort_by(|a, b| b.0.total_cmp(&a.0));
+    list.iter().map(|(share, name)| format!("{name} {:.0} %", 100.0 * share)).collect::<Vec<_>>().join(", ")
 }

@@ -12,7 +12,6 @@ use crate::cli::settings::plant_with;
 use crate::cli::strains::StrainPeaks;
 use crate::cli::timing::Timing;
 use crate::cli::{Failure, print, read_bytes, read_model, shown, tell};
-use crate::report::inputs::unknown_name;
 use crate::report::recording::FRAMES;
 use crate::report::{Channel, InputTable, InputsError, Recorder};
 use clap::builder::NonEmptyStringValueParser;
@@ -259,15 +258,6 @@ fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Va
         return Ok(variables.iter().filter(|variable| variable.causality == Causality::Output).collect());
     }
     chosen(names, &variables.iter().collect::<Vec<_>>(), "variable")
-}
-
-/// Error for an unknown variable name.
-pub(super) fn unknown<'a, C: Channel + 'a>(
-    name: &str,
-    what: &'static str,
-    rows: impl IntoIterator<Item = &'a C>,
-) -> Failure {
-    Failure::Usage(unknown_name(name, what, rows.into_iter()))
 }
 
 /// Reads inputs over time from a file.

@@ -115,3 +115,12 @@ impl Fault {
         }
     }
 }
+
+/// Error of reading an archive.
+pub(super) fn of_archive(path: &Path, error: ZipError) -> ImportError {
+    #[allow(clippy::wildcard_enum_match_arm, reason = "an enum of the crate `zip`, which says that it may grow")]
+    match error {
+        ZipError::Io(source) => ImportError::File { path: path.to_owned(), source },
+        error => ImportError::NotAnFmu { path: path.to_owned(), cause: error.to_string() },
+    }
+}

@@ -3,7 +3,7 @@
 use crate::import::description::Description;
 use crate::import::description_file::Root;
 use crate::import::description3::Root3;
-use crate::import::error::ImportError;
+use crate::import::error::{ImportError, of_archive};
 use crate::import::image::check_images;
 use crate::import::slave::Slave;
 use crate::import::slave2::Slave2;
@@ -175,14 +175,6 @@ fn beside_resources(folder: &Path) -> io::Result<()> {
         link(&entry.path(), Path::new(&beside))?;
     }
     Ok(())
-}
-
-pub(super) fn of_archive(path: &Path, error: ZipError) -> ImportError {
-    #[allow(clippy::wildcard_enum_match_arm, reason = "an enum of the crate `zip`, which says that it may grow")]
-    match error {
-        ZipError::Io(source) => ImportError::File { path: path.to_owned(), source },
-        error => ImportError::NotAnFmu { path: path.to_owned(), cause: error.to_string() },
-    }
 }
 
 /// Passes the folder to the crate `fmi` with a minimal description, sufficient to instantiate the FMU, because the crate's own parser

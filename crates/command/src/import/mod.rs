@@ -13,12 +13,14 @@ mod message;
 mod slave;
 mod slave2;
 mod slave3;
+mod step;
 mod unpack;
 
 pub use description::{Datum, Description, DisplayUnit, Element, Experiment, Kind, NativeType, Unit, Variable};
 pub use error::{CallError, Fault, ImportError};
 pub use fmu::Fmu;
 pub use message::{Message, Severity, listen};
-pub use slave::{Readout, Slave, Step};
+pub use slave::{Readout, Slave};
 pub use slave2::{Readout2, Slave2};
 pub use slave3::{Readout3, Slave3};
+pub use step::Step;

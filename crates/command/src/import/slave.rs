@@ -4,15 +4,7 @@ use crate::import::description::{Datum, Variable};
 use crate::import::error::CallError;
 use crate::import::slave2::{Readout2, Slave2};
 use crate::import::slave3::{Readout3, Slave3};
-
-/// Result of a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Step {
-    /// The step was completed.
-    Done,
-    /// The FMU requested the end of the simulation at this time in s.
-    Ended(f64),
-}
+use crate::import::step::Step;
 
 /// An instance. It is terminated and freed when dropped, if its last status allows this.
 #[derive(Debug)]

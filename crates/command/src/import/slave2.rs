@@ -2,7 +2,7 @@
 
 use crate::import::description::{Datum, Kind, Variable};
 use crate::import::error::{CallError, Fault};
-use crate::import::slave::Step;
+use crate::import::step::Step;
 use fmi::fmi2::instance::{CoSimulation, Common, InstanceCS};
 use fmi::fmi2::{Fmi2Error, Fmi2Res};
 use foldwing_fmi::interface::Value;

@@ -2,7 +2,7 @@
 
 use crate::import::description::{Datum, NativeType, Variable};
 use crate::import::error::{CallError, Fault};
-use crate::import::slave::Step;
+use crate::import::step::Step;
 use fmi::fmi3::instance::InstanceCS;
 use fmi::fmi3::{CoSimulation, Common, Fmi3Error, Fmi3Res, GetSet};
 use foldwing_fmi::interface::Value;

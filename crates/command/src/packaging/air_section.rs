@@ -1,6 +1,6 @@
 //! Aerodynamics on the documentation page.
 
-use crate::packaging::documentation::{number, table, vector};
+use crate::packaging::html::{number, table, vector};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{AirOptions, Coupling, EndRule, LoadRule, PitchRate, WakeModel};
 use quick_xml::escape::escape;

@@ -1,45 +1,15 @@
 //! The FMU archive, which is reproducible: the same model, library and version give the same bytes.
 
-use crate::packaging::contents::{Extras, contents};
+use crate::packaging::contents::contents;
+use crate::packaging::extras::Extras;
+pub use crate::packaging::library::PackageError;
 use crate::packaging::{Library, MODEL_IDENTIFIER, Platform};
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::instance::Version;
 use std::collections::BTreeMap;
-use std::io::{self, Cursor, Write};
-use std::path::PathBuf;
+use std::io::{Cursor, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
-
-/// Error of writing an archive.
-#[derive(Debug, thiserror::Error)]
-pub enum PackageError {
-    /// The library cannot be read.
-    #[error("{path}: cannot read the library: {source}")]
-    Library {
-        /// Requested file.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
-    /// The file is not a Foldwing library, or its platform is not the requested one or has no name in FMI.
-    #[error("{path}: {cause}")]
-    NotALibrary {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        cause: String,
-    },
-    /// Two libraries for the same platform.
-    #[error("{path}: a second library for {platform}; the first is {first}")]
-    Twice {
-        /// The second one.
-        path: PathBuf,
-        /// The first one.
-        first: PathBuf,
-        /// Platform of both libraries.
-        platform: Platform,
-    },
-}
 
 /// Returns the bytes of the FMU of a model.
 ///

@@ -1,21 +1,10 @@
 //! All contents of the archive except the libraries.
 
-use crate::packaging::{Kinds, Reference, documentation, icon, licenses, linear_model, terminals};
+pub use crate::packaging::extras::Extras;
+use crate::packaging::{documentation, icon, licenses, linear_model, terminals};
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::instance::{MODEL_FILE, Version};
-use foldwing_fmi::interface::LinearModel;
 use std::collections::BTreeMap;
-
-/// Optional contents of an archive.
-#[derive(Debug, Clone, Default)]
-pub struct Extras {
-    /// Interface types of the FMU.
-    pub kinds: Kinds,
-    /// Reference results.
-    pub reference: Option<Reference>,
-    /// Linear model.
-    pub linear: Option<LinearModel>,
-}
 
 /// All files by their paths in the archive, except the libraries.
 ///

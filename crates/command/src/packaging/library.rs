@@ -1,14 +1,44 @@
 //! Shared libraries of an archive, and their platforms.
 
-use crate::packaging::PackageError;
 use foldwing_fmi::fmi2;
 use foldwing_fmi::fmi3;
 use foldwing_fmi::instance::Version;
 use object::read::NameOrOrdinal;
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
-use std::fmt;
 use std::path::{Path, PathBuf};
+use std::{fmt, io};
+
+/// Error of writing an archive.
+#[derive(Debug, thiserror::Error)]
+pub enum PackageError {
+    /// The library cannot be read.
+    #[error("{path}: cannot read the library: {source}")]
+    Library {
+        /// Requested file.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
+    /// The file is not a Foldwing library, or its platform is not the requested one or has no name in FMI.
+    #[error("{path}: {cause}")]
+    NotALibrary {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        cause: String,
+    },
+    /// Two libraries for the same platform.
+    #[error("{path}: a second library for {platform}; the first is {first}")]
+    Twice {
+        /// The second one.
+        path: PathBuf,
+        /// The first one.
+        first: PathBuf,
+        /// Platform of both libraries.
+        platform: Platform,
+    },
+}
 
 /// Folder below `binaries/` and file extension of a platform.
 ///

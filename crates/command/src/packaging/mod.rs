@@ -9,6 +9,8 @@ pub mod description;
 mod description3;
 pub mod documentation;
 pub mod drawing;
+mod extras;
+mod html;
 pub mod icon;
 mod kinds;
 pub mod library;
@@ -22,12 +24,12 @@ mod terminals;
 mod use_section;
 mod xml;
 
-pub use archive::{PackageError, package};
-pub use contents::Extras;
+pub use archive::package;
 pub use cross_check::CrossCheck;
 pub use description::model_description;
+pub use extras::Extras;
 pub use kinds::Kinds;
-pub use library::{Library, Platform};
+pub use library::{Library, PackageError, Platform};
 pub use reference::Reference;
 
 /// Name of the library inside every FMU; the standard's `modelIdentifier`.

@@ -1,7 +1,7 @@
 //! Sections of the FMU's page other than the model: its use, its accuracy, further contents of the archive, licences.
 
-use crate::packaging::contents::Extras;
-use crate::packaging::documentation::{number, table};
+use crate::packaging::extras::Extras;
+use crate::packaging::html::{number, table};
 use crate::packaging::{Kinds, MODEL_IDENTIFIER, linear_model, reference};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;

@@ -3,10 +3,11 @@
 use crate::cli::fit::data::Data;
 use crate::cli::gradient::Variants;
 use crate::cli::sweep::{changed_text, file_path};
-use crate::cli::{Failure, config, shown};
+use crate::cli::{Failure, shown};
 use crate::report::InputTable;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::InputRows;
+use foldwing_file as config;
 use foldwing_fmi::interface::Interface;
 use foldwing_study::fit::Problem;
 use foldwing_study::sensitivity::{Gradients, Mode, Options};

@@ -2,6 +2,7 @@
 
 mod fan;
 mod journal;
+mod pictures;
 mod plan;
 mod variant;
 
@@ -15,9 +16,10 @@ use crate::cli::progress::Progress;
 use crate::cli::simulate::read_inputs;
 use crate::cli::{Failure, print, read_model, version};
 use clap::builder::NonEmptyStringValueParser;
-use fan::{FanPage, Pictures};
+use fan::FanPage;
 use foldwing_fmi::interface::Interface;
 use journal::Journal;
+use pictures::Pictures;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::fs;

@@ -1,7 +1,7 @@
 //! Variants of a sweep: a grid of `--vary`, or the rows of `--samples`.
 
 use crate::cli::Failure;
-use crate::cli::simulate::unknown;
+use crate::cli::choice::unknown;
 use crate::report::lines::Lines;
 use foldwing_fmi::interface::Interface;
 use std::collections::HashSet;

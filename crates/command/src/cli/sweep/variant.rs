@@ -4,7 +4,7 @@ use crate::cli::Failure;
 use crate::cli::grid::{Grid, GridArguments, grid_of};
 use crate::cli::settings::{apply_setting, plant_with};
 use crate::cli::simulate::feed;
-use crate::cli::sweep::fan::Pictures;
+use crate::cli::sweep::pictures::Pictures;
 use crate::cli::sweep::plan::{Plan, file_path};
 use crate::report::{InputTable, cell};
 use foldwing_engine::machine::Machine;
