@@ -7,9 +7,9 @@ crates the program prints a table of all crates, with names the files of their c
 each circle, the most useful first.
 
 What counts as an import: every path in `use` or in code that begins with `crate`, `self`, `super` or a module declared in the same file.
-Comments, texts in quotes and everything under `#[cfg(test)]` are left out. A name that a file re-exports (`pub use`) is followed to the
-file that has it: an import through `mod.rs` is an import of that file, and the line of the re-export itself is not an import. A path into
-the own folder's `mod.rs` is an import of `mod.rs` if the item is written there.
+Comments, texts in quotes and everything under `#[cfg(test)]` are left out. A name that another file has from a `use` of its own is followed
+to the file in which the item is written: an import through `mod.rs` is an import of that file, and a re-export (`pub use`) is an import only
+if the file also uses the name itself. A path into the own folder's `mod.rs` is an import of `mod.rs` if the item is written there.
 """
 
 import argparse
@@ -20,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 NOT_CODE = re.compile(
     r'//[^\n]*|/\*.*?\*/|\bb?r(#*)".*?"\1|b?"(?:\\.|[^"\\])*"|b?\'(?:\\.[^\']*|[^\\\'])\'', re.DOTALL
 )
+VISIBILITY = re.compile(r"pub\(in [^)]*\)")
 TEST = re.compile(r"#\[cfg\((?:test|all\(test\b[^\]]*)\)\]\s*(?:#\[[^\]]*\]\s*)*")
 USE = re.compile(r"(?<!\w)(pub(?:\([^)]*\))?\s+)?use\s+([^;]+);")
 MODULE = re.compile(r"(?<!\w)mod\s+(\w+)\s*;")
@@ -29,6 +30,7 @@ PATH = re.compile(r"(?<![\w:.])(?:r#)?[a-z_]\w*(?:\s*::\s*\w+)+")
 def code_of(text):
     """The text without comments, quotes and items for tests, and the names of the modules that are declared for tests."""
     text = NOT_CODE.sub(lambda found: " " if found[0].startswith("/") else '""', text)
+    text = VISIBILITY.sub("pub", text)
     tests = set()
     while found := TEST.search(text):
         end = end_of_item(text, found.end())
@@ -98,18 +100,22 @@ class Crate:
         for module in list(self.files):
             if module[-1:] == ("tests",) or any(module[: len(test)] == test for test in tests):
                 del self.files[module], self.code[module]
-        self.exports = {module: {} for module in self.files}
-        for module in self.files:
-            for public, tree in USE.findall(self.code[module]):
-                for segments, name in expand(tree) if public else []:
-                    self.exports[module][name] = segments
+        self.names = {
+            module: {name: segments for _, tree in USE.findall(self.code[module]) for segments, name in expand(tree)}
+            for module in self.files
+        }
         self.imports = {module: self.imported(module) - {module} for module in self.files}
 
     def imported(self, module):
         """Files that the file of `module` imports."""
         text = self.code[module]
-        paths = [segments for public, tree in USE.findall(text) if not public for segments, _ in expand(tree)]
         body = USE.sub("", text)
+        paths = [
+            segments
+            for public, tree in USE.findall(text)
+            for segments, name in expand(tree)
+            if not public or re.search(rf"\b{name}\b", body)
+        ]
         paths += [re.sub(r"\s|r#", "", path).split("::") for path in PATH.findall(body)]
         return {file for path in paths if (file := self.file_of(module, path)) is not None}
 
@@ -133,10 +139,11 @@ class Crate:
             base, path = (*base, path[0]), path[1:]
         if base not in self.files:
             return None
-        target = self.exports[base].get(path[0]) if path else None
+        target = self.names[base].get(path[0]) if path else None
         if target is None or (base, path[0]) in seen:
             return base
-        return self.file_of(base, [*target, *path[1:]], (*seen, (base, path[0])))
+        file = self.file_of(base, [*target, *path[1:]], (*seen, (base, path[0])))
+        return base if file is None else file
 
     def circles(self):
         """Circles, the largest first, each as a sorted list of module paths."""

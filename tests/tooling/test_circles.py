@@ -11,14 +11,14 @@ import circles  # noqa: E402
 
 # sizes of the circles of each crate, in files; a smaller circle is entered here
 SIZES = {
-    "command": [41, 4, 3, 3, 3, 2, 2, 2, 2],
-    "engine": [24, 20, 13, 12, 10, 8, 7, 4, 3, 3, 3, 3, 2, 2],
+    "command": [4, 3, 2, 2, 2, 2],
+    "engine": [13, 13, 8, 4, 3, 3, 3, 2, 2, 2, 2, 2],
     "file": [],
-    "fmi": [12, 2],
+    "fmi": [2],
     "fmu": [2],
     "python": [2],
     "recording": [2],
-    "study": [],
+    "study": [2],
     "web": [],
 }
 
