@@ -1,7 +1,8 @@
 //! Errors of foreign FMUs: reasons why an FMU cannot be run, and the statuses of its functions.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use zip::result::ZipError;
 
 /// Error of an FMU that cannot be run.
 #[derive(Debug, thiserror::Error)]

@@ -21,7 +21,6 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use zip::ZipArchive;
-use zip::result::ZipError;
 
 /// Member of the archive that identifies an FMU.
 const DESCRIPTION: &str = "modelDescription.xml";
