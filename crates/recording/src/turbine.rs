@@ -326,4 +326,29 @@ mod tests {
         assert!((foot - 0.034 * 87.6).abs() < 1e-12 && (top - 0.022 * 87.6).abs() < 1e-12);
         assert_eq!(turbine.note(), "In proportion, not in the model: diameter of the tower, sizes of nacelle and hub.");
     }
+
+    /// Blades across the axis of a rigid hub: two are a turbine, one is a body on a hinge.
+    #[test]
+    fn one_blade_is_no_turbine() {
+        let text = |count: usize| {
+            let blades = (0..count).map(|blade| {
+                format!(
+                    "[body.blade_{blade}]\nlength_m = 1\nsection = \"plate\"\nelements = 1\n[joint.root_{blade}]\ntype = \"clamped\"\nparent = \
+                     \"hub\"\nparent_position_m = 0\nchild = \"blade_{blade}\"\nmount_rotation_deg = [{}, 90, 0]\n",
+                    180 * blade
+                )
+            });
+            format!(
+                "name = \"blades\"\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.05\nheight_m = 0.004\ndensity_kg_m3 = 1400\n\
+                 youngs_modulus_Pa = 3e9\npoisson_ratio = 0.3\n[rigid_body.hub]\nmass_kg = 1\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n[joint.shaft]\n\
+                 type = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\n{}",
+                blades.collect::<String>()
+            )
+        };
+        let found = |count: usize| {
+            let machine = config::parse(&text(count), "blades").unwrap_or_else(|error| panic!("{error:?}"));
+            Turbine::of(&started(machine)).map(|turbine| turbine.blades.len())
+        };
+        assert_eq!([1, 2].map(found), [None, Some(2)]);
+    }
 }
