@@ -69,7 +69,7 @@ class Simulation(_native.Simulation):
             clock.sleep(left_s)
 
     def view(self, *, port: int = 0, speed: float = 1.0, show: bool = True) -> live.Live:
-        """Show the machine live in the browser, from its present state on: it runs on the wall clock; in the page one can start and stop
+        """Show the machine live in the browser, from its current state on: it runs on the wall clock; in the page one can start and stop
         it, go back in time, set inputs and parameters, and pull on it with a spring. The command `foldwing live` serves the page in a
         separate process: this simulation is not changed.
 

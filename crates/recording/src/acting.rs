@@ -1,4 +1,4 @@
-//! Loads and events of the machine: loads, reactions, wind, gravity at one time; latches, releases, gusts over time.
+//! Loads and events of the model: loads, reactions, wind, gravity at one time; latches, releases, gusts over time.
 
 use crate::recording::Frame;
 use foldwing_engine::load::LoadFrame;
@@ -28,7 +28,7 @@ pub struct HingeScene {
 pub struct MassScene {
     /// Name.
     pub name: String,
-    /// Index into the machine's bodies.
+    /// Index into the model's bodies.
     pub body: usize,
     /// Distance from the inner end in m.
     pub place_m: f64,
@@ -43,7 +43,7 @@ pub struct MassScene {
 pub struct StationScene {
     /// Name.
     pub name: String,
-    /// Index into the machine's bodies.
+    /// Index into the model's bodies.
     pub body: usize,
 }
 
@@ -69,7 +69,7 @@ pub struct Acting {
 }
 
 impl Acting {
-    /// Loads at the plant's present time; `frame` contains the sections.
+    /// Loads at the plant's current time; `frame` contains the sections.
     pub fn of(plant: &Plant, frame: &Frame) -> Self {
         let (outputs, inputs, machine) = (plant.outputs(), plant.inputs(), plant.machine());
         let frames = machine.bodies.iter().flat_map(|body| body.station_positions_m.iter().map(|_| body.load_frame));
@@ -193,7 +193,7 @@ impl Watch {
         Self { last: None, events }
     }
 
-    /// Evaluates the plant's present state. Inputs change at the start of a communication step: releases and openings that they cause
+    /// Evaluates the plant's current state. Inputs change at the start of a communication step: releases and openings that they cause
     /// belong to the previous point.
     pub fn include(&mut self, plant: &Plant, joints: &[(String, usize)]) {
         let now: Vec<JointStatus> = plant.joint_statuses().collect();

@@ -1,4 +1,4 @@
-//! Recordings of a run for pictures: scalars over time, frames with the whole machine, events, and all of these packed for the viewer page.
+//! Recordings of a run for pictures: scalars over time, frames with the whole model, events, and all of these packed for the viewer page.
 //!
 //! The command records runs for `--view`, `--plot`, `--vtk`, films and live simulations; the documentation's pages record them in the browser.
 

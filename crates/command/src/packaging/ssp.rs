@@ -28,7 +28,7 @@ const RADIANS: f64 = PI / 180.0;
 /// Digits after which a rounded number of degrees is tried: model files contain fewer.
 const DIGITS: usize = 14;
 
-/// Returns the bytes of the archive; `variables` are the scalar variables of the FMU of the machine, whose bytes are `fmu`.
+/// Returns the bytes of the archive; `variables` are the scalar variables of the FMU of the model, whose bytes are `fmu`.
 pub fn system(machine: &Machine, variables: &[Variable], kinds: Kinds, fmu: Vec<u8>) -> Vec<u8> {
     let texts = [
         (STRUCTURE, structure(machine, variables, kinds)),

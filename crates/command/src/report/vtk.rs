@@ -36,7 +36,7 @@ struct Mesh {
 /// Names of the possible series of a run, in the order of the blocks of `run.pvd`.
 pub const SERIES: [&str; 6] = ["wing", "joints", "gauges", "loads", "surfaces", "wake"];
 
-/// Passes the files of the series `wing` and of the other series for which the machine has data, and `run.pvd`, to `write` with their
+/// Passes the files of the series `wing` and of the other series for which the model has data, and `run.pvd`, to `write` with their
 /// names.
 /// names.
 ///

@@ -138,7 +138,7 @@ pub struct VortexLattice {
     pub(super) factored_stretch: Option<Stretch>,
     pub(super) factored: bool,
     pub(super) factors: Factors,
-    /// Velocity in m/s at the nodes of a free wake in the present step.
+    /// Velocity in m/s at the nodes of a free wake in the current step.
     pub(super) free_m_s: Vec<Vector3<f64>>,
     /// Number of steps between two evaluations of the velocity of a far row of a free wake.
     pub(super) far_period: usize,

@@ -252,7 +252,7 @@ impl JointForces {
         sum
     }
 
-    /// Applies changed inputs, including crossings at the present instant.
+    /// Applies changed inputs, including crossings at the current instant.
     pub fn take_inputs(&self, told: &Told, now: &Point, memory: &mut JointMemory) -> Outcome {
         let crossed = std::mem::take(&mut memory.crossed);
         let mut sum = Outcome::default();

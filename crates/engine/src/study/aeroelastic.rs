@@ -61,7 +61,7 @@ impl Study<'_> {
         Ok((system, Some(Aeroelastic { slopes, air_force, air_rate_force, mass: apparent })))
     }
 
-    /// Motion of the sections for given coordinates, and for given rates and accelerations or the present ones.
+    /// Motion of the sections for given coordinates, and for given rates and accelerations or the current ones.
     pub(super) fn sections_at(&mut self, q: &[f64], v: Option<&[f64]>, a: Option<&[f64]>) -> Vec<Section> {
         let now = self.system.state.now.clone();
         let (v, a) = (v.unwrap_or(&now.v), a.unwrap_or(&now.a));

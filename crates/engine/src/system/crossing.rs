@@ -85,7 +85,7 @@ impl Equations {
         }
     }
 
-    /// Kinetic energy in J of the whole machine.
+    /// Kinetic energy in J of the whole model.
     fn kinetic_j(&mut self, point: &Point, zero: &[f64]) -> f64 {
         sweep_motion(&self.model, &mut self.work, Motion { q: &point.q, v: &point.v, a: zero });
         energy::kinetic(&self.model, &self.work, |_, _| ())

@@ -341,7 +341,7 @@ fn compare(label: &str, declared: &Pairs, seen: &Seen) -> Vec<String> {
     let missing =
         seen.surely.difference(declared).map(|(output, known)| format!("{label}: {output} depends on {known} unsaid"));
     let (declared, seen) = (groups(declared), groups(&seen.perhaps));
-    // the load of a lock is zero while the joint rotates freely, as in most of the machines
+    // the load of a lock is zero while the joint rotates freely, as in most of the models
     let idle = declared
         .difference(&seen)
         .filter(|(output, _)| !output.ends_with(".holding_torque") && !output.ends_with(".holding_force"))

@@ -54,7 +54,7 @@ pub struct Options {
     pub speed: Option<f64>,
     /// Viewing direction.
     pub view: View,
-    /// Whether the camera moves with the machine; `None` follows a flying machine only.
+    /// Whether the camera moves with the model; `None` follows a flying model only.
     pub follows: Option<bool>,
     /// First and last time in s; `None` takes the limits of the run.
     pub span_s: [Option<f64>; 2],
@@ -74,7 +74,7 @@ pub struct Film {
     pub times_s: Vec<f64>,
     /// Seconds of the run per second of the film.
     pub speed: f64,
-    /// Whether the camera moves with the machine.
+    /// Whether the camera moves with the model.
     pub follows: bool,
 }
 
