@@ -87,8 +87,9 @@ pub struct Fan {
 }
 
 impl Fan {
-    /// Description and numbers for the page. Runs that failed, or are over other times or bodies than the shown one, are left out and counted. Of more
-    /// runs than the page has room for every so many are drawn; the bands are those of all.
+    /// Description and numbers for the page. Runs that failed, or are over other times or bodies than the shown one, are left out and
+    /// counted. If there are more runs than the page has space for, a selection of them at equal intervals is drawn; the bands are those of
+    /// all.
     ///
     /// # Errors
     /// The shown run failed.

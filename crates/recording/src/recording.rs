@@ -115,7 +115,7 @@ pub struct Scene {
     pub stations: Vec<StationScene>,
     /// Lifting surfaces, in the order of [`Frame::edges_m`].
     pub surfaces: Vec<SurfaceScene>,
-    /// Places of the internal loads per body, at [`BodyScene::places_m`]; none on rigid and modal bodies.
+    /// Positions of the internal loads per body, at [`BodyScene::places_m`]; none on rigid and modal bodies.
     pub load_places: Vec<Vec<SectionPlace>>,
     /// The aerodynamics are those of a rotor.
     pub is_rotor: bool,
@@ -160,7 +160,7 @@ pub struct Frame {
     /// Force in N and moment in N·m of the part outboard of a section on the part inboard, section frame, per body with
     /// [`Scene::load_places`].
     pub loads: Vec<Vec<Wrench>>,
-    /// Force of the air in N at every edge of the strips, per lifting surface.
+    /// Aerodynamic force in N at every edge of the strips, per lifting surface.
     pub edge_forces_n: Vec<Vec<Vector3<f64>>>,
     /// Leading and trailing edge in m per lifting surface, from the inner to the outer strip edge.
     pub edges_m: Vec<Vec<[Vector3<f64>; 2]>>,

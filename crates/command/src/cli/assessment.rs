@@ -122,7 +122,7 @@ impl Assessment {
         }
         (answer.centre_of_mass_m, answer.inertia_kg_m2) = mass_properties(&plant);
         let unstrained: Vec<Vector3<f64>> = plant.outputs().tips().iter().map(|tip| tip.position_m).collect();
-        // a new plant, because the bare one has no gravity
+        // a new plant, because that of the bare model has no gravity
         match at_rest(&bare, &unstrained) {
             Ok((deflection, frequencies_hz)) => {
                 (answer.static_deflection, answer.frequencies_hz) = (deflection, frequencies_hz)

@@ -147,7 +147,7 @@ pub struct VortexLattice {
 }
 
 impl VortexLattice {
-    /// Makes a lattice with a strip between each pair of consecutive sections of a surface.
+    /// Creates a lattice with a strip between each pair of consecutive sections of a surface.
     pub fn new(surfaces: Vec<Surface>, options: LatticeOptions) -> Self {
         let (mut bound, mut wake, mut first_panel) = (Vec::new(), Vec::new(), Vec::new());
         let (mut corners, mut rings, mut panels, mut columns, mut strips) = (0, 0, 0, 0, 0);

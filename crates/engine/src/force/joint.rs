@@ -42,7 +42,7 @@ pub struct JointForces {
 }
 
 impl JointForces {
-    /// Makes the forces on a joint; a joint with one degree of freedom is held until [`JointForces::recall`].
+    /// Creates the forces on a joint; a joint with one degree of freedom is held until [`JointForces::recall`].
     pub fn new(body: usize, joint: &Joint, forces: Vec<Force>) -> Self {
         Self {
             body,

@@ -189,7 +189,7 @@ impl Accelerations for AlongTree<'_, '_, '_> {
             let along = &self.directions * column;
             let size = along.amax();
             if size > 0.0 {
-                // outputs are linear in it: at least as large as the current value, so that the change is not lost in round-off
+                // outputs are linear in this step: at least as large as the current value, so that the change is not lost in round-off
                 let scale = (present / size).max(1.0);
                 let mut at = |sign: f64| {
                     let shift: Vec<f64> = along.iter().map(|a| sign * scale * a).collect();

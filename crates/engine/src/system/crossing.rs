@@ -146,7 +146,7 @@ impl Equations {
             work_j = moved.map(|joint| momenta[joint.coordinate] * point.v[joint.coordinate]).sum();
         }
         let after_j = self.kinetic_j(point, zero);
-        // the border is located to a finite accuracy, by which the pose jumps: this share is work, as for the potentials
+        // the border is located to a finite accuracy, by which the pose jumps: the resulting energy counts as work, as for the potentials
         Ok(Stopped { lost_j: held_j + work_j - after_j, work_j: work_j + held_j - before_j })
     }
 }

@@ -129,7 +129,7 @@ impl System {
         Ok(())
     }
 
-    /// Makes the energy accounts, work of the inputs and energy dissipated, states of an external integrator, or not: without them the
+    /// Sets whether the energy accounts, work of the inputs and energy dissipated, are states of an external integrator: otherwise the
     /// accounts are not known while it integrates. To be called before [`System::begin_exchange`]; they are states by default.
     pub fn keep_exchange_accounts(&mut self, kept: bool) {
         self.exchange.without_accounts = !kept;

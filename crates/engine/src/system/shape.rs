@@ -316,8 +316,8 @@ impl System {
         places_m.iter().map(section).collect()
     }
 
-    /// Places on a beam at distances in m from its inner end, ascending, for [`System::internal_loads`]: the first section is cut outboard
-    /// of masses and loads attached there, the others inboard. None on rigid and modal bodies.
+    /// Positions on a beam at distances in m from its inner end, ascending, for [`System::internal_loads`]: the first section is cut
+    /// outboard of masses and loads attached there, the others inboard. None on rigid and modal bodies.
     pub fn load_places(&self, body: usize, places_m: &[f64]) -> Vec<SectionPlace> {
         let model = &self.equations.model;
         if model.bodies[body].elements == 0 {
@@ -332,7 +332,7 @@ impl System {
         places_m.iter().enumerate().map(place).collect()
     }
 
-    /// Internal loads at places: force in N and moment in N·m of the part outboard of a section on the part inboard, in the frame of the
+    /// Internal loads at positions: force in N and moment in N·m of the part outboard of a section on the part inboard, in the frame of the
     /// section, at the current time; all outputs must have been evaluated. NOTATION eqs. (G5), (G6).
     pub fn internal_loads(&self, places: &[SectionPlace]) -> Vec<Wrench> {
         let (equations, now) = (&self.equations, &self.state.now);

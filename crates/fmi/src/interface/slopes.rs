@@ -188,7 +188,7 @@ impl Interface {
             }
         };
         let nominal = match slot.place {
-            // the nominal magnitudes of rates are those of short waves: too long a step for loads of the air, which are not quadratic
+            // the nominal magnitudes of rates are those of short waves: too long a step for aerodynamic loads, which are not quadratic
             Place::State(state) if (self.coordinates.len()..2 * self.coordinates.len()).contains(&state) => {
                 RATE_1_S * self.nominals[state - self.coordinates.len()]
             }

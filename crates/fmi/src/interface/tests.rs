@@ -231,7 +231,7 @@ fn what_is_set_is_read_back_and_nothing_else_changes() {
     }
 }
 
-/// Another value that the row allows, far enough away for a visible effect on dependent outputs.
+/// Another value that the row allows, different enough to have a visible effect on dependent outputs.
 fn other(row: &Variable, value: Value) -> Value {
     match value {
         Value::Boolean(value) => Value::Boolean(!value),

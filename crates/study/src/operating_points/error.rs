@@ -197,7 +197,7 @@ pub enum PointError {
         /// Distance above the target at the end, in SI units.
         excess: f64,
     },
-    /// The search ended without a state that holds the output.
+    /// The search ended without a state at which the output meets its target.
     #[error("target {output}={target}: no value was found that reaches the target")]
     NotHeld {
         /// Name of the output.

@@ -15,7 +15,7 @@ pub const MAXIMUM_POINTS: usize = 100_000;
 /// Computes operating points of a rotor over wind, speed and pitch.
 ///
 /// Each is the steady state in the rotating frame or, with tilt, gravity or shear, the motion that repeats every revolution, at
-/// constant shaft speed. A point without a state holds its error; the others are computed.
+/// constant shaft speed. A point for which no state is found contains the error; the others are computed.
 ///
 /// # Errors
 /// Lists and ranges that are not allowed, models without aerodynamics, wind or shaft, unknown names, and the error of the first point

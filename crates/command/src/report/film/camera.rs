@@ -14,7 +14,7 @@ fn half_view() -> f64 {
     (15.0 * PI / 180.0).tan()
 }
 
-/// Viewing direction of a film, as on the page.
+/// Viewing direction of a video, as on the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum View {
     /// Isometric.
@@ -115,7 +115,7 @@ impl Camera {
     }
 }
 
-/// Motion of the camera of a film.
+/// Motion of the camera of a video.
 #[derive(Debug)]
 pub(super) struct Motion {
     at_start: Camera,

@@ -176,7 +176,7 @@ impl Layout {
         let gravity = take(3);
         let winds = take(3 * about.winds);
         let strips = take(about.strips);
-        // internal loads and forces of the air, which films do not show
+        // internal loads and aerodynamic forces, which videos do not show
         take(about.bodies.iter().filter(|body| body.loaded).map(|body| 6 * body.rims.len()).sum());
         if about.edge_forces {
             take(about.surfaces.iter().map(|surface| 3 * surface.columns).sum());

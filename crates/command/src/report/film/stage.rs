@@ -10,7 +10,7 @@ use crate::report::film::run::{Extents, Run, Vector};
 /// Opacity of the background of a colour scale.
 const FAINT_BEHIND: f32 = 0.82;
 
-/// Ground and axes, identical in all images of a film.
+/// Ground and axes, identical in all images of a video.
 #[derive(Debug)]
 pub(super) struct Stage {
     floor_m: f64,

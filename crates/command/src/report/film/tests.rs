@@ -152,7 +152,7 @@ fn slow_turns_change_frames_smoothly() {
     }
 }
 
-/// A film has the number of frames for its duration at its speed; at the default speed it lasts about eight seconds.
+/// A video has the number of frames for its duration at its speed; at the default speed it lasts about eight seconds.
 #[test]
 fn films_have_the_length_of_their_run() {
     let recording = recorded(shipped("folding_wing"), 400);

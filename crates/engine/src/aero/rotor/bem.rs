@@ -90,7 +90,7 @@ pub(super) struct Disc {
 }
 
 impl Rotor {
-    /// Makes a rotor from these surfaces, one per blade.
+    /// Creates a rotor from these surfaces, one per blade.
     pub fn new(surfaces: &[Surface], options: &RotorOptions) -> Self {
         let blades = options.features.blades.unwrap_or(surfaces.len()) as f64;
         let half = 0.5 * blades;

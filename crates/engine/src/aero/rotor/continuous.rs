@@ -74,7 +74,7 @@ impl Rotor {
         (answer, state)
     }
 
-    /// Derivative of [`Rotor::answer`] by sixth-order central differences that avoid the corners of polars, as for strips. The model has no
+    /// Derivative of [`Rotor::answer`] by sixth-order central differences that avoid the kinks of polars, as for strips. The model has no
     /// apparent mass: accelerations and rates of the wind have no effect. There is no derivative if the momentum balance jumps, see
     /// [`Rotor::jump`].
     pub fn slope(&mut self, at: &Instant, variable: Variable) -> Answer {

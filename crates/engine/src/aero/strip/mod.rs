@@ -142,7 +142,7 @@ pub struct Strips {
 }
 
 impl Strips {
-    /// Makes one strip between each pair of consecutive sections of each surface.
+    /// Creates one strip between each pair of consecutive sections of each surface.
     pub fn new(surfaces: Vec<Surface>, options: StripOptions) -> Self {
         let mut model = Self {
             options,

@@ -404,8 +404,8 @@ mod tests {
         plant.floquet(&turn, &motion, 8).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Of two blades with lead-lag springs, at 2.3 and 9.3 times the rotor speed, 144 steps per revolution resolve the first: 24 steps per
-    /// period are available up to 6 times the speed. The other mode is counted and omitted.
+    /// Two blades with lead-lag springs, at 2.3 and 9.3 times the rotor speed: 144 steps per revolution resolve the first mode, as 24 steps
+    /// per period are available up to 6 times the speed. The other mode is counted and omitted.
     #[test]
     fn motions_that_steps_do_not_follow_are_counted_only() {
         let lag = |ratio: f64| ([0.0, 0.0, 1.0], [(ratio * SPEED_RAD_S).powi(2), 0.02, 0.0]);
