@@ -84,7 +84,7 @@ def run_casadi(task: Task) -> Rows:
     import casadi
     import numpy as np
 
-    os.chdir(Path(task.fmu).parent)  # it unpacks into the present folder
+    os.chdir(Path(task.fmu).parent)  # it unpacks into the current folder
     builder = casadi.DaeBuilder("model", task.fmu)
     # Boolean outputs are read as Real and fail
     names = [row.name for row in scalars(task) if not row.boolean]

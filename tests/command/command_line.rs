@@ -652,8 +652,8 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     assert!(folder.path().join("p/root_locus.svg").exists());
 }
 
-/// Mode shapes: a page and VTK files, for modes, flutter and a rotor; what cannot be drawn is rejected with its cause, before anything is
-/// is written.
+/// Mode shapes: a page and VTK files, for modes, flutter and a rotor; a model without modes to draw is rejected with the cause before
+/// anything is written.
 #[test]
 fn mode_shapes_have_pages_and_vtk_files() {
     let folder = tempfile::tempdir().unwrap();
