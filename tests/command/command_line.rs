@@ -338,7 +338,7 @@ fn static_brings_the_wing_to_rest() {
     let force = held["root"]["force_N"][0].as_f64().unwrap();
     assert!((force + 0.06305 * 9.8).abs() < 1e-9, "{force}");
     assert_eq!(held["bodies"][1]["sections"].as_array().unwrap().len(), 5, "the mesh boundaries of four pairs");
-    // released it unfolds, and its latch catches it on the way: 1e4 k θ + T = moment of the weight, zero when it hangs
+    // released, it unfolds until the latch closes: 1e4 k θ + T = moment of the weight, which is zero for a vertical wing
     let latched = json(&[]);
     assert_eq!(latched["joints"][0]["latched"], true);
     let angle = latched["joints"][0]["angle_rad"].as_f64().unwrap();

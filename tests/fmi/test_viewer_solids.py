@@ -135,8 +135,7 @@ def test_f385_spars_stay_visible(browser, pages):
 
 def test_f386_a_turbine_has_tower_nacelle_and_hub(browser, pages):
     """F-386. The 5 MW turbine: hub and nacelle have the positions and attitudes of their bodies; the tower has the proportion stated in the
-    legend, and with
-    `[tower]` the given diameters; blades in the wind are round at the root. One draw call for hub and nacelle.
+    legend, and with `[tower]` the given diameters; blades in the wind are round at the root. One draw call for hub and nacelle.
     """
     opened(browser, pages / "nrel_5mw.html")
     parts = browser.value("about.solids.map(({ part, body }) => [part, about.bodies[body].name])")
