@@ -104,8 +104,8 @@ fn serialised(fmu: &Fmu) -> Vec<u8> {
     }
 }
 
-/// ME-16. Nominal rates of stretch are those of the shortest wave on the mesh: of the folding wing, whose elements' halves have 18.75 mm, 0.01
-/// times `2c/l`. Curvatures and hinges keep 10 1/s.
+/// ME-16. Nominal rates of stretch are those of the shortest wave on the mesh: for the folding wing, whose half-elements have a length of
+/// 18.75 mm, 0.01 times `2c/l`. Curvatures and hinges keep 10 1/s.
 #[test]
 fn me16_nominal_rates_of_stretch_are_those_of_the_shortest_wave() {
     let table = table(WING, kinds(Version::Fmi2, false, false));

@@ -56,7 +56,7 @@ impl Kinds {
         if self.scalars { arrays.in_scalars() } else { arrays }
     }
 
-    /// Whether the table has the energy accounts. One table serves both interface types, and co-simulation has them.
+    /// Whether the table has the energy accounts: always with co-simulation, because one table serves both interface types.
     pub fn keeps_accounts(self) -> bool {
         self.co_simulation || self.accounts
     }
