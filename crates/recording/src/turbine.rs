@@ -19,7 +19,7 @@ const AROUND: usize = 20;
 pub struct SolidScene {
     /// Part of the turbine.
     pub part: &'static str,
-    /// Index into the machine's bodies.
+    /// Index into the model's bodies.
     pub body: usize,
     /// Rings of points.
     pub rings_m: Vec<Vec<[f64; 3]>>,
@@ -27,7 +27,7 @@ pub struct SolidScene {
     pub is_round: bool,
 }
 
-/// The parts of a turbine as indices into the machine's bodies.
+/// The parts of a turbine as indices into the model's bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turbine {
     /// Flexible body that carries the nacelle.
@@ -43,7 +43,7 @@ pub struct Turbine {
 }
 
 impl Turbine {
-    /// The turbine that a machine is: at least two blades across the shaft on a rigid hub, the outermost one that rotates on a revolute
+    /// The turbine of a model: at least two blades across the shaft on a rigid hub, the outermost one that rotates on a revolute
     /// joint.
     pub fn of(plant: &Plant) -> Option<Self> {
         let machine = plant.machine();

@@ -48,7 +48,7 @@ const CAUGHT_UP: f64 = 2e-3;
 /// Method to find a steady flow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Search {
-    /// Newton's method from the present velocities.
+    /// Newton's method from the current velocities.
     Newton,
     /// Relaxation to the neighbourhood of the solution, then Newton's method.
     Relaxation,
@@ -66,7 +66,7 @@ pub(super) struct LatticeProfiles {
     pub has_gains: bool,
     newton: LinearSystem,
     /// For all strips in m/s: velocity at the last solution, thin-plate velocity there, trial velocity, velocity at the start of the
-    /// present Newton step, that step, and residual.
+    /// current Newton step, that step, and residual.
     solved_m_s: Vec<f64>,
     thin_m_s: Vec<f64>,
     trial_m_s: Vec<f64>,
@@ -92,7 +92,7 @@ struct ProfileStrip {
     first_ring: usize,
 }
 
-/// Inflow of a strip at the present instant.
+/// Inflow of a strip at the current instant.
 #[derive(Debug, Clone, Copy)]
 struct Met {
     cut: Cut,

@@ -19,7 +19,7 @@ const ACCOUNTS: usize = 2;
 pub(super) struct Manner {
     /// The energy accounts are not states.
     without_accounts: bool,
-    /// `1/ω_c²` of the frequency limit in s², eq. (D21); 0 without a limit, and while the machine takes steps of its own.
+    /// `1/ω_c²` of the frequency limit in s², eq. (D21); 0 without a limit, and while the model takes steps of its own.
     pub(super) strain_inertia_s2: f64,
 }
 
@@ -47,7 +47,7 @@ impl Clone for Outside {
 }
 
 impl Outside {
-    /// Whether these values can have been set in a run of a machine with this number of states.
+    /// Whether these values can have been set in a run of a model with this number of states.
     pub fn fits(&self, initialized: bool, states: usize) -> bool {
         initialized && self.states.len() == states
     }
@@ -56,7 +56,7 @@ impl Outside {
 /// Quantities computed from the set states, if they have been evaluated.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Told {
-    /// Whether the present point and the derivatives correspond to the set states.
+    /// Whether the current point and the derivatives correspond to the set states.
     found: bool,
     derivatives: Vec<f64>,
     indicators: Vec<f64>,
@@ -110,7 +110,7 @@ pub enum CoordinateQuantity {
 }
 
 impl System {
-    /// Passes control of the initialised machine to an external integrator, which starts in event mode. Returns an error with a lattice or
+    /// Passes control of the initialised model to an external integrator, which starts in event mode. Returns an error with a lattice or
     /// a rotor.
     pub fn begin_exchange(&mut self) -> Result<(), NotHybrid> {
         let accounts = self.account_count();
@@ -129,7 +129,7 @@ impl System {
         Ok(())
     }
 
-    /// Makes the energy accounts, work of the inputs and energy dissipated, states of an external integrator, or not: without them the
+    /// Sets whether the energy accounts, work of the inputs and energy dissipated, are states of an external integrator: otherwise the
     /// accounts are not known while it integrates. To be called before [`System::begin_exchange`]; they are states by default.
     pub fn keep_exchange_accounts(&mut self, kept: bool) {
         self.exchange.without_accounts = !kept;

@@ -78,7 +78,7 @@ pub(super) fn locals(table: &mut Table, machine: &Machine) {
 }
 
 impl Duration {
-    /// Present value in s.
+    /// Current value in s.
     pub(super) fn read_s(self, latency: &Latency) -> f64 {
         match self {
             Self::Last => latency.last_s(),
@@ -89,7 +89,7 @@ impl Duration {
 }
 
 impl Counter {
-    /// Present count; saturates at the largest Integer.
+    /// Current count; saturates at the largest Integer.
     pub(super) fn read(self, statistics: &Statistics) -> i32 {
         let count = match self {
             Self::Steps => statistics.steps,

@@ -1,4 +1,4 @@
-//! Outputs: one flat vector, with one source file per group, and their values at the present time.
+//! Outputs: one flat vector, with one source file per group, and their values at the current time.
 
 mod attitudes;
 mod energies;
@@ -110,7 +110,7 @@ impl OutputLayout {
         groups.into_iter().find(|(range, _)| range.contains(&index)).map_or(OutputSet::ALL, |(_, group)| group)
     }
 
-    /// Layout for a machine.
+    /// Layout for a model.
     pub fn new(machine: &Machine) -> Self {
         let mut end = 0;
         let (one_freedoms, bodies) = (machine.one_freedoms().count(), machine.bodies.len());
@@ -177,7 +177,7 @@ impl Outputs {
         tips, tips_mut: [PointOutputs];
         /// Per station, in the order of [`crate::signal::Inputs::stations`].
         stations, stations_mut: [PointOutputs];
-        /// Per load station of machines with aerodynamics: aerodynamic force and moment on the part of the body that is nearest to it, at
+        /// Per load station of models with aerodynamics: aerodynamic force and moment on the part of the body that is nearest to it, at
         /// the station, root frame.
         air_stations, air_stations_mut: [Wrench];
         /// Per strip, surfaces in the order of their bodies: circulation in m²/s.
@@ -199,7 +199,7 @@ impl Outputs {
         air_total, air_total_mut: Wrench;
     }
 
-    /// Zero outputs with the sizes of a machine, before initialisation.
+    /// Zero outputs with the sizes of a model, before initialisation.
     pub(crate) fn blank(machine: &Machine) -> Self {
         let layout = OutputLayout::new(machine);
         let mut outputs = Self { time_s: 0.0, layout, values: vec![0.0; layout.end] };
@@ -242,9 +242,9 @@ impl Outputs {
     }
 }
 
-/// The present motion, from which the files of this folder compute their outputs.
+/// The current motion, from which the files of this folder compute their outputs.
 pub(crate) struct Present<'a> {
-    /// State of the system; its `now` is the present point.
+    /// State of the system; its `now` is the current point.
     state: &'a State,
     /// Equations, evaluated by the required sweep.
     equations: &'a Equations,
@@ -272,7 +272,7 @@ impl System {
         }
     }
 
-    /// Evaluates those of `wanted` that are not up to date at the present time, with the set inputs: forces and accelerations have direct
+    /// Evaluates those of `wanted` that are not up to date at the current time, with the set inputs: forces and accelerations have direct
     /// feedthrough. Allocates nothing.
     pub fn provide(&mut self, wanted: OutputSet) {
         if self.state.initialized && !self.found.contains(wanted) {
@@ -291,12 +291,12 @@ impl System {
         }
     }
 
-    /// Whether these outputs are up to date at the present time.
+    /// Whether these outputs are up to date at the current time.
     pub fn provides(&self, wanted: OutputSet) -> bool {
         !self.state.initialized || self.found.contains(wanted)
     }
 
-    /// Evaluates all outputs from the present state and the inputs of the last step. Allocates nothing.
+    /// Evaluates all outputs from the current state and the inputs of the last step. Allocates nothing.
     pub(crate) fn evaluate(&mut self) {
         self.evaluate_only(OutputSet::ALL);
     }
@@ -307,7 +307,7 @@ impl System {
         self.evaluate_some(wanted);
     }
 
-    /// Marks all outputs as out of date, because the present state has changed.
+    /// Marks all outputs as out of date, because the current state has changed.
     pub(crate) fn forget_outputs(&mut self) {
         self.found = OutputSet::NONE;
         self.outputs.time_s = self.state.now.time_s;
@@ -370,7 +370,7 @@ impl System {
         }
     }
 
-    /// Updates the equations to the present time to the extent that some outputs require.
+    /// Updates the equations to the current time to the extent that some outputs require.
     fn sweep_for(&mut self, wanted: OutputSet) {
         let (now, equations) = (&self.state.now, &mut self.equations);
         let time_s = now.time_s;

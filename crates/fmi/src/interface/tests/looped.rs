@@ -93,7 +93,7 @@ fn closure(name: &str, bodies: [usize; 2], [inertia_kg, damping_n_s_m]: [f64; 2]
     }
 }
 
-/// A loop between a body and the root; soft, as [`closure`].
+/// A loop between a body and the root, as soft as that of [`closure`].
 fn on_root(name: &str, body: usize, penalty: [f64; 2]) -> Closure {
     let mut closure = closure(name, [body; 2], penalty);
     (closure.ends[0], closure.offsets_m[0]) = (LoopEnd::Root, Vector3::new(0.2, 0.1, 0.15));
