@@ -18,9 +18,9 @@ from typing import Callable, Dict, List, NamedTuple, Tuple
 
 from fmpy import read_model_description, simulate_fmu
 
-# one below what importers use by default (1e-4 to 1e-6): the differences that remain are those of the integrators, not of this choice
+# smaller than the defaults of importers (1e-4 to 1e-6), so that the remaining differences are due to the integrators, not to this choice
 TOLERANCE = 1e-8
-# output intervals of FMPy in one of ours in Model Exchange
+# number of output intervals of FMPy in an output interval of this script, in Model Exchange
 PARTS = 20
 NUMBERS = ("Real", "Float64", "Boolean")
 
@@ -84,7 +84,7 @@ def run_casadi(task: Task) -> Rows:
     import casadi
     import numpy as np
 
-    os.chdir(Path(task.fmu).parent)  # it unpacks into the present folder
+    os.chdir(Path(task.fmu).parent)  # it unpacks into the current folder
     builder = casadi.DaeBuilder("model", task.fmu)
     # Boolean outputs are read as Real and fail
     names = [row.name for row in scalars(task) if not row.boolean]
@@ -156,13 +156,14 @@ def run_pathsim(task: Task) -> Rows:
     from pathsim.solvers import ESDIRK43, RKF45
     from pathsim_fmi import CoSimulationFMU, FMUWrapper, ModelExchangeFMU
 
-    # its blocks read and set every variable as one Real, also Booleans and arrays, and set inputs to 0 instead of their start values
+    # the blocks of PathSim read and set every variable, even Booleans and arrays, as one Real, and set inputs to 0 instead of their start
+    # values
     def real_outputs(wrapper):
         wrapper.variable_map = {row.name: row for row in wrapper.model_description.modelVariables}
         wrapper.input_refs = {}
         wrapper.output_refs = {row.name: row.reference for row in scalars(task) if not row.boolean}
 
-    # and it takes derivatives for states, and states for derivatives
+    # PathSim also interchanges states and derivatives
     def states_of(wrapper):
         rates = [row for row in wrapper.model_description.modelVariables if row.derivative is not None]
         wrapper._derivative_refs = [row.valueReference for row in rates]

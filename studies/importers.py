@@ -1,4 +1,5 @@
-"""Runs the shipped models as FMUs in importers that are not ours, beside `foldwing simulate`, and writes the table; `make importers`.
+"""Runs the shipped models as FMUs in importers of other projects, compares them with `foldwing simulate`, and writes the table; `make
+importers`.
 
   python studies/importers.py --foldwing COMMAND --second-importer PROGRAM --python PYTHON [--table FILE] [--only MODEL] [--importers NAME ...]
 
@@ -26,15 +27,15 @@ STOP_S = {"cs": 0.1, "me": 0.02}
 STEPS = {"cs": 50, "me": 20}
 # one joint with a latch ahead, one with rigid bodies, a loop, and several joints; without strips, whose co-simulation takes aerodynamic steps
 EXCHANGED = ("branched", "folding_wing_as_printed", "four_bar", "roll_fold")
-# cs: equal calls give equal bits, but importers sum up their times while ours are multiples of the step: the last bits of 50 steps, which are
-# 1e-9 of the range of a nearly constant energy, and 5e-7 of loads of strips, which contain differences of velocities over a step. me:
-# integrators at 1e-8 whose errors of 20 ms are measured below 1e-5 of the motion
+# cs: equal calls give equal bits, but importers sum up their times whereas the times here are multiples of the step: the last bits of 50
+# steps, which are 1e-9 of the range of a nearly constant energy, and 5e-7 of loads of strips, which contain differences of velocities over
+# a step. me: integrators at 1e-8 whose errors of 20 ms are measured below 1e-5 of the motion
 ALLOWED = {"cs": 1e-6, "me": 1e-4}
 FORMS = {"2 cs": "FMI 2.0, co-simulation", "3 cs": "FMI 3.0, co-simulation", "2 me": "FMI 2.0, Model Exchange", "3 me": "FMI 3.0, Model Exchange"}
 
 
 class Importer(NamedTuple):
-    """An importer of `importer_runs.py`: the forms that it runs, why the others are not, and what its user has to do."""
+    """An importer of `importer_runs.py`: forms that it supports, reasons why it does not support the others, and advice for its users."""
 
     title: str
     name: str
@@ -57,7 +58,7 @@ IMPORTERS = [
     Importer("fmuloader; Assimulo's CVode", "fmuloader", ("2 cs", "3 cs", "2 me", "3 me"), "", "none: it passes on calls; the loop is `run_fmuloader`"),
 ]
 
-# tried, and not to be had from a package registry
+# tried, and not available from a package registry
 ABSENT = [
     ("OMSimulator 3.0.0.post198", "PyPI has a source archive alone, whose installation downloads the program from the project's own server; not reached"),
     ("PyFMI 2.5", "PyPI ends in 2018: the source needs FMI Library, which no registry has, and Cython of that time; `assimulo` 3.0 fails in its `setup.py`"),
@@ -83,7 +84,7 @@ class Finding(NamedTuple):
 
 
 def package(foldwing: str, model: Path, form: str, scalars: bool, folder: Path) -> Optional[Path]:
-    """The FMU, or None where a lattice is sampled and Model Exchange refused."""
+    """The FMU, or None for a model with a lattice, for which Model Exchange is not available."""
     version, kind = form.split()
     more = ["--scalars"] if scalars and version == "3" else []
     archive = folder / f"{model.stem}{version}{kind}{len(more)}.fmu"
@@ -167,7 +168,7 @@ def matrix(arguments: argparse.Namespace, folder: Path) -> Tuple[List[str], bool
 SYSTEM = ROOT / "examples/controlled_wing_ssp.py"
 # start angle in degrees, run in s, steps in s
 START_DEG, SYSTEM_STOP_S, SYSTEM_STEPS_S = 120.0, 0.05, (5e-4, 2.5e-4, 1.25e-4)
-# the controller is late by one or two steps: its error is of first order, and half with half of the step
+# the controller has a delay of one or two steps: the error is of first order, and halves with the step
 ORDER = (1.85, 2.15)
 
 

@@ -6,8 +6,8 @@
 Every model without a lattice is integrated from its start over 20 ms by FMPy's CVode, SciPy's Radau, BDF and LSODA, CasADi's CVODES and
 IDAS, and by explicit methods with `solver.frequency_limit`. The error is the largest difference of fold angles in rad and of places of
 tips in m at the end from the reference, over what moves farthest: still air, co-simulation at a tolerance of 1e-9; strips, whose
-co-simulation takes aerodynamic steps, SciPy's Radau at 1e-9 in Model Exchange. The limit changes the equations: its column of explicit
-methods is beside a reference without it. `!` is a failure, whose message follows the table.
+co-simulation takes aerodynamic steps, SciPy's Radau at 1e-9 in Model Exchange. The limit changes the equations: the column of explicit
+methods is compared with a reference without the limit. `!` is a failure, whose message follows the table.
 """
 
 import argparse

@@ -24,7 +24,7 @@ STEPS = 60
 MOTION = (".angle", ".position.x", ".position.y", ".position.z", "energy.kinetic", "energy.gravity")
 # relative variation below which an output counts as constant
 STILL = 1e-5
-# in SI units: magnitude below which an output is zero except for round-off
+# magnitude in SI units below which an output is zero except for round-off
 ZERO = 1e-6
 # equal times give equal bits; fmi-rs sums up its times while ours are multiples of the step, so that they differ by round-off
 ALLOWED = {"cs": 1e-9, "me": 1e-5}

@@ -30,7 +30,7 @@ LIBRARIES = ["libfoldwing_fmu.so", "foldwing_fmu.dll", "libfoldwing_fmu.dylib"]
 
 
 def built_version(command):
-    """Version and target reported by the command: those of the archive's content, not of the present sources."""
+    """Version and target reported by the command: those of the archive's content, not of the current sources."""
     text = subprocess.run([command, "--version"], capture_output=True, text=True, check=True).stdout
     match = re.fullmatch(r"foldwing (\S+) \((?:\w+, )?([\w.-]+)\)\s*", text)
     if not match:

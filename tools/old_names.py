@@ -3,7 +3,7 @@
     command = Command(path)                     # asks it once which names it supports
     with command.model(path) as model: ...      # the file itself, or a copy with the old names next to it
     command.option("--variables")               # "--output" for an old command
-    command.column("fold.torque")               # "fold.external_torque": the present name
+    command.column("fold.torque")               # "fold.external_torque": the current name
 """
 
 import contextlib
@@ -31,7 +31,7 @@ def table(name):
 
 
 def in_old_names(text):
-    """Converts a present model file for a reader of 0.1.0. Keys and tables are distinguished by the table at the top of their
+    """Converts a current model file for a reader of 0.1.0. Keys and tables are distinguished by the table at the top of their
     path."""
     lines, top = [], ""
     values = [(key, old, new) for key, old, new in table("VALUES")]
@@ -54,7 +54,7 @@ def in_old_names(text):
 
 
 class Command:
-    """The present command or that of 0.1.0."""
+    """The current command or that of 0.1.0."""
 
     def __init__(self, path):
         self.path = path
@@ -62,7 +62,7 @@ class Command:
         self.is_old = "--list-variables" not in shown
 
     def option(self, name):
-        """Name of a present option in this command."""
+        """Name of a current option in this command."""
         return OPTIONS.get(name, name) if self.is_old else name
 
     @contextlib.contextmanager
@@ -88,7 +88,7 @@ class Command:
                 copy.unlink()
 
     def column(self, name):
-        """The present name of a column written by this command."""
+        """The current name of a column written by this command."""
         if self.is_old:
             for pattern, new, where in COLUMNS:
                 if re.search(where, name):

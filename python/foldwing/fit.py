@@ -159,8 +159,8 @@ def fit(
     upper = np.maximum(np.minimum(trials.bounds[:, 1], allowed[:, 1]), first)
 
     def residuals(x: Array) -> Optional[Array]:
-        # no residuals if a step is too long: values that the model does not allow, or a run without the
-        # results
+        # the step is too long if the model rejects the values, or if the run does not contain all results
+        # that were measured
         try:
             values = run(x, ()).values
         except (ModelError, SimulationError, StaticsError):

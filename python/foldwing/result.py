@@ -183,7 +183,7 @@ class Result(Mapping[str, NDArray[np.float64]]):
             size: width and height in pixels; default: (1280, 720); GIF: (800, 450).
             fps: frames per second; default: 30; GIF: 25.
             speed: seconds of the run per second of the video; default: the video lasts about 8 s.
-            camera: "follow" or "fixed", and one of "iso", "front", "side", "top", such as "follow,side"; default: "iso", following a machine
+            camera: "follow" or "fixed", and one of "iso", "front", "side", "top", such as "follow,side"; default: "iso", following a model
                 that flies.
             start: first time in s; default: that of the run.
             stop: last time in s; default: that of the run.

@@ -48,8 +48,8 @@ class Simulation(_native.Simulation):
         Args:
             step: length of the step in s.
             speed: simulated seconds per second of wall-clock time: the call returns when the wall clock has reached the end of the step.
-                1 is real time, as on a test rig or for a person in the loop. The schedule begins with the first of consecutive paced
-                steps, so that the next steps make up for a single late one; `late_s` is the delay at the end of this step. Default:
+                1 is real time, as on a test rig or for a human operator in the loop. The schedule begins with the first of consecutive
+                paced steps, so that the next steps make up for a single late one; `late_s` is the delay at the end of this step. Default:
                 as fast as possible.
         """
         if speed is None:
@@ -69,7 +69,7 @@ class Simulation(_native.Simulation):
             clock.sleep(left_s)
 
     def view(self, *, port: int = 0, speed: float = 1.0, show: bool = True) -> live.Live:
-        """Show the machine live in the browser, from its present state on: it runs on the wall clock; in the page one can start and stop
+        """Show the simulation live in the browser, from the current state on, in wall-clock time; on the page one can start and stop
         it, go back in time, set inputs and parameters, and pull on it with a spring. The command `foldwing live` serves the page in a
         separate process: this simulation is not changed.
 

@@ -89,7 +89,7 @@ class Trials:
         return {name: float(value) for name, value in zip(self.names, x)}
 
     def model_at(self, x: Array) -> Any:
-        """The model with the values of keys of its file."""
+        """Model with the values `x` of the keys of its file."""
         keys = {name: value for name, value in self._split(x).items() if name.startswith(_FILE)}
         return self.model.with_values(keys) if keys else self.model
 
@@ -169,5 +169,5 @@ class Found:
 
     @property
     def model(self) -> Model:
-        """The model with the values of keys of its file."""
+        """Model with the found values of the keys of its file."""
         return cast("Model", self._trials.model_at(self.values))

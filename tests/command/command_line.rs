@@ -338,7 +338,7 @@ fn static_brings_the_wing_to_rest() {
     let force = held["root"]["force_N"][0].as_f64().unwrap();
     assert!((force + 0.06305 * 9.8).abs() < 1e-9, "{force}");
     assert_eq!(held["bodies"][1]["sections"].as_array().unwrap().len(), 5, "the mesh boundaries of four pairs");
-    // released it unfolds, and its latch catches it on the way: 1e4 k θ + T = moment of the weight, zero when it hangs
+    // released, it unfolds until the latch closes: 1e4 k θ + T = moment of the weight, which is zero for a vertical wing
     let latched = json(&[]);
     assert_eq!(latched["joints"][0]["latched"], true);
     let angle = latched["joints"][0]["angle_rad"].as_f64().unwrap();
@@ -652,8 +652,8 @@ fn linear_models_modes_and_flutter_are_in_the_air_of_strips() {
     assert!(folder.path().join("p/root_locus.svg").exists());
 }
 
-/// Mode shapes: a page and VTK files, for modes, flutter and a rotor; what cannot be drawn is rejected with its cause, before anything is
-/// is written.
+/// Mode shapes: a page and VTK files, for modes, flutter and a rotor; a model without modes to draw is rejected with the cause before
+/// anything is written.
 #[test]
 fn mode_shapes_have_pages_and_vtk_files() {
     let folder = tempfile::tempdir().unwrap();

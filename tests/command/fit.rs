@@ -14,7 +14,7 @@ fn measured(folder: &Path) -> (PathBuf, f64) {
     measured_of(folder, &std::fs::read_to_string(WING).unwrap(), 0.01)
 }
 
-/// The same of a wing in a model file, at instants with a given distance.
+/// Measurements of a wing in a model file, at instants with a given spacing.
 fn measured_of(folder: &Path, text: &str, step_s: f64) -> (PathBuf, f64) {
     let line = text.lines().find(|line| line.starts_with("youngs_modulus_Pa")).unwrap();
     let model = folder.join("true.toml");
@@ -101,7 +101,7 @@ fn numbers_are_identified_and_the_model_is_written() {
     assert!(code == 2 && text.contains("refusing to overwrite an input"), "{text}");
 }
 
-/// GR-43. The same two numbers through a rigid latch, of angle, strain and latch time, with three instants behind its impulse.
+/// GR-43. The same two parameters from angle, strain and latch time of a wing with a rigid latch, with three instants after its impulse.
 #[test]
 fn numbers_are_identified_through_a_rigid_latch() {
     let folder = tempfile::tempdir().unwrap();

@@ -74,7 +74,7 @@ def test_im02_angles_of_the_values_are_degrees_of_the_model_file(foldwing, tmp_p
 @pytest.mark.parametrize("more, words", [(("--fmi", "3", "--ssp", "x.ssp"), "SSP 1.0 has no arrays; add --scalars"),
                                          (("--ssp", "x.zip"), "the name of an SSP must end in .ssp; write x.zip.ssp")])
 def test_im02_what_is_no_system_is_refused_by_name(foldwing, tmp_path, more, words):
-    """IM-02. Arrays and other endings are refused, and nothing is written."""
+    """IM-02. Arrays and other file extensions are rejected, and nothing is written."""
     run = subprocess.run([foldwing, "package", ROOT / "examples/models/folding_wing.toml", *more], capture_output=True, text=True, cwd=tmp_path)
     assert run.returncode == 2 and words in run.stderr
     assert list(tmp_path.iterdir()) == []

@@ -20,7 +20,7 @@ VIEWED = ["folding_wing", "folding_wing_in_tunnel", "branched", "curved_blade", 
 MAXIMUM_BYTES = 10_000_000
 MODEL = ROOT / "examples/models/folding_wing.toml"
 
-# Largest number of draw calls and triangles of a frame: 20 calls for everything except the bodies and a few for each body, twice because
+# Maximum number of draw calls and of triangles of a frame: 20 calls for everything except the bodies and a few for each body, twice because
 # of the shadow. The models need a third of it.
 MAXIMUM_CALLS, MAXIMUM_TRIANGLES = 150, 40_000
 
@@ -41,7 +41,7 @@ PIXELS = """(() => {
 UNLABELLED = """[...document.querySelectorAll('button, input, select')].filter(control =>
   !control.innerText?.trim() && !control.getAttribute('aria-label') && !control.closest('label')).length"""
 
-# Window coordinates of a place in the root frame.
+# Window coordinates of a position in the root frame.
 ON_PAGE = """(place => { const v = new THREE.Vector3(...place).project(lens()), box = canvas.getBoundingClientRect();
   return [box.left + (1 + v.x) / 2 * box.width, box.top + (1 - v.y) / 2 * box.height]; })"""
 
@@ -71,18 +71,18 @@ def awaited(browser, expression):
 
 
 def settled(browser):
-    """Waits until the requested picture is drawn."""
+    """Waits until the requested frame is drawn."""
     awaited(browser, "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
 
 
 def picture(browser):
-    """The stage as PNG, after the requested picture is drawn."""
+    """The canvas as PNG, after the requested frame is drawn."""
     settled(browser)
     return base64.b64decode(browser.value("(render(), canvas.toDataURL())").split(",")[1])
 
 
 def number(text):
-    """The first number of a text that people read."""
+    """The first number of a text shown to users."""
     return float(re.search(r"-?[0-9.]+(e-?[0-9]+)?", text.replace("−", "-"))[0])
 
 
@@ -140,8 +140,8 @@ def clock_s(browser):
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 @pytest.mark.parametrize("width", [1280, 390])
 def test_f190_page_plays_without_complaint(browser, pages, width, dark):
-    """F-190. The pages of still air, tunnel with wake, branches, curved blade, closed loop, pendulum, aircraft and turbine: no complaint, no
-    request beyond the page, a drawing of more than a few colours, labels on all controls, nothing wider than the window.
+    """F-190. The pages of still air, tunnel with wake, branches, curved blade, closed loop, pendulum, aircraft and turbine: no console
+    messages, no request beyond the page, a drawing of more than a few colours, labels on all controls, nothing wider than the window.
     """
     for model in VIEWED:
         page = pages / f"{model}.html"
@@ -216,7 +216,7 @@ def test_f192_slider_and_keys_set_the_time(browser, pages):
 
 
 def test_f193_views_follow_mouse_and_keys(browser, pages):
-    """F-193. Drag turns, Shift-drag moves, wheel zooms, Shift with an arrow turns, numbers and buttons choose views; R resets."""
+    """F-193. Drag rotates, Shift-drag moves, wheel zooms, Shift with an arrow rotates, numbers and buttons choose views; R resets."""
     browser.open(pages / "folding_wing_in_tunnel.html")
     browser.value("seek(0.5 * main.count), true")
     start = picture(browser)
@@ -247,7 +247,7 @@ def test_f193_views_follow_mouse_and_keys(browser, pages):
     assert len(seen) == len(changes) + 4, "every change is seen"
     press(browser, "4")
     assert picture(browser) == start, "the view named iso is the first"
-    # without perspective, parallel edges stay parallel: equal lengths look equal wherever they are
+    # without perspective, parallel edges stay parallel: equal lengths look equal at any position
     press(browser, "o")
     assert picture(browser) != start and browser.value("get('flat').getAttribute('aria-pressed')") == "true"
     ends = [browser.value(f"{ON_PAGE}({json.dumps(place)})") for place in ([0, 0, 0], [0, 0.1, 0], [0.5, 0, 0], [0.5, 0.1, 0])]
@@ -276,8 +276,8 @@ def test_f193_views_follow_mouse_and_keys(browser, pages):
     assert browser.complaints() == []
 
 
-# Pixels where the first thing under the eye is of one kind and something of the other lies behind it, with their colours:
-# of the whole picture, and without what lies behind, and without what lies in front.
+# Pixels at which an object of one kind covers an object of the other kind, with their colours in the complete image, without the
+# covered object, and without the covering object.
 LAYERS = """(() => {
   for (const id of ["shadow", "trace", "joints", "gauges", "ground", "lattice"]) get(id).checked = false;
   for (const set of arrowSets) get(`arrow-${set.name}`).checked = false;
@@ -313,9 +313,9 @@ LAYERS = """(() => {
 
 @pytest.mark.parametrize("turn", [(0.0, 0.0), (0.3, -0.9)], ids=["oblique", "below"])
 def test_f194_what_lies_behind_is_hidden(browser, pages, turn):
-    """F-194. True depth on `flared_wing_tip`, whose spar lies in its lifting surface: where the surface is in front, the picture is
-    that of the surface without the spar, and the other way round; without what is in front it would be another. Pixels on
-    edges, which are smoothed, are left out.
+    """F-194. Depth test on `flared_wing_tip`, whose spar lies in its lifting surface: where the surface is in front, the image is
+    that of the surface without the spar, and vice versa; without the object in front the image differs. Pixels on
+    edges, which are anti-aliased, are excluded.
     """
     browser.open(pages / "flared_wing_tip.html")
     browser.value(f"turn({turn[0]}, {turn[1]}), zoom(0.35), seek(0.5 * main.count), true")
@@ -333,8 +333,8 @@ def test_f194_what_lies_behind_is_hidden(browser, pages, turn):
 
 
 def test_f195_hover_reads_the_csv(browser, pages):
-    """F-195. Pointing at a gauge, at the end of the wing and at a joint shows the CSV's values at that time: as many figures as are
-    shown, of single-precision numbers. A click keeps them among the readings while time goes on.
+    """F-195. Pointing at a gauge, at the end of the wing and at a joint shows the values of the CSV at that time, to the digits
+    shown of single-precision numbers. A click keeps them in the list of values while time advances.
     """
     rows = records(pages / "folding_wing.csv")[::2]
     browser.open(pages / "folding_wing.html")
@@ -375,8 +375,9 @@ def about_body(browser, index):
 
 
 def test_f196_runs_and_measurements_lie_over_each_other(foldwing, browser, pages, tmp_path):
-    """F-196. A model, a page and a table beside a run: the other wings stand where their own CSV says at the same time, the plots
-    have the curves of all and the dots of the table, a box takes each of them away. Signals that are only measured have a plot.
+    """F-196. A model, a page and a table compared with a run: the other wings have the positions of their CSV files at the same
+    time, the plots have all curves and the dots of the table, and a check box hides each of them. Signals that are only measured have a
+    plot.
     """
     measured = tmp_path / "measured.csv"
     measured.write_text("# by hand\ntime,fold.angle,bench.force\n0.01,3.0,1\n0.1,,2\n0.2,0.5,3\n")
@@ -391,7 +392,7 @@ def test_f196_runs_and_measurements_lie_over_each_other(foldwing, browser, pages
     for run, model in ((1, "folding_wing_in_tunnel"), (2, "folding_wing_as_printed")):
         row = min(records(pages / f"{model}.csv"), key=lambda row: abs(float(row["time"]) - 0.15))
         place = browser.value(f"runs[{run}].section(1, runs[{run}].about.bodies[1].rims.length - 1).at")
-        # between frames places are interpolated: the arc of 1 ms at 3 m/s is off by less than 1e-4 m
+        # between frames positions are interpolated: the arc of 1 ms at 3 m/s is off by less than 1e-4 m
         assert place == pytest.approx([float(row[f"tip.position.{axis}"]) for axis in "xyz"], abs=1e-4)
     labels = browser.value("charts[0].plot.series.map(s => s.label)")
     assert labels[1:] == ["fold.angle", "fold.angle (folding_wing_in_tunnel.toml)", "fold.angle (folding_wing_as_printed.html)",
@@ -449,8 +450,8 @@ def test_f197_export_writes_picture_table_and_film(browser, pages, tmp_path):
 
 
 def test_f357_the_stage_shows_what_there_is(browser, pages):
-    """F-357. The view follows an aircraft from the start and nothing else, and presets show it where it is; `frame all` at the start in
-    the tunnel has the wing, not the far wake; legends are those of what is painted; a constant signal has an axis around its value.
+    """F-357. The view follows an aircraft from the start, but no other model, and presets show it at its position; `frame all` at the start
+    in the tunnel shows the wing, not the far wake; legends are those of the fields shown; the axis of a constant signal includes its value.
     """
     width = "(points => { const x = points.map(p => %s(p)[0]); return (Math.max(...x) - Math.min(...x)) / canvas.clientWidth; })" % ON_PAGE
     for model, followed in (("flying_aircraft", "machine"), ("folding_wing", "nothing"), ("nrel_5mw", "nothing")):
@@ -477,8 +478,8 @@ def test_f357_the_stage_shows_what_there_is(browser, pages):
 
 
 def test_f198_pictures_are_cheap(browser, pages):
-    """F-198. Every shipped model, aircraft and turbine: draw calls, triangles and painting time of a picture with everything switched on, without a GPU;
-    size of the page; no complaint. Prints the time, on which no test depends: `make bench-viewer` measures it.
+    """F-198. Every shipped model, aircraft and turbine: draw calls, triangles and rendering time of a frame with everything shown, without
+    a GPU; size of the page; no console messages. Prints the time, on which no test depends: `make bench-viewer` measures it.
     """
     for model in ALL:
         page = pages / f"{model}.html"

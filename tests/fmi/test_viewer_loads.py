@@ -1,4 +1,4 @@
-"""The page of a run: loads along the bodies, what the air does to the surfaces, and the address, as a browser shows them."""
+"""The page of a run: loads along the bodies, aerodynamic loads on the surfaces, and the address, as a browser shows them."""
 
 import functools
 import io
@@ -45,7 +45,7 @@ def rows_of_frames(browser, path):
 @pytest.mark.parametrize("width, dark", [(1700, False), (390, True)], ids=["wide", "narrow"])
 def test_f370_diagrams_are_the_internal_loads_of_the_run(browser, pages, width, dark):
     """F-370. Shear force, bending and torsion along the bodies at several times: those of the outputs `internal_load` there, in single
-    precision; the extremes are those of the frames; bodies are parted; nothing is wider than the window.
+    precision; the extremes are those of the frames; the curves are interrupted between bodies; nothing is wider than the window.
     """
     browser.open(pages / "wing.html", width, 1000, dark)
     rows = rows_of_frames(browser, pages / "wing.csv")
@@ -86,8 +86,8 @@ def test_f370_diagrams_are_the_internal_loads_of_the_run(browser, pages, width, 
 
 
 def test_f371_forces_on_the_surfaces_sum_to_those_of_the_run(browser, pages):
-    """F-371. Forces of the air at the edges of the strips: their sum is the output `aero.force`, in single precision. Lift per span over the
-    span of the flat wing is the part of that sum across the flow; the colours of the surfaces change along the span.
+    """F-371. Aerodynamic forces at the edges of the strips: their sum is the output `aero.force`, in single precision. Lift per span,
+    integrated over the flat wing, is the component of that sum normal to the flow; the colours of the surfaces change along the span.
     """
     for name in ("wing", "aircraft"):
         browser.open(pages / f"{name}.html")
@@ -102,13 +102,13 @@ def test_f371_forces_on_the_surfaces_sum_to_those_of_the_run(browser, pages):
     assert browser.value("[get('surface-field').value, get('surface-scale').hidden]") == ["lift", False]
     rows = rows_of_frames(browser, pages / "wing.csv")
     lift = browser.value("about.surfaces.reduce((sum, surface, i) => { for (let c = 0; c < surface.columns; c++) sum += liftAt(main, i, c, main.last) * spanOf(surface, c); return sum; }, 0)")
-    # the latched wing is bent by a few degrees, over which the force across the flow and the span is nearly that along z
+    # the latched wing is bent by a few degrees only, so that the force normal to flow and span is nearly that along z
     assert lift == pytest.approx(float(rows[-1]["aero.force.z"]), rel=0.02), rows[-1]["aero.force.z"]
 
 
 def test_f372_left_and_right_are_alike(browser, pages):
-    """F-372. Aircraft: lift per span of the left and of the right wing is equal at mirrored places, upward, and painted alike; circulations
-    about the bodies' own axes have opposite signs.
+    """F-372. Aircraft: lift per span of the left and of the right wing is equal at mirrored positions, directed upward, and shown in equal
+    colours; circulations about the axes of the bodies have opposite signs.
     """
     browser.open(pages / "aircraft.html")
     frame = browser.value("Math.round(0.1 * main.last)")
@@ -132,8 +132,8 @@ def test_f372_left_and_right_are_alike(browser, pages):
 
 
 def test_f373_pressures_carry_the_loads(browser, pages):
-    """F-373. Pressure jump on the panels times their areas is the force of the air across the surface: at the end of a step of the air, while
-    it hardly changes. It falls from the leading to the trailing edge; the panels of the picture have its colours.
+    """F-373. Pressure jump on the panels times their areas is the aerodynamic force normal to the surface, at the end of an aerodynamic
+    step in which it hardly changes. It falls from the leading to the trailing edge; the panels of the image have the corresponding colours.
     """
     browser.open(pages / "wing.html")
     rows = rows_of_frames(browser, pages / "wing.csv")
@@ -151,7 +151,7 @@ def test_f373_pressures_carry_the_loads(browser, pages):
     later = range(int(0.6 * count), count)
     off = max(abs(sums[i] - forces[i]) for i in later)
     print(f"largest difference {off / scale:.4f} of the largest force")
-    # pictures lie within steps of the air of 1.25 ms, at whose ends the pressures are
+    # frames lie within aerodynamic steps of 1.25 ms, whereas the pressures are those at the ends of these steps
     assert off < 0.03 * scale
     profile = browser.value(f"Array.from({{ length: about.surfaces[0].panels }}, (_, row) => pressureAt(main, 0, 4, row, {count - 1}))")
     assert all(abs(a) > abs(b) for a, b in zip(profile, profile[1:])), profile
@@ -168,8 +168,8 @@ WAITING = "new Promise(done => setTimeout(() => done(true), 400))"
 
 
 def test_f374_the_address_opens_the_page_as_it_was(browser, pages):
-    """F-374. Time, fields, what is followed and picked, camera and open diagrams are in the fragment of the address; a page opened with it
-    shows the same picture, and so does an open page to which it is given. What does not fit is named, and the rest is shown.
+    """F-374. Time, fields, followed and selected objects, camera and open diagrams are in the fragment of the address; a page opened with
+    it shows the same image, and so does an open page to which it is passed. Invalid parts are named, and the others applied.
     """
     page = pages / "wing.html"
     browser.open(page)
@@ -192,7 +192,7 @@ def test_f374_the_address_opens_the_page_as_it_was(browser, pages):
     second = picture(browser)
     assert changed_share(first, second) < 0.01
     assert browser.complaints() == []
-    # a preset, another thing, and parts that do not fit
+    # a preset, another selection, and invalid parts
     browser.value("(location.hash = '#t=0.05&view=top&at=gauge:root&field=nonsense&colour=red'), true")
     stop = time.monotonic() + PATIENCE_S
     while browser.value("get('clock').textContent") != "t = 0.0500 s" and time.monotonic() < stop:
@@ -208,15 +208,15 @@ def test_f374_the_address_opens_the_page_as_it_was(browser, pages):
 
 
 def changed_share(one, other):
-    """Share of the pixels of two PNG files that differ by more than 16 of 255."""
+    """Fraction of the pixels of two PNG files that differ by more than 16 of 255."""
     difference = ImageChops.difference(*(Image.open(io.BytesIO(data)).convert("RGB") for data in (one, other)))
     largest = functools.reduce(ImageChops.lighter, difference.split())
     return sum(largest.histogram()[17:]) / math.prod(largest.size)
 
 
 def test_f378_a_sweep_is_a_fan_with_bands(foldwing, browser, tmp_path):
-    """F-378. Twelve start angles on one page: every drawn axis ends where its own run says, the bands of the plots are the quantiles of
-    the twelve, one draw call more than without them, less than 10 MB; the box takes lines and bands away.
+    """F-378. Twelve start angles on one page: the end of every drawn axis is that of its run, the bands of the plots are the quantiles of
+    the twelve runs; one draw call more than without them, less than 10 MB; the check box hides lines and bands.
     """
     model, angles = ROOT / "examples/models/folding_wing.toml", [1.8 + 0.1 * i for i in range(12)]
     values = ",".join(f"{value:.2f}" for value in angles)
@@ -243,7 +243,7 @@ def test_f378_a_sweep_is_a_fan_with_bands(foldwing, browser, tmp_path):
         for run in (0, 7, 11):
             tip = browser.value(f"vector(fan.numbers, fanPlace({run}, {index}, fanPoints - 1))")
             assert tip == pytest.approx([float(runs[run][time_s][f"tip.position.{axis}"]) for axis in "xyz"], abs=1e-6)
-    # the lines go with the time, and are one object
+    # the lines change with time, and are one object
     browser.value("(seek(main.positionAt(fanTimes[40])), true)")
     with_fan = picture(browser)
     calls = browser.value("renderer.info.render.calls")

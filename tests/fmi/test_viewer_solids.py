@@ -76,8 +76,9 @@ def opened(browser, page):
 
 
 def test_f383_aerofoils_have_the_thickness_of_the_legend(browser, pages):
-    """F-383. Goland's wing, without outline: symmetric, 12 % thick to 1 % (positions along the chord are 9), closed at both edges, normals outward; one draw call
-    for it, the rod in it is not drawn; the legend names the assumption, and without aerofoils it does not.
+    """F-383. Goland's wing, without outline: the aerofoil is symmetric, 12 % thick to 1 % (with 9 positions along the chord) and closed at
+    both edges, with outward normals; it takes one draw call, and the rod inside is not drawn; the legend names the assumption only if
+    aerofoils are shown.
     """
     opened(browser, pages / "goland_wing.html")
     upper, lower = browser.value(AEROFOIL)
@@ -95,8 +96,8 @@ def test_f383_aerofoils_have_the_thickness_of_the_legend(browser, pages):
 
 
 def test_f384_profiles_have_their_outline(browser, pages):
-    """F-384. A wing of NACA 2412 sections: camber line and thickness of the four-digit series at the positions along the chord, 2e-3 of the chord (straight
-    lines between 100 points); no note.
+    """F-384. A wing of NACA 2412 sections: camber line and thickness of the four-digit series at the positions along the chord, 2e-3 of the
+    chord (100 points connected linearly); no note.
     """
     opened(browser, pages / "profile_wing.html")
     upper, lower = ({round(x, 3): height for x, height, _ in side} for side in browser.value(AEROFOIL))
@@ -109,8 +110,8 @@ def test_f384_profiles_have_their_outline(browser, pages):
 
 
 def test_f385_spars_stay_visible(browser, pages):
-    """F-385. A spar with an outline, and plates, are drawn as before; the box of the display list draws the aerofoils around the spar, and taking
-    its mark away restores the picture to the pixel.
+    """F-385. A spar with an outline, and plates, are drawn without aerofoils; the check box of the display list shows the aerofoils around
+    the spar, and clearing it restores the image to the pixel.
     """
     pixels = "(() => { render(); return canvas.toDataURL(); })()"
     opened(browser, pages / "flared_wing_tip.html")
@@ -133,8 +134,8 @@ def test_f385_spars_stay_visible(browser, pages):
 
 
 def test_f386_a_turbine_has_tower_nacelle_and_hub(browser, pages):
-    """F-386. The 5 MW turbine: hub and nacelle lie where their bodies are, turned with them; the tower has the proportion of the legend, and with
-    `[tower]` its diameters; blades in the wind are round at the root. One draw call for hub and nacelle.
+    """F-386. The 5 MW turbine: hub and nacelle have the positions and attitudes of their bodies; the tower has the proportion stated in the
+    legend, and with `[tower]` the given diameters; blades in the wind are round at the root. One draw call for hub and nacelle.
     """
     opened(browser, pages / "nrel_5mw.html")
     parts = browser.value("about.solids.map(({ part, body }) => [part, about.bodies[body].name])")
@@ -165,8 +166,8 @@ def test_f386_a_turbine_has_tower_nacelle_and_hub(browser, pages):
 
 
 def test_f387_frames_have_the_height_of_their_content(browser, tmp_path):
-    """F-387. A page in a frame of the documentation sends its height where it is in one column, and the frame takes it; a message of another
-    window, or without a number, changes nothing.
+    """F-387. A page in a frame of the documentation sends its height if it has a single column, and the frame adopts it; a message of
+    another window, or without a number, has no effect.
     """
     shutil.copy(ROOT / "tools/site/frames.js", tmp_path)
     script = (ROOT / "crates/web/page/editor.js").read_text(encoding="utf-8")

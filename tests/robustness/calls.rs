@@ -18,7 +18,7 @@ pub struct Arguments<'a> {
     pub state: fmi2FMUstate,
     /// Its bytes.
     pub bytes: &'a [u8],
-    /// Present time in s.
+    /// Current time in s.
     pub time_s: f64,
     /// Continuous states; empty for an instance without Model Exchange.
     pub states: &'a [f64],

@@ -98,7 +98,7 @@ fn steepest(derivatives: &[f64], of: &std::ops::Range<usize>) -> f64 {
     derivatives[of.clone()].iter().fold(0.0, |largest: f64, derivative| largest.max(derivative.abs()))
 }
 
-/// Compares at the present state; returns the largest relative error of a nonzero derivative, and the number of these.
+/// Compares at the current state; returns the largest relative error of a nonzero derivative, and the number of these.
 fn compare(fmu: &Fmu3, place: &str) -> (f64, usize) {
     let (outputs, inputs) = (reals(fmu, Causality::Output), reals(fmu, Causality::Input));
     let mut present: Vec<f64> = Vec::new();

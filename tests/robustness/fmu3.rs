@@ -273,7 +273,7 @@ impl Fmu3 {
         bytes
     }
 
-    /// Bytes of the present state; leaves no saved state behind.
+    /// Bytes of the current state; leaves no saved state behind.
     pub fn present(&self) -> Vec<u8> {
         let mut state = self.save();
         let bytes = self.serialize(state);

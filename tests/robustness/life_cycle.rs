@@ -58,7 +58,7 @@ impl Subject {
         calls::call(fmu, name, &Arguments { state: *state, bytes, time_s: *time_s, states: &[], indicators: 0 })
     }
 
-    /// Bytes of the present state; leaves no saved state behind.
+    /// Bytes of the current state; leaves no saved state behind.
     fn present(&self) -> Vec<u8> {
         let mut state = self.fmu.save();
         let bytes = self.fmu.serialize(state);

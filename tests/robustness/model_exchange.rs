@@ -144,7 +144,7 @@ impl Outside {
         info
     }
 
-    /// Handles an event at the present time.
+    /// Handles an event at the current time.
     fn event(&mut self, set: impl FnOnce(&Fmu)) -> fmi2EventInfo {
         unsafe {
             self.fmu.ok(fmi2EnterEventMode(self.fmu.component));
@@ -225,7 +225,7 @@ impl Outside {
         events
     }
 
-    /// Bytes of the present state; leaves no saved state behind.
+    /// Bytes of the current state; leaves no saved state behind.
     fn present(&self) -> Vec<u8> {
         let mut state = self.fmu.save();
         let bytes = self.fmu.serialize(state);

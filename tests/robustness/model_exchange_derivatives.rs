@@ -49,7 +49,7 @@ parent = "root"
 child = "right"
 "#;
 
-/// Magnitude of a state in these motions: its nominal one, but for rates of stretch, whose nominal one is that of short waves.
+/// Magnitude of a state in these motions: the nominal one, except for rates of stretch, whose nominal magnitude is that of short waves.
 fn magnitude(row: &Variable) -> Option<f64> {
     let stretches = row.name.starts_with("state_rate.") && row.name.ends_with("epsilon_x");
     row.nominal.map(|nominal| if stretches { 0.1 } else { nominal })
@@ -59,7 +59,7 @@ fn magnitudes(fmu: &Fmu) -> Vec<f64> {
     fmu.table.variables().iter().filter_map(magnitude).collect()
 }
 
-/// A machine in a motion of its own: all states away from the start, by 1e-3 of their magnitudes.
+/// A machine in an arbitrary motion: all states differ from the start by 1e-3 of their magnitudes.
 fn moving(text: &str) -> Outside {
     let mut outside = Outside::started(text);
     let magnitudes = magnitudes(&outside.fmu);

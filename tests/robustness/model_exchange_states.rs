@@ -37,8 +37,8 @@ fn exchanged(text: &str, accounts: bool) -> Fmu {
     Fmu { component, messages, table }
 }
 
-/// ME-15. In Model Exchange alone the accounts are neither states nor outputs, unless asked for: derivatives, indicators and outputs are the
-/// same bits without them, through an event and after a reset; co-simulation keeps them. Saved states of one do not fit the other.
+/// ME-15. In Model Exchange alone the accounts are neither states nor outputs, unless requested: derivatives, indicators and outputs are
+/// the same bits without them, through an event and after a reset; co-simulation keeps them. Saved states of one do not fit the other.
 #[test]
 fn me15_accounts_are_states_if_asked_for() {
     for version in [Version::Fmi2, Version::Fmi3] {
@@ -75,7 +75,7 @@ fn me15_accounts_are_states_if_asked_for() {
             assert_eq!(bare.fmu.get(name).to_bits(), full.fmu.get(name).to_bits(), "{name}");
         }
         assert!(full.states[n + 1] > 0.0, "energy is dissipated: {:?}", &full.states[n..]);
-        // a wrong number of states is refused by the call's name
+        // a wrong number of states is rejected with the name of the call
         let status = unsafe { fmi2SetContinuousStates(bare.fmu.component, full.states.as_ptr(), n + 2) };
         bare.fmu.refused(status, fmi2Error, &["nx", &n.to_string()]);
         for outside in [&mut bare, &mut full] {
@@ -104,8 +104,8 @@ fn serialised(fmu: &Fmu) -> Vec<u8> {
     }
 }
 
-/// ME-16. Nominal rates of stretch are those of the shortest wave on the mesh: of the folding wing, whose elements' halves have 18.75 mm, 0.01
-/// times `2c/l`. Curvatures and hinges keep 10 1/s.
+/// ME-16. Nominal rates of stretch are those of the shortest wave on the mesh: for the folding wing, whose half-elements have a length of
+/// 18.75 mm, 0.01 times `2c/l`. Curvatures and hinges keep 10 1/s.
 #[test]
 fn me16_nominal_rates_of_stretch_are_those_of_the_shortest_wave() {
     let table = table(WING, kinds(Version::Fmi2, false, false));
@@ -124,7 +124,7 @@ fn me16_nominal_rates_of_stretch_are_those_of_the_shortest_wave() {
     }
 }
 
-/// A cantilever without loads. `element` ends with the element's keys.
+/// A cantilever without loads; `element` contains the keys of its elements.
 fn cantilever(element: &str) -> String {
     format!(
         "name = 'C'\n[section.s]\nshape = 'rectangle'\nwidth_m = 0.05\nheight_m = 0.02\ndensity_kg_m3 = 1425.0\n\
@@ -133,7 +133,7 @@ fn cantilever(element: &str) -> String {
     )
 }
 
-/// A machine under an integrator of the test's, with a limit of frequencies in rad/s or 0.
+/// A machine under the integrator of the test, with a limit of frequencies in rad/s or 0.
 fn plant(text: &str, limit_rad_s: f64) -> Plant {
     let mut plant = Plant::new(Arc::new(foldwing::config::parse(text, "m").expect("a model")));
     plant.parameters_mut().solver_mut().frequency_limit_rad_s = limit_rad_s;

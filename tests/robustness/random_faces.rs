@@ -65,7 +65,7 @@ struct Actor {
     bytes: Vec<u8>,
     saved: Vec<Saved>,
     freed: Vec<Handle>,
-    /// Saved state used to inspect the present state without leaving another one behind.
+    /// Saved state used to inspect the current state without leaving another one behind.
     probe: Handle,
     forged: bool,
     indicators: usize,
@@ -191,7 +191,7 @@ impl Actor {
         ask
     }
 
-    /// Bytes of the present state.
+    /// Bytes of the current state.
     fn present(&self) -> Vec<u8> {
         self.good(Ask::Save(self.probe));
         self.face.serialize(self.probe)

@@ -104,9 +104,9 @@ struct Actor {
     bytes: Vec<u8>,
     states: Vec<Saved>,
     freed: Vec<fmi2FMUstate>,
-    /// Saved state used to inspect the present state without leaving another one behind.
+    /// Saved state used to inspect the current state without leaving another one behind.
     probe: fmi2FMUstate,
-    /// Whether the present state has unknown content.
+    /// Whether the current state has unknown content.
     forged: bool,
     /// Outputs of a new instance after a few steps.
     reference: Vec<u64>,
@@ -198,7 +198,7 @@ impl Actor {
         actor
     }
 
-    /// Bytes of the present state.
+    /// Bytes of the current state.
     fn present(&self) -> Vec<u8> {
         let mut probe = self.probe;
         self.fmu.ok(unsafe { fmi2GetFMUstate(self.fmu.component, &mut probe) });

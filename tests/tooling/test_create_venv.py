@@ -103,7 +103,7 @@ def test_t02_wrong_hash_of_a_requirement_is_refused_and_leaves_no_stamp(tmp_path
 
 
 def test_t03_foreign_folder_is_not_removed(tmp_path):
-    """T-03. An existing folder that is not a Python environment is not changed, and the message says so."""
+    """T-03. An existing folder that is not a Python environment is not changed, and the message gives this reason."""
     (tmp_path / "thesis.txt").write_text("years of work")
     outcome = run(tmp_path, "--requirements", ROOT / "python/requirements.txt")
     assert outcome.returncode != 0 and "is not a Python environment" in outcome.stderr
@@ -139,7 +139,7 @@ def test_t06_unreachable_index_says_what_to_do(bootstrap, monkeypatch):
 
 
 def test_t07_index_without_the_wheel_is_an_error(bootstrap, index):
-    """T-07. An index that does not list the pinned wheel is an error that says so."""
+    """T-07. An index that does not list the pinned wheel is an error that states this."""
     index("text/html", "<a href='/files/old'>pip-1.0.whl</a>")
     with pytest.raises(bootstrap.SetupError, match="does not list it"):
         bootstrap.fetch_pip()

@@ -12,7 +12,7 @@ NOTICES = ROOT / "licenses/THIRD_PARTY.txt"
 
 
 def test_notices_fit_the_lock_file():
-    """The committed notices are those the tool generates from the present Cargo.lock: run `make licenses` after a change of
+    """The committed notices are those the tool generates from the current Cargo.lock: run `make licenses` after a change of
     dependencies."""
     done = subprocess.run([sys.executable, COLLECT, "--check"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -1,5 +1,5 @@
 """Every step of `docs/WALKTHROUGH.md` quotes code that occurs exactly once in its file. Started as a program, this file prints the steps with
-the present line numbers."""
+the current line numbers."""
 
 import re
 from pathlib import Path

@@ -15,7 +15,7 @@ macro_rules! saved_states {
         $write:ident $write_call:expr;
         $read:ident $read_call:expr;
     ) => {
-        /// Saves the present state. A handle that is not null on entry is overwritten.
+        /// Saves the current state. A handle that is not null on entry is overwritten.
         ///
         /// # Safety
         /// The handle of the instance is null or came from an instantiation and has not been freed; `state` is null or points to null or a handle.

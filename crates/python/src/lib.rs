@@ -39,7 +39,7 @@ fn write_page(page: &str, output: PathBuf, force: bool) -> PyResult<()> {
     foldwing_command::cli::write_page(page, &output, force).map_err(|failure| refusal::command(&failure))
 }
 
-/// Writes a film of the run in a page; a file not written by Foldwing is overwritten only with `force`. Returns the output of `foldwing
+/// Writes a video of the run in a page; a file not written by Foldwing is overwritten only with `force`. Returns the output of `foldwing
 /// render --json`.
 #[pyfunction]
 #[pyo3(signature = (page, output, size, fps, speed, camera, span, force, progress))]

@@ -18,7 +18,7 @@ pub struct LinearModel {
 
 #[pymethods]
 impl LinearModel {
-    /// Linear model about the present state of a simulation, between the real inputs and outputs selected by names and prefixes, with the
+    /// Linear model about the current state of a simulation, between the real inputs and outputs selected by names and prefixes, with the
     /// components `gusts` of a gust as further inputs; with `lattice`, in discrete time with the vortex lattice.
     #[new]
     fn new(

@@ -1,4 +1,4 @@
-//! A machine, its variables, and analyses without a simulation.
+//! A model, its variables, and analyses without a simulation.
 
 use crate::input_table::InputTable;
 use crate::progress::Progress;
@@ -31,7 +31,7 @@ pub struct Shared {
     pub file: String,
     /// Text of the model file.
     pub text: String,
-    /// The machine.
+    /// The model.
     pub machine: Arc<Machine>,
     /// Its variables.
     pub interface: Arc<Interface>,
@@ -46,7 +46,7 @@ struct WithValues<'a> {
     values: Vec<&'a Vec<f64>>,
 }
 
-/// Handle of a machine.
+/// Handle of a model.
 #[pyclass(frozen, module = "foldwing._native")]
 pub struct Model {
     pub shared: Arc<Shared>,

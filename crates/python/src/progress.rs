@@ -31,7 +31,7 @@ impl Progress {
         self.tell(share)
     }
 
-    /// The watch of a study: shows the completed fraction of the present part, if its size is known, and stops the study with an
+    /// The watch of a study: shows the completed fraction of the current part, if its size is known, and stops the study with an
     /// exception of the interpreter, which it leaves in `raised`.
     pub fn watch<'w>(
         &'w mut self,

@@ -1,4 +1,4 @@
-//! Simulation of a machine: step by step, or at once over given times.
+//! Simulation of a model: step by step, or at once over given times.
 
 use crate::input_table::InputTable;
 use crate::model::{Model, Shared};

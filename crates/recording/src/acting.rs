@@ -1,4 +1,4 @@
-//! Loads and events of the machine: loads, reactions, wind, gravity at one time; latches, releases, gusts over time.
+//! Loads and events of the model: loads, reactions, wind, gravity at one time; latches, releases, gusts over time.
 
 use crate::recording::Frame;
 use foldwing_engine::load::LoadFrame;
@@ -28,7 +28,7 @@ pub struct HingeScene {
 pub struct MassScene {
     /// Name.
     pub name: String,
-    /// Index into the machine's bodies.
+    /// Index into the model's bodies.
     pub body: usize,
     /// Distance from the inner end in m.
     pub place_m: f64,
@@ -43,7 +43,7 @@ pub struct MassScene {
 pub struct StationScene {
     /// Name.
     pub name: String,
-    /// Index into the machine's bodies.
+    /// Index into the model's bodies.
     pub body: usize,
 }
 
@@ -69,7 +69,7 @@ pub struct Acting {
 }
 
 impl Acting {
-    /// Loads at the plant's present time; `frame` contains the sections.
+    /// Loads at the plant's current time; `frame` contains the sections.
     pub fn of(plant: &Plant, frame: &Frame) -> Self {
         let (outputs, inputs, machine) = (plant.outputs(), plant.inputs(), plant.machine());
         let frames = machine.bodies.iter().flat_map(|body| body.station_positions_m.iter().map(|_| body.load_frame));
@@ -193,7 +193,7 @@ impl Watch {
         Self { last: None, events }
     }
 
-    /// Evaluates the plant's present state. Inputs change at the start of a communication step: releases and openings that they cause
+    /// Evaluates the plant's current state. Inputs change at the start of a communication step: releases and openings that they cause
     /// belong to the previous point.
     pub fn include(&mut self, plant: &Plant, joints: &[(String, usize)]) {
         let now: Vec<JointStatus> = plant.joint_statuses().collect();
@@ -272,8 +272,8 @@ mod tests {
         assert_eq!((acting.wind_m_s.len(), acting.circulation_m2_s.len()), (0, 0));
     }
 
-    /// Internal loads along the beams are the outputs at the same places and sides; forces at the edges of the strips sum to the force of
-    /// the air; those of the panels, once the air is steady, to its part across the flat wing.
+    /// Internal loads along the beams are the outputs at the same positions and sides; forces at the edges of the strips sum to the
+    /// aerodynamic force; those of the panels, once the flow is steady, to its component normal to the flat wing.
     #[test]
     fn loads_along_the_bodies_are_those_of_the_outputs() {
         let mut machine = shipped("folding_wing_in_tunnel");
@@ -297,7 +297,7 @@ mod tests {
             for ((body, position_m, _), output) in places.iter().zip(outputs.internal_loads()) {
                 let own = &recording.scene.bodies[*body].places_m;
                 let index = own.iter().position(|place_m| (place_m - position_m).abs() < 1e-12).expect("a section");
-                // the same expressions at places that differ by round-off
+                // the same expressions at positions that differ by round-off
                 let loads = [frame.loads[*body][index], *output].map(|load| (load.force_n, load.moment_n_m));
                 let off = (loads[0].0 - loads[1].0).norm() + (loads[0].1 - loads[1].1).norm();
                 assert!(off < 1e-12 * (loads[1].0.norm() + 1e-3), "{body} {position_m} m at step {step}: {off:e}");

@@ -1,4 +1,4 @@
-//! Many runs of one machine in one page: axes of bodies of some of them over time, and for each signal how the values of all are distributed.
+//! Many runs of one model in one page: axes of bodies of some of them over time, and for each signal how the values of all are distributed.
 
 use crate::packed::{PackedRun, encoded, in_script};
 use crate::recording::Thinning;
@@ -42,14 +42,14 @@ pub struct FanRun {
 }
 
 impl FanRun {
-    /// An empty recording of a run of `steps` steps of a machine like the plant's.
+    /// An empty recording of a run of `steps` steps of a model like the plant's.
     pub fn new(plant: &Plant, steps: u64) -> Self {
         let places_m = crate::recording::Scene::of(plant).bodies.iter().map(|body| along_m(&body.places_m)).collect();
         let thinning = Thinning::new(steps, INTERVALS);
         Self { times_s: Vec::new(), axes_m: Vec::new(), values: Vec::new(), places_m, thinning }
     }
 
-    /// Records the present state with the values of the signals.
+    /// Records the current state with the values of the signals.
     pub fn include(&mut self, plant: &Plant, values: impl Iterator<Item = f64>) {
         if !self.thinning.keeps() {
             return;
@@ -87,8 +87,9 @@ pub struct Fan {
 }
 
 impl Fan {
-    /// Description and numbers for the page. Runs that failed, or are over other times or bodies than the shown one, are left out and counted. Of more
-    /// runs than the page has room for every so many are drawn; the bands are those of all.
+    /// Description and numbers for the page. Runs that failed, or are over other times or bodies than the shown one, are left out and
+    /// counted. If there are more runs than the page has space for, a selection of them at equal intervals is drawn; the bands are those of
+    /// all.
     ///
     /// # Errors
     /// The shown run failed.

@@ -1,6 +1,7 @@
-//! Recordings of a run for pictures: scalars over time, frames with the whole machine, events, and all of these packed for the viewer page.
+//! Recordings of a run for pictures: scalars over time, frames with the whole model, events, and all of these packed for the viewer page.
 //!
-//! The command records runs for `--view`, `--plot`, `--vtk`, films and live simulations; the documentation's pages record them in the browser.
+//! The command records runs for `--view`, `--plot`, `--vtk`, videos and live simulations; the documentation's pages record them in the
+//! browser.
 
 pub mod acting;
 pub mod fan;

@@ -47,7 +47,7 @@ pub(crate) fn aerofoils(machine: &Machine) -> Vec<Option<AerofoilScene>> {
     surfaces.map(|(index, surface)| aerofoil(machine, surface, index)).collect()
 }
 
-/// Statement of the outlines that are not those of the model.
+/// Sentence that names the outlines that are not in the model.
 pub(crate) fn note(machine: &Machine, aerofoils: &[Option<AerofoilScene>]) -> Option<String> {
     let source = aerofoils.iter().flatten().map(|aerofoil| aerofoil.source).max()?;
     match source {

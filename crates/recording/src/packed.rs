@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 /// Maximum number of values in the frames of all runs of a page: with signals and libraries a page of one run stays below 10 MB.
 pub const MAXIMUM_NUMBERS: usize = 1_200_000;
 
-/// Maximum number of values in the frames of a film, which no browser loads.
+/// Maximum number of values in the frames of a video, which no browser loads.
 const MAXIMUM_NUMBERS_OF_FILM: usize = 40_000_000;
 
 /// Version of the format read by `run.js`; a page of another version cannot be compared.
@@ -46,7 +46,7 @@ impl PackedRun {
         Packing::of_run(recording, signals, runs).into()
     }
 
-    /// Packs a recording for a film: without signals, with all frames as far as memory allows.
+    /// Packs a recording for a video: without signals, with all frames as far as memory allows.
     pub fn for_film(recording: &Recording) -> Self {
         let Recording { scene, frames, .. } = recording;
         let chosen = chosen(frames, &scene.travels, MAXIMUM_NUMBERS_OF_FILM);
@@ -140,7 +140,7 @@ pub fn fixed_part(frame: &Frame, travels: &[Travel]) -> Vec<f32> {
     let loads =
         frame.loads.iter().flatten().flat_map(|wrench| [wrench.force_n, wrench.moment_n_m]).flat_map(components);
     let edge_forces = frame.edge_forces_n.iter().flatten().copied().flat_map(components);
-    // of a state that was restored the forces of the panels are not known
+    // the forces of the panels are not known for a state that was restored
     let panel_forces = frame.lattice.iter().flat_map(|surface| {
         let panels = (surface.corner_m.len() - 2) * surface.circulation_m2_s.len();
         let known = surface.panel_force_n.iter().flatten().copied();

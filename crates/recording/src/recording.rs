@@ -68,7 +68,7 @@ pub struct BodyScene {
 /// A lifting surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceScene {
-    /// Index into the machine's bodies.
+    /// Index into the model's bodies.
     pub body: usize,
     /// Panels along the chord; 0 for strips.
     pub chord_panels: usize,
@@ -81,7 +81,7 @@ pub struct SurfaceScene {
 pub struct GaugeScene {
     /// Name.
     pub name: String,
-    /// Index into the machine's bodies.
+    /// Index into the model's bodies.
     pub body: usize,
     /// Distance from the inner end in m.
     pub place_m: f64,
@@ -96,7 +96,7 @@ pub struct Scene {
     pub name: String,
     /// Its description.
     pub description: String,
-    /// Bodies, in the machine's order.
+    /// Bodies, in the model's order.
     pub bodies: Vec<BodyScene>,
     /// Names of the fold and prismatic joints, in the order of `Plant::revolute_joints`, each with the index of its outer
     /// body.
@@ -115,7 +115,7 @@ pub struct Scene {
     pub stations: Vec<StationScene>,
     /// Lifting surfaces, in the order of [`Frame::edges_m`].
     pub surfaces: Vec<SurfaceScene>,
-    /// Places of the internal loads per body, at [`BodyScene::places_m`]; none on rigid and modal bodies.
+    /// Positions of the internal loads per body, at [`BodyScene::places_m`]; none on rigid and modal bodies.
     pub load_places: Vec<Vec<SectionPlace>>,
     /// The aerodynamics are those of a rotor.
     pub is_rotor: bool,
@@ -142,7 +142,7 @@ pub struct History {
     pub gauges: Vec<Vec<f64>>,
     /// Positions in m per free end, root frame.
     pub tips_m: Vec<Vec<Vector3<f64>>>,
-    /// Moment in N·m that the machine exerts on the root, about its origin, root frame.
+    /// Moment in N·m that the model exerts on the root, about its origin, root frame.
     pub root_n_m: Vec<Vector3<f64>>,
     /// Total aerodynamic force in N at the load stations, root frame; zero without aerodynamics.
     pub air_n: Vec<Vector3<f64>>,
@@ -160,7 +160,7 @@ pub struct Frame {
     /// Force in N and moment in N·m of the part outboard of a section on the part inboard, section frame, per body with
     /// [`Scene::load_places`].
     pub loads: Vec<Vec<Wrench>>,
-    /// Force of the air in N at every edge of the strips, per lifting surface.
+    /// Aerodynamic force in N at every edge of the strips, per lifting surface.
     pub edge_forces_n: Vec<Vec<Vector3<f64>>>,
     /// Leading and trailing edge in m per lifting surface, from the inner to the outer strip edge.
     pub edges_m: Vec<Vec<[Vector3<f64>; 2]>>,
@@ -180,7 +180,7 @@ pub struct Frame {
     pub acting: Acting,
 }
 
-/// A run up to the present time.
+/// A run up to the current time.
 #[derive(Debug, Clone)]
 pub struct Recording {
     /// Parts that are constant during the run.
@@ -221,7 +221,7 @@ impl Recording {
         }
     }
 
-    /// Records the plant's present state.
+    /// Records the plant's current state.
     pub fn include(&mut self, plant: &Plant) {
         self.seen += 1;
         self.watch.include(plant, &self.scene.joints);
@@ -257,7 +257,7 @@ impl Recording {
 }
 
 impl Frame {
-    /// The frame of a plant's present state, for a scene.
+    /// The frame of a plant's current state, for a scene.
     pub fn of(scene: &Scene, plant: &Plant) -> Self {
         let outputs = plant.outputs();
         let sections = scene.bodies.iter().enumerate().map(|(i, body)| plant.sections(i, &body.places_m)).collect();
@@ -281,7 +281,7 @@ impl Frame {
     }
 }
 
-/// Leading and trailing edges of the lifting surfaces in the present shape.
+/// Leading and trailing edges of the lifting surfaces in the current shape.
 fn edges_m(plant: &Plant) -> Vec<Vec<[Vector3<f64>; 2]>> {
     let surfaces = plant.machine().air.iter().flat_map(|air| &air.surfaces);
     let edges = surfaces.map(|surface| {
@@ -296,7 +296,7 @@ fn edges_m(plant: &Plant) -> Vec<Vec<[Vector3<f64>; 2]>> {
 }
 
 impl Scene {
-    /// The constant parts of a plant's machine.
+    /// The constant parts of a plant's model.
     pub fn of(plant: &Plant) -> Self {
         let machine = plant.machine();
         let name = |body: &usize| machine.bodies[*body].name.clone();

@@ -1,4 +1,4 @@
-//! A run with the machine's start values and constant inputs, recorded step by step as for the viewer page.
+//! A run with the model's start values and constant inputs, recorded step by step as for the viewer page.
 
 use crate::grid::Grid;
 use crate::packed::{PackedRun, Packing};
@@ -65,7 +65,7 @@ impl Run {
         self.point as f64 / self.grid.steps as f64
     }
 
-    /// The plant in its present state.
+    /// The plant in its current state.
     pub fn plant(&self) -> &Plant {
         &self.plant
     }

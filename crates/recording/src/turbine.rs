@@ -19,7 +19,7 @@ const AROUND: usize = 20;
 pub struct SolidScene {
     /// Part of the turbine.
     pub part: &'static str,
-    /// Index into the machine's bodies.
+    /// Index into the model's bodies.
     pub body: usize,
     /// Rings of points.
     pub rings_m: Vec<Vec<[f64; 3]>>,
@@ -27,7 +27,7 @@ pub struct SolidScene {
     pub is_round: bool,
 }
 
-/// The parts of a turbine as indices into the machine's bodies.
+/// The parts of a turbine as indices into the model's bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turbine {
     /// Flexible body that carries the nacelle.
@@ -43,7 +43,7 @@ pub struct Turbine {
 }
 
 impl Turbine {
-    /// The turbine that a machine is: at least two blades across the shaft on a rigid hub, the outermost one that rotates on a revolute
+    /// The turbine of a model: at least two blades across the shaft on a rigid hub, the outermost one that rotates on a revolute
     /// joint.
     pub fn of(plant: &Plant) -> Option<Self> {
         let machine = plant.machine();
@@ -325,5 +325,30 @@ mod tests {
         let [foot, top] = [0.0, 87.6].map(|place_m| turbine.tower_radius_m(plant.machine(), place_m));
         assert!((foot - 0.034 * 87.6).abs() < 1e-12 && (top - 0.022 * 87.6).abs() < 1e-12);
         assert_eq!(turbine.note(), "In proportion, not in the model: diameter of the tower, sizes of nacelle and hub.");
+    }
+
+    /// Blades across the axis of a rigid hub: two are a turbine, one is a body on a hinge.
+    #[test]
+    fn one_blade_is_no_turbine() {
+        let text = |count: usize| {
+            let blades = (0..count).map(|blade| {
+                format!(
+                    "[body.blade_{blade}]\nlength_m = 1\nsection = \"plate\"\nelements = 1\n[joint.root_{blade}]\ntype = \"clamped\"\nparent = \
+                     \"hub\"\nparent_position_m = 0\nchild = \"blade_{blade}\"\nmount_rotation_deg = [{}, 90, 0]\n",
+                    180 * blade
+                )
+            });
+            format!(
+                "name = \"blades\"\n[section.plate]\nshape = \"rectangle\"\nwidth_m = 0.05\nheight_m = 0.004\ndensity_kg_m3 = 1400\n\
+                 youngs_modulus_Pa = 3e9\npoisson_ratio = 0.3\n[rigid_body.hub]\nmass_kg = 1\ninertia_kg_m2 = [1, 1, 1, 0, 0, 0]\n[joint.shaft]\n\
+                 type = \"revolute\"\nparent = \"root\"\nchild = \"hub\"\naxis = [1, 0, 0]\n{}",
+                blades.collect::<String>()
+            )
+        };
+        let found = |count: usize| {
+            let machine = config::parse(&text(count), "blades").unwrap_or_else(|error| panic!("{error:?}"));
+            Turbine::of(&started(machine)).map(|turbine| turbine.blades.len())
+        };
+        assert_eq!([1, 2].map(found), [None, Some(2)]);
     }
 }

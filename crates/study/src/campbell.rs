@@ -46,7 +46,7 @@ impl Default for Options {
 /// Modes of a rotor as functions of its speed, in the fixed frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Campbell {
-    /// Name of the machine.
+    /// Name of the model.
     pub machine: String,
     /// Number of blades; 1 if they are not identical.
     pub blades: usize,
@@ -61,7 +61,7 @@ pub struct Campbell {
 /// Reason why a rotor at constant speed is not steady in the rotating frame. Its `Display` text is a phrase for messages.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Disturbance {
-    /// The machine has aerodynamics.
+    /// The model has aerodynamics.
     Air,
     /// Gravity or the motion of the root.
     Root {
@@ -98,10 +98,10 @@ pub enum CampbellError {
     /// A start value that is rejected.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// The machine has no rotor, no state at a speed, or no modes about this state.
+    /// The model has no rotor, no state at a speed, or no modes about this state.
     #[error(transparent)]
     Plant(#[from] PlantError),
-    /// The motion of the machine at a speed is not periodic.
+    /// The motion of the model at a speed is not periodic.
     #[error("no periodic motion: {cause}")]
     NoTurn {
         /// The reason.
@@ -127,7 +127,7 @@ pub enum CampbellError {
 /// inserted. A speed without modes ends the sweep: [`Campbell::ended`].
 ///
 /// # Errors
-/// Speeds and start values that are not allowed, a machine without rotor, no modes at the first speed.
+/// Speeds and start values that are not allowed, a model without rotor, no modes at the first speed.
 pub fn over_speed(machine: impl Into<Arc<Machine>>, options: &Options) -> Result<Campbell, CampbellError> {
     over_speed_watched(machine, options, &mut unwatched)
 }

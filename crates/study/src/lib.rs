@@ -1,6 +1,6 @@
-//! Studies of a machine: analyses that need several of its states, such as the speed at which it flutters or the trim of an aircraft.
+//! Studies of a model: analyses that need several of its states, such as the speed at which it flutters or the trim of an aircraft.
 //!
-//! Each study is a function of a machine or a [`Plant`](foldwing_engine::plant::Plant) with start values, and of options whose names
+//! Each study is a function of a model or a [`Plant`](foldwing_engine::plant::Plant) with start values, and of options whose names
 //! carry units. Its result consists of numbers and its error of fields; the command and the Python package turn them into text. Results
 //! that implement `serde::Serialize` give the JSON that the command prints.
 //!

@@ -42,8 +42,8 @@ pub struct Target {
     pub value: f64,
 }
 
-/// Creates a plant of a machine with start values, not yet initialised. `interface` is that of the
-/// machine.
+/// Creates a plant of a model with start values, not yet initialised. `interface` is that of the
+/// model.
 ///
 /// # Errors
 /// Names that do not belong to an input or parameter, values of another type or out of range.

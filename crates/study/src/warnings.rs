@@ -127,14 +127,14 @@ pub fn undeformed(machine: &Machine) -> Vec<Warning> {
     }
 }
 
-/// Warnings about a plant in its present state and wind: direction of the flow, and a lattice without suction at incidence.
+/// Warnings about a plant in its current state and wind: direction of the flow, and a lattice without suction at incidence.
 pub fn air_at(plant: &Plant) -> Vec<Warning> {
     let Some(angles) = FlowAngles::over(plant) else { return Vec::new() };
     let at_incidence = lacks_suction(plant.machine()) && angles.incidence_rad > MINIMUM_INCIDENCE_RAD;
     at_incidence.then_some(Warning::NoSuction).into_iter().chain(angles.warning(plant)).collect()
 }
 
-/// Warning about the direction of the flow over a plant in its present state and wind.
+/// Warning about the direction of the flow over a plant in its current state and wind.
 pub fn flow_at(plant: &Plant) -> Option<Warning> {
     FlowAngles::over(plant)?.warning(plant)
 }

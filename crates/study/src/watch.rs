@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 /// Completed work of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// The present part of the study: the plural of its unit of work, such as `wind speeds`.
+    /// The current part of the study: the plural of its unit of work, such as `wind speeds`.
     pub part: &'static str,
     /// Number of units of this part that are done.
     pub done: usize,

@@ -1,4 +1,4 @@
-//! `docs/guide/messages.md`: every quoted message is one of the program's, and none is missing.
+//! `docs/guide/messages.md`: every quoted message occurs in the program, and no message of the program is missing.
 //!
 //! Three sources. *Produced here*: messages of the command in the cases below. *Produced elsewhere*: the complete messages that
 //! `tests/robustness` expects from the program. *Source*: texts of the program produced in neither of the two.

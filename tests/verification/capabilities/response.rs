@@ -20,7 +20,7 @@ fn column(bench: &mut Bench, stage: Stage, unknowns: &[u32], known: u32) -> Vec<
     values
 }
 
-/// Compares the derivatives with respect to all real inputs at the present state with central differences between steps of nearly zero
+/// Compares the derivatives with respect to all real inputs at the current state with central differences between steps of nearly zero
 /// length from that state with changed inputs. Returns the number of pairs and the largest relative difference.
 fn compare_at_state(what: &str, bench: &mut Bench) -> (usize, f64) {
     let unknowns: Vec<u32> = bench.reals(Causality::Output).iter().map(|row| row.value_reference).collect();

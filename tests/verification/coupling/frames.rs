@@ -246,7 +246,7 @@ fn q54_wake_goes_with_a_wind_that_jumps_inside_a_step() {
         way_m += wind_m_s * 1.3e-3 + rate_m_s2 * (0.5 * 1.3e-3 * 1.3e-3);
         wind_m_s += rate_m_s2 * 1.3e-3;
         let (time_s, row_m) = first_row_m(&plant, &start);
-        // the lattice is at the end of the aerodynamic step, up to which the present wind is extrapolated
+        // the lattice is at the end of the aerodynamic step, up to which the current wind is extrapolated
         let expected_m = way_m + wind_m_s * (time_s - plant.time_s());
         let runs = rate_m_s2 != Vector3::zeros();
         assert!(runs || (row_m - expected_m).norm() < 1e-12, "step {step}: {row_m} {expected_m}");

@@ -158,7 +158,7 @@ fn all_motions(space: &SampledSpace, mass: &DMatrix<f64>) -> Vec<Oracle> {
     slow.map(of).collect()
 }
 
-/// The modes listed at the present state, after checking that they are eigenvalues of the complete model and that no slower mode of the
+/// The modes listed at the current state, after checking that they are eigenvalues of the complete model and that no slower mode of the
 /// machine is missing.
 fn listed_beside_the_whole(plant: &mut Plant, asked: usize, what: &str) -> Vec<Complex<f64>> {
     let (modes, _) = plant.study().lattice_modes_and_rest(asked).unwrap_or_else(|error| panic!("{what}: {error}"));

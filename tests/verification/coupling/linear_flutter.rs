@@ -288,7 +288,7 @@ fn q64_hinged_tip_over_latch_stiffness() {
         .collect();
     for (stiffness, found) in &map {
         println!("Q-64 latch {stiffness:.0e} N m/rad: flutter {found:.4?} (m/s, rad/s)");
-        // lag bending, at 487 rad/s, has so little damping that round-off may change its sign
+        // edgewise bending, at 487 rad/s, has so little damping that round-off may change its sign
         assert!(found.is_none_or(|found| found[1] < 200.0), "{found:?}");
     }
     let whole = Goland { gust_m_s: 0.0, ..Goland::strips() }.machine(130.0, |structure| structure);

@@ -128,7 +128,7 @@ impl Wing {
         Flow { time_s, density_kg_m3: DENSITY_KG_M3, wind_m_s, spin_rad_s: Vector3::zeros(), gusts }
     }
 
-    /// One step to the present `motions`.
+    /// One step to the current `motions`.
     pub fn step(&mut self, step_s: f64) {
         self.time_s += step_s;
         let flow = Self::flow(self.time_s, self.wind_m_s, &self.gusts);

@@ -18,7 +18,7 @@ const STEPS: [f64; 2] = [1e-2, 1e-4];
 const INPUT_STEPS: [f64; 3] = [1.0, 1e-2, 1e-4];
 /// First steps for rotors: a section may be 1e-7 rad from a corner of its polar, where wider differences average both sides.
 const ROTOR_STEPS: [f64; 3] = [1e-2, 1e-4, 1e-6];
-/// Degree of attachment below which linear models and states next to the present one take as 0 its square root in (B14), whose derivative
+/// Degree of attachment below which linear models and states next to the current one take as 0 its square root in (B14), whose derivative
 /// is infinite at 0, NOTATION (B27).
 const SEPARATED: f64 = 1e-6;
 /// Degree of attachment at which differences with respect to it are taken: below 0, where the loads are smooth because the square root is
@@ -317,7 +317,7 @@ fn real(interface: &Interface, plant: &Plant, outputs: &Outputs, row: &Variable)
     }
 }
 
-/// Checks all rows of the linear model about the present state of a plant.
+/// Checks all rows of the linear model about the current state of a plant.
 pub fn linear_rows_agree_at(plant: &mut Plant) -> Rows {
     if plant.freedoms().is_empty() {
         return Rows::Refused("nothing can move".to_owned());

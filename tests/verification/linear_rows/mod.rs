@@ -427,7 +427,7 @@ fn lr06_rest_whose_inputs_have_changed() {
     println!("LR-06: {rows:?}");
 }
 
-/// LR-07. Reading the machine as a hybrid system twice within an aerodynamic step gives bit-identical lag states: the present ones.
+/// LR-07. Reading the machine as a hybrid system twice within an aerodynamic step gives bit-identical lag states: the current ones.
 #[test]
 fn lr07_lag_states_are_those_of_the_present() {
     let mut plant = Plant::new(Arc::new(hinged_wing(50.0)));

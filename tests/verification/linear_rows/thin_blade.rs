@@ -55,7 +55,7 @@ tolerance = 1e-9
 "#;
 
 /// LR-16. Loads by strains and by the wind of a blade with shear, 16 ms after its release: central differences of the accelerations of
-/// sections by unit accelerations of the coordinates were taken about the present accelerations, beside which they lost digits; the
+/// sections by unit accelerations of the coordinates were taken about the current accelerations, beside which they lost digits; the
 /// inverse of the mass matrix, whose smallest entries are rotary inertias of the thin sections, enlarged the loss.
 #[test]
 fn lr16_loads_of_a_blade_with_shear_keep_their_digits() {

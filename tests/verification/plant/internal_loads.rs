@@ -206,7 +206,7 @@ fn p142_section_loads_jump_by_what_is_attached() {
             }
             let joint = outputs.joint_reactions()[body];
             worst = worst.max((found[4].force_n.norm() - joint.force_n.norm()).abs());
-            // about the hinge the joint outputs its torque, whereas the section load follows from accelerations interpolated between two
+            // about the hinge the joint outputs its torque, whereas the internal load follows from accelerations interpolated between two
             // steps
             let hinge = (found[4].moment_n_m.norm() - joint.moment_n_m.norm()).abs();
             assert!(hinge < 1e-9, "{kind:?}, body {body}: {hinge:.1e} N·m between joint and section");

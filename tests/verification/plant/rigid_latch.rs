@@ -303,7 +303,7 @@ fn rl18_a_linkage_rests_in_a_latch_on_its_way() {
 }
 
 /// RL-16. Later actions of a user: a command and a limited motor while latched change only the reaction; opening gives no impulse; a lock
-/// takes over from the latch at the present angle and back; enabled again on a motionless joint in the capture window, the latch closes at
+/// takes over from the latch at the current angle and back; enabled again on a motionless joint in the capture window, the latch closes at
 /// once; a start rate in the capture window has no effect.
 #[test]
 fn rl16_command_stopper_opening_and_closing_again() {

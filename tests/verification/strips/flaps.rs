@@ -292,8 +292,8 @@ fn w44_flaps_in_reversed_flow_are_noses() {
     let forward = Plate::default();
     let backward = Plate { speed_m_s: -forward.speed_m_s, ..Plate::default() };
     let found = steady(&backward, hinge, 0.0, angle_rad);
-    // seen from its leading edge, the front part 1 − hinge is inclined to the wind by the angle: the plate at that incidence with its rear
-    // part deflected back
+    // relative to its leading edge, the front part 1 − hinge is inclined to the wind by the angle: the plate at that incidence with its
+    // rear part deflected back
     let whole = steady(&forward, 0.5, angle_rad, 0.0);
     let rear = steady(&forward, 1.0 - hinge, 0.0, angle_rad);
     let lift_n_m = -(whole.lift_n_m - rear.lift_n_m);

@@ -175,7 +175,7 @@ fn shapes(law: &ModalLaw) -> Shapes {
         let flap = Rotation3::from_axis_angle(&Vector3::x_axis(), twist) * Vector3::z();
         if edge { flap.cross(&Vector3::x()) } else { flap }
     };
-    // running integral: full cells and half of the present one; the last entry is the total
+    // running integral: full cells and half of the current one; the last entry is the total
     let running = |values: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
         let before = |k: usize| values[..k].iter().sum::<Vector3<f64>>() * h;
         let mut all: Vec<Vector3<f64>> = (0..cells).map(|k| before(k) + values[k] * (0.5 * h)).collect();

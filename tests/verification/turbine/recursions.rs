@@ -58,7 +58,7 @@ fn tree([axial_shortening, section_rotation]: [bool; 2]) -> Model {
         load_frame: LoadFrame::Root,
         ..body(law_of("blade1"), 61.5, 17)
     };
-    // what is attached to a modal body that moves passes its forces through it
+    // parts attached to a moving modal body transmit their forces through it
     let tip = BodyDescription {
         parent: Attachment::Body { index: 2, position_m: 61.5 },
         offset_m: Vector3::new(0.3, -0.4, 0.1),

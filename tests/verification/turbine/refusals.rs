@@ -121,7 +121,7 @@ fn wt24_bad_generators_are_named() {
         for word in words {
             assert!(told.contains(word), "{to:.60}: {word:?} is missing in\n{told:.900}");
         }
-        // one mistake is reported once, at a key of the file
+        // each error is reported once, at a key of the file
         assert_eq!(
             told.matches("is not allowed").count()
                 + told.matches("is missing").count()

@@ -38,7 +38,7 @@ impl SolverFactory for RungeKuttaFactory {
 }
 
 impl<O: Ode> RungeKutta<O> {
-    /// States after a step from the present ones.
+    /// States after a step from the current ones.
     fn taken(&self, step_s: f64) -> Result<Vec<f64>, SimulationError> {
         let slope = |time_s: f64, states: &[f64]| {
             let mut slope = vec![0.0; states.len()];
@@ -62,7 +62,7 @@ impl<O: Ode> RungeKutta<O> {
         Ok(indicators)
     }
 
-    /// Whether an indicator has changed sign since the present state.
+    /// Whether an indicator has changed sign since the current state.
     fn crosses(&self, indicators: &[f64]) -> bool {
         self.indicators.iter().zip(indicators).any(|(was, is)| (*was > 0.0) != (*is > 0.0))
     }

@@ -40,7 +40,7 @@ struct SurfaceSummary {
 }
 
 impl AirSummary {
-    /// Returns the summary of a machine with aerodynamics, with the pairs of surfaces that are close to each other.
+    /// Returns the summary of a model with aerodynamics, with the pairs of surfaces that are close to each other.
     pub fn new(machine: &Machine, gaps: &[SurfaceGap]) -> Option<Self> {
         let air = machine.air.as_ref()?;
         let surface = |surface: &foldwing_engine::machine::LiftingSurface| {

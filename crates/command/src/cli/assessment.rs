@@ -27,7 +27,7 @@ const GAUSS: [(f64, f64); 5] = [
 /// Results of the assessment.
 #[derive(Serialize)]
 pub(super) struct Assessment {
-    /// Centre of mass in the root frame, for the unstrained machine at its start angles.
+    /// Centre of mass in the root frame, for the unstrained model at its start angles.
     centre_of_mass_m: [f64; 3],
     /// Inertia about the centre of mass in axes of the root frame: `[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]`, where `Ixy = −∫xy dm`.
     inertia_kg_m2: [f64; 6],
@@ -101,7 +101,7 @@ fn blown(machine: &Machine) -> bool {
 }
 
 impl Assessment {
-    /// Assesses a machine with the start values of its inputs.
+    /// Assesses a model with the start values of its inputs.
     pub fn new(machine: &Machine) -> Self {
         let bare = bare(machine);
         let mut plant = Plant::new(Arc::new(bare.clone()));
@@ -122,7 +122,7 @@ impl Assessment {
         }
         (answer.centre_of_mass_m, answer.inertia_kg_m2) = mass_properties(&plant);
         let unstrained: Vec<Vector3<f64>> = plant.outputs().tips().iter().map(|tip| tip.position_m).collect();
-        // a new plant, because the bare one has no gravity
+        // a new plant, because that of the bare model has no gravity
         match at_rest(&bare, &unstrained) {
             Ok((deflection, frequencies_hz)) => {
                 (answer.static_deflection, answer.frequencies_hz) = (deflection, frequencies_hz)
@@ -211,7 +211,7 @@ fn tidy(value: f64) -> f64 {
     if value.abs() < 5e-5 { 0.0 } else { value }
 }
 
-/// Returns the machine without aerodynamics and loads, with held joints.
+/// Returns the model without aerodynamics and loads, with held joints.
 fn bare(machine: &Machine) -> Machine {
     let mut bare = machine.clone();
     bare.air = None;
@@ -220,7 +220,7 @@ fn bare(machine: &Machine) -> Machine {
     bare
 }
 
-/// Returns the machine with all latches open.
+/// Returns the model with all latches open.
 fn unlatched(mut machine: Machine) -> Machine {
     each_joint(&mut machine, |joint| {
         joint.latch.iter_mut().for_each(|latch| {
@@ -238,7 +238,7 @@ pub(super) fn efforts(machine: &Machine, asked: impl Fn(usize) -> bool) -> Vec<E
     rows.filter_map(|(_, (body, joint))| effort(&held, body, joint).ok()?).collect()
 }
 
-/// Natural frequencies in Hz of the machine in static equilibrium under gravity, joints held; empty if there is no equilibrium.
+/// Natural frequencies in Hz of the model in static equilibrium under gravity, joints held; empty if there is no equilibrium.
 pub(super) fn frequencies_hz(machine: &Machine) -> Vec<f64> {
     at_rest(&bare(machine), &[]).map_or_else(|_| Vec::new(), |(_, frequencies_hz)| frequencies_hz)
 }
@@ -253,7 +253,7 @@ fn each_joint(machine: &mut Machine, change: impl Fn(&mut OneFreedom)) {
     }
 }
 
-/// Returns static deflection and natural frequencies of a machine with held joints.
+/// Returns static deflection and natural frequencies of a model with held joints.
 fn at_rest(machine: &Machine, unstrained: &[Vector3<f64>]) -> Result<(Option<StaticDeflection>, Vec<f64>), String> {
     if machine.spatials().next().is_some() {
         return Err(
@@ -338,7 +338,7 @@ fn effort(held: &Machine, body: usize, joint: &OneFreedom) -> Result<Option<Effo
     }))
 }
 
-/// Centre of mass of the machine in its present position, and inertia about it.
+/// Centre of mass of the model in its current position, and inertia about it.
 fn mass_properties(plant: &Plant) -> ([f64; 3], [f64; 6]) {
     let (mut mass_kg, mut first, mut second, mut own) =
         (0.0, Vector3::zeros(), Matrix3::zeros(), Matrix3::<f64>::zeros());

@@ -77,7 +77,7 @@ impl Varied {
         Ok(varied)
     }
 
-    /// Returns the machine at the values of the file.
+    /// Returns the model at the values of the file.
     pub fn machine(&self) -> &foldwing_engine::machine::Machine {
         &self.machine
     }

@@ -74,7 +74,7 @@ pub fn modes(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Resul
 /// Page with the animated shapes of the same modes, as `foldwing modes --view` writes it.
 ///
 /// # Errors
-/// As for [`modes`], and for a machine without modes.
+/// As for [`modes`], and for a model without modes.
 pub fn modes_page(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Result<String, Failure> {
     let (modes, _) = modes_of(plant, time_s, of, count).map_err(|error| Failure::Statics(error.to_string()))?;
     let title = crate::cli::modes::title(plant, of == ModesOf::Undeformed, of == ModesOf::RestInLattice);
@@ -96,11 +96,11 @@ fn modes_of(plant: &mut Plant, time_s: f64, of: ModesOf, count: usize) -> Result
     Ok((modes, Some((stability, rest))))
 }
 
-/// Page with the animated mode shapes versus wind speed, as `foldwing flutter --view` writes it. Both `plants` are of the same machine,
+/// Page with the animated mode shapes versus wind speed, as `foldwing flutter --view` writes it. Both `plants` are of the same model,
 /// with its start values.
 ///
 /// # Errors
-/// As for [`flutter::sweep`], and for a machine without modes.
+/// As for [`flutter::sweep`], and for a model without modes.
 pub fn flutter_page([swept, drawn]: [Plant; 2], options: &flutter::Options) -> Result<String, Failure> {
     let seen = shapes::sweep_seen(swept, options, &mut unwatched).map_err(crate::cli::flutter::failure)?;
     let drawn = shapes::of_flutter(drawn, &seen);

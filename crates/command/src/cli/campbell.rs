@@ -44,7 +44,7 @@ pub(super) struct Asked<'a> {
     pub quiet: Quiet,
 }
 
-/// Tracks the modes of the machine over a range of rotor speeds, and prints them.
+/// Tracks the modes of the model over a range of rotor speeds, and prints them.
 pub(super) fn run(asked: &Asked, outlets: &mut Outlets) -> Result<(), Failure> {
     asked.branches.check(outlets)?;
     let values =

@@ -1,9 +1,9 @@
-//! Output of `check` for machines with zero, one and several items in each list.
+//! Output of `check` for models with zero, one and several items in each list.
 
 use super::*;
 use foldwing_engine::machine::Gauge;
 
-/// Machines: one with a closed loop, and others with a latch and zero, one and several gauges.
+/// Models: one with a closed loop, and others with a latch and zero, one and several gauges.
 fn machines() -> Vec<Machine> {
     let read = |name: &str| {
         let path = format!("{}/../../examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));

@@ -24,7 +24,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Step of finite differences between machines, relative to the value; for a value of zero, in its SI unit.
+/// Step of finite differences between models, relative to the value; for a value of zero, in its SI unit.
 const STEP: f64 = 1e-3;
 /// Name of the figure.
 const FIGURE: &str = "gradient";
@@ -148,7 +148,7 @@ pub(super) struct Variants<'a> {
     pub text: &'a str,
     /// Machine of the model file.
     pub machine: Arc<Machine>,
-    /// The machine's variables.
+    /// The model's variables.
     pub interface: &'a Interface,
     /// `NAME=VALUE` of start values common to all variants.
     pub settings: &'a [String],
@@ -225,7 +225,7 @@ impl Variants<'_> {
         self.table.into_iter().flat_map(|table| table.columns(self.interface))
     }
 
-    /// Adds the rows of `NAME@TIME` or `NAME@*`; successive rows of one input share their machines.
+    /// Adds the rows of `NAME@TIME` or `NAME@*`; successive rows of one input share their models.
     fn push_rows(&self, list: &mut Vec<Wanted>, (name, input, at): (&str, &str, &str)) -> Result<(), Failure> {
         let refuse = |cause: &str| Err(refused(name, cause));
         let Some(table) = self.table else {
@@ -279,7 +279,7 @@ impl Variants<'_> {
         }
     }
 
-    /// Rows of an input over time, and the machines with perturbed values for finite differences.
+    /// Rows of an input over time, and the models with perturbed values for finite differences.
     fn rows(&self, column: usize, rows: Vec<usize>) -> Result<Numbers, Failure> {
         let times_s = self.table.map_or(&[][..], InputTable::times_s);
         let Some((variable, values)) = self.columns().nth(column) else {
@@ -300,7 +300,7 @@ impl Variants<'_> {
         Ok(Numbers { by, parameter: Parameter::of_rows(&variable.name, (column, rows), step, plant)? })
     }
 
-    /// Quantity, and the machines with perturbed values for finite differences.
+    /// Quantity, and the models with perturbed values for finite differences.
     fn number(&self, name: &str, plant: &Plant) -> Result<Numbers, Failure> {
         if name.starts_with("solver.") || name.starts_with("file:solver.") {
             return Err(refused(name, "is a setting of the integrator: derivatives are computed for fixed time steps"));

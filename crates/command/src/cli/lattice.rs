@@ -22,7 +22,7 @@ impl LatticeRecord {
         Self { times_s, taken: Vec::new() }
     }
 
-    /// Records the plant's present lattice if a requested time has been reached.
+    /// Records the plant's current lattice if a requested time has been reached.
     pub fn include(&mut self, plant: &Plant) {
         let due = |time_s: &f64| *time_s <= plant.time_s() + ROUND_OFF_S;
         if !self.times_s.last().is_some_and(due) {

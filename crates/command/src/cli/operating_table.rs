@@ -129,7 +129,7 @@ mod tests {
     use foldwing_fmi::interface::{Causality, Interface};
     use foldwing_study::operating_points::State;
 
-    /// Table with points in every state, with all outputs of a machine.
+    /// Table with points of every kind (steady, periodic, without a state), with all outputs of a model.
     fn table() -> OperatingPoints {
         let interface = Interface::new(&two_body_machine());
         let rows = interface.variables().iter().filter(|row| row.causality == Causality::Output);

@@ -155,7 +155,7 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     Ok(())
 }
 
-/// Checks that an FMU of this type can be made from the machine.
+/// Checks that an FMU of this type can be made from the model.
 pub(super) fn check_kinds(kinds: Kinds, machine: &Machine) -> Result<(), Failure> {
     if kinds.scalars && kinds.version == Version::Fmi2 {
         let cause = "--scalars: FMI 2.0 has no other variables; leave it out, or add --fmi 3";

@@ -64,7 +64,7 @@ pub struct Arguments {
     quiet: Quiet,
 }
 
-/// Default outputs in the text, if the machine has them.
+/// Default outputs in the text, if the model has them.
 const SHOWN: [&str; 5] = ["*.deflection.*", "*.angle", "rotor.*", "tip.position.*", "*.holding_torque"];
 
 /// Computes the periodic steady state and prints it.

@@ -17,7 +17,7 @@ pub(super) fn read_plant(model: &Path, settings: &[String]) -> Result<Plant, Fai
     plant_with(machine, &interface, settings)
 }
 
-/// Returns a plant of a machine with start values set, not yet initialised.
+/// Returns a plant of a model with start values set, not yet initialised.
 pub(super) fn plant_with(
     machine: impl Into<Arc<Machine>>,
     interface: &Interface,
@@ -96,7 +96,7 @@ fn set_vector(text: &str, rows: &[Variable], interface: &Interface, plant: &mut 
     Ok(settings)
 }
 
-/// Start values, in the format of `--set`, for a study in which a shaft rotates, set on the machine with the rotating shaft. `turn`
+/// Start values, in the format of `--set`, for a study in which a shaft rotates, set on the model with the rotating shaft. `turn`
 /// is the shaft, its speed in rad/s and the steps per revolution. Empty if the shaft is not valid, which the study itself reports.
 pub(super) fn settings_of_turning(
     machine: &Machine,
@@ -112,7 +112,7 @@ pub(super) fn settings_of_turning(
     }
 }
 
-/// Start values for a study of a machine, in the format of `--set`.
+/// Start values for a study of a model, in the format of `--set`.
 pub(super) fn typed_settings(machine: &Machine, settings: &[String]) -> Result<Vec<Setting>, Failure> {
     if settings.is_empty() {
         return Ok(Vec::new());

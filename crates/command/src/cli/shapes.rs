@@ -23,7 +23,7 @@ use std::path::Path;
 /// Frames per cycle in the VTK files of a mode.
 pub(super) const CYCLE: usize = 24;
 
-/// Converts a mode about the present state of a plant to drawable form, at amplitude 1.
+/// Converts a mode about the current state of a plant to drawable form, at amplitude 1.
 fn drawn(number: usize, mode: &ModeShape, plant: &Plant, (scene, frame): (&Scene, &Frame)) -> DrawnMode {
     let name = mode.flight.map_or(String::new(), |flight| format!("{flight}: "));
     let raw = DrawnMode {
@@ -39,7 +39,7 @@ fn drawn(number: usize, mode: &ModeShape, plant: &Plant, (scene, frame): (&Scene
     raw.scaled(scene, std::slice::from_ref(frame))
 }
 
-/// Shapes of modes about the present state of a plant.
+/// Shapes of modes about the current state of a plant.
 pub(super) fn of_modes(plant: &Plant, modes: &[ModeShape], title: String) -> Shapes {
     let scene = Scene::of(plant);
     let frame = state_of(&scene, plant);
@@ -72,7 +72,7 @@ pub(super) fn sweep_seen(
 }
 
 /// Modes versus wind speed: all modes at the speeds of the table, and the modes that become unstable or stable at their crossing speeds.
-/// `plant` is another plant of the same machine.
+/// `plant` is another plant of the same model.
 pub(super) fn of_flutter(mut plant: Plant, seen: &Seen) -> Result<Shapes, PlantError> {
     let Flutter { branches, crossings, .. } = &seen.found;
     let scene = Scene::of(&plant);
@@ -154,7 +154,7 @@ pub(super) fn of_periodic(machine: &Machine, options: &periodic::Options, found:
 /// Returns the page of modes as HTML.
 ///
 /// # Errors
-/// A machine without modes.
+/// A model without modes.
 pub(super) fn page(shapes: &Shapes) -> Result<String, Failure> {
     if shapes.states.iter().all(|state| state.modes.iter().all(Option::is_none)) {
         return Err(none(&shapes.scene.name));
@@ -162,7 +162,7 @@ pub(super) fn page(shapes: &Shapes) -> Result<String, Failure> {
     Ok(page_of_modes(&shapes.scene.name, &PackedModes::new(shapes)))
 }
 
-/// Error for a machine without modes.
+/// Error for a model without modes.
 pub(super) fn none(name: &str) -> Failure {
     Failure::Statics(format!(
         "{name}: no modes to draw: no part can move, or --count is 0; release a joint, add elements, or raise --count"

@@ -1,4 +1,4 @@
-//! `foldwing static`: static equilibrium of the machine under its loads.
+//! `foldwing static`: static equilibrium of the model under its loads.
 
 use crate::cli::number::six;
 use crate::cli::outlets::Quiet;
@@ -113,7 +113,7 @@ pub(super) fn judged(plant: &mut Plant, rest: &Rest) -> Result<Stability, PlantE
     plant.study().stability()
 }
 
-/// Present equilibrium of the plant as JSON.
+/// Current equilibrium of the plant as JSON.
 pub(super) fn rest_json(plant: &mut Plant, rest: &Rest) -> Result<Value, PlantError> {
     let stability = judged(plant, rest)?;
     let coarseness = plant.study().coarseness();

@@ -13,7 +13,7 @@ impl StrainPeaks {
     /// Names of the columns.
     pub const COLUMNS: [&str; 6] = ["body", "position_m", "largest_axial_strain", "time_s", "y_m", "z_m"];
 
-    /// Updates the maxima with the plant's present strains.
+    /// Updates the maxima with the plant's current strains.
     pub fn include(&mut self, plant: &Plant) {
         let time_s = plant.time_s();
         let strains = plant.section_strains();

@@ -63,7 +63,7 @@ fn control(row: &Variable, interface: &Interface, plant: &Plant, scales: &Scales
     Some(Control { name, role, kind, unit, factor, slider, allowed, description, reference: row.value_reference })
 }
 
-/// Range of a slider: up to twice the present value, or for a value of zero a typical size for its unit, within the allowed
+/// Range of a slider: up to twice the current value, or for a value of zero a typical size for its unit, within the allowed
 /// range.
 fn ends(value: f64, scale: f64, [least, most]: [Option<f64>; 2]) -> [f64; 2] {
     // a value that means "unlimited" does not give a size
@@ -74,7 +74,7 @@ fn ends(value: f64, scale: f64, [least, most]: [Option<f64>; 2]) -> [f64; 2] {
     [low, high]
 }
 
-/// Typical magnitudes of the quantities of a machine.
+/// Typical magnitudes of the quantities of a model.
 struct Scales {
     weight_n: f64,
     length_m: f64,
@@ -117,7 +117,7 @@ mod tests {
     use crate::live::tests::started;
 
     /// Every input and tunable parameter, and nothing else, has a control; angles are in degrees; slider ranges include the
-    /// present values.
+    /// current values.
     #[test]
     fn every_input_and_tunable_parameter_has_a_control() {
         for model in ["folding_wing", "folding_wing_in_tunnel", "flying_wing"] {

@@ -40,7 +40,7 @@ impl History {
         history
     }
 
-    /// Adds the present state and removes the oldest ones beyond the limit; a state of the same time is replaced.
+    /// Adds the current state and removes the oldest ones beyond the limit; a state of the same time is replaced.
     pub fn push(&mut self, moment: Moment) {
         if self.until_size == 0 {
             let bytes = postcard::to_stdvec(&moment.snapshot).map_or(1, |bytes| bytes.len());

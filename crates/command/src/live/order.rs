@@ -11,7 +11,7 @@ pub const SPEEDS: [f64; 2] = [1e-3, 100.0];
 /// Limits of the spring stiffness in N/m.
 const STIFFNESSES_N_M: [f64; 2] = [1e-9, 1e12];
 
-/// Limit of coordinates in m, far beyond the size of any machine.
+/// Limit of coordinates in m, far beyond the size of any model.
 const FARTHEST_M: f64 = 1e6;
 
 /// Value of an input or parameter.

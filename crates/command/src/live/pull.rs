@@ -32,7 +32,7 @@ pub(super) struct Pull {
     pub target_m: Vector3<f64>,
     /// Stiffness in N/m.
     pub stiffness_n_m: f64,
-    /// Force of the spring on the machine, in N in the root frame.
+    /// Force of the spring on the model, in N in the root frame.
     pub force_n: Vector3<f64>,
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Shown {
 }
 
 impl Pull {
-    /// Attaches a spring to a station; `None` if the machine has no such station.
+    /// Attaches a spring to a station; `None` if the model has no such station.
     pub fn new(plant: &Plant, station: usize, target_m: Vector3<f64>, stiffness_n_m: f64) -> Option<Self> {
         let base_n = plant.inputs().stations().get(station)?.force_n;
         let held = Held { station, base_n };

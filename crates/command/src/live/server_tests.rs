@@ -220,7 +220,7 @@ fn a_client_that_disconnects_ends_the_work() {
     assert!(begun.elapsed() >= Duration::from_millis(150), "a page that is loaded again has no time to come back");
 }
 
-/// A second page shows the same machine, and closing it does not end the simulation for the first.
+/// A second page shows the same model, and closing it does not end the simulation for the first.
 #[test]
 fn pages_share_the_machine() {
     let served = Served::new(Duration::from_millis(10));

@@ -61,7 +61,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Creates a simulation, with its clock stopped, from the present state of an initialised plant.
+    /// Creates a simulation, with its clock stopped, from the current state of an initialised plant.
     pub fn new(mut plant: Plant, interface: Interface, speed: f64) -> Self {
         plant.watch(OutputSet::NONE);
         plant.provide(OutputSet::ALL);
@@ -114,7 +114,7 @@ impl Session {
         page_of_live(&self.scene, &frame, &signals, &live)
     }
 
-    /// Name of the machine.
+    /// Name of the model.
     pub fn name(&self) -> &str {
         &self.scene.name
     }
@@ -124,7 +124,7 @@ impl Session {
         self.step_s
     }
 
-    /// Present time in s.
+    /// Current time in s.
     pub fn time_s(&self) -> f64 {
         self.plant.time_s()
     }
@@ -421,7 +421,7 @@ impl Session {
         }
     }
 
-    /// The present frame, if anything has changed: a header in JSON, then numbers in single precision, little-endian.
+    /// The current frame, if anything has changed: a header in JSON, then numbers in single precision, little-endian.
     ///
     /// The first four bytes are the length of the header, which is padded with spaces to a multiple of four. The numbers are the
     /// samples (time and the values of `names`, row by row), followed by the state in the format of `run.js`.

@@ -1,4 +1,4 @@
-//! Machines for the tests of this module.
+//! Models for the tests of this module.
 
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::interface::Interface;

@@ -119,7 +119,7 @@ pub(super) fn outline(body: &Body, frames: &[Frame]) -> Vec<Vector3<f64>> {
     edge(1.0).chain(edge(-1.0).rev()).collect()
 }
 
-/// Draws the wing. Loops are closed only at the start angles, so a machine with loops is drawn only there.
+/// Draws the wing. Loops are closed only at the start angles, so a model with loops is drawn only there.
 pub fn drawing(machine: &Machine) -> Drawing {
     let looped = !machine.closures.is_empty();
     let deployed = undeformed(machine, if looped { 1.0 } else { 0.0 });

@@ -11,7 +11,7 @@ pub const SIZE: [u32; 2] = [800, 600];
 /// Factor for the width of lines and dots, because importers show the icon at a fraction of its size.
 const BOLD: f64 = 1.6;
 
-/// Returns the icon as a PNG file with white background. Equal machines give equal bytes.
+/// Returns the icon as a PNG file with white background. Equal models give equal bytes.
 pub fn png(machine: &Machine) -> Vec<u8> {
     let drawing = drawing(machine);
     let mut pixels = Pixmap::new(SIZE[0], SIZE[1]).expect("the size is not zero");

@@ -56,7 +56,7 @@ impl Kinds {
         if self.scalars { arrays.in_scalars() } else { arrays }
     }
 
-    /// Whether the table has the energy accounts. One table serves both interface types, and co-simulation has them.
+    /// Whether the table has the energy accounts: always with co-simulation, because one table serves both interface types.
     pub fn keeps_accounts(self) -> bool {
         self.co_simulation || self.accounts
     }
@@ -68,7 +68,7 @@ impl Kinds {
             Version::Fmi2 => Interface::with_states(machine, &plant),
             Version::Fmi3 => Interface::with_states_and_indicators(machine, &plant),
         };
-        // the start values are a valid state for importers that start from the description; a machine without an
+        // the start values are a valid state for importers that start from the description; a model without an
         // initial state has none
         let started = plant.initialize(machine.experiment.start_time_s).is_ok();
         if started && plant.system_mut().begin_exchange().is_ok() {

@@ -58,7 +58,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Simulates the experiments of a machine.
+    /// Simulates the experiments of a model.
     ///
     /// Inputs are sampled at the start of each communication step, with reals interpolated linearly between the rows of the stimuli, as in
     /// `foldwing simulate --inputs` and FMPy.

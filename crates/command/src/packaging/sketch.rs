@@ -37,7 +37,7 @@ const JOINTS: [(char, &str); 6] = [
     ('$', "sliding joint with latch"),
 ];
 
-/// Draws the undeformed machine at its start angles, in two views of the same scale with a legend. Every line is ASCII and at most 80
+/// Draws the undeformed model at its start angles, in two views of the same scale with a legend. Every line is ASCII and at most 80
 /// characters long.
 pub fn sketch(machine: &Machine) -> String {
     let wing = undeformed(machine, 1.0);
@@ -136,7 +136,7 @@ impl Painter {
         let rows = span.y.max(span.z) / ((MAXIMUM_ROWS - 1) as f64 * ASPECT);
         self.scale_m = columns.max(rows);
         if self.scale_m <= 0.0 {
-            self.scale_m = 1.0; // the machine has zero size
+            self.scale_m = 1.0; // the model has zero size
         }
     }
 
@@ -278,7 +278,7 @@ mod tests {
         assert!(text.contains("= inner   # outer   @ fold joint with latch   X clamp   + load station"), "{text}");
     }
 
-    /// A machine of zero size is drawn, too.
+    /// A model of zero size is drawn, too.
     #[test]
     fn a_point_is_drawn() {
         let mut machine = two_body_machine();
@@ -288,7 +288,7 @@ mod tests {
         assert!(sketch(&machine).contains("one column is"));
     }
 
-    /// A machine with infinite coordinates gives no drawing, and no panic.
+    /// A model with infinite coordinates gives no drawing, and no panic.
     #[test]
     fn an_endless_machine_is_not_drawn() {
         for position_m in [f64::INFINITY, f64::NAN] {

@@ -28,7 +28,7 @@ const RADIANS: f64 = PI / 180.0;
 /// Digits after which a rounded number of degrees is tried: model files contain fewer.
 const DIGITS: usize = 14;
 
-/// Returns the bytes of the archive; `variables` are the scalar variables of the FMU of the machine, whose bytes are `fmu`.
+/// Returns the bytes of the archive; `variables` are the scalar variables of the FMU of the model, whose bytes are `fmu`.
 pub fn system(machine: &Machine, variables: &[Variable], kinds: Kinds, fmu: Vec<u8>) -> Vec<u8> {
     let texts = [
         (STRUCTURE, structure(machine, variables, kinds)),
@@ -187,8 +187,8 @@ fn in_degrees(variable: &Variable) -> bool {
     bounded && unit_of(variable).is_some_and(|unit| unit.display.is_some())
 }
 
-/// Degrees whose product with [`RADIANS`] is the number in rad to the last bit, where there are any, as for all angles of model files, and
-/// otherwise smaller by the last bit, so that it stays within its bounds.
+/// Degrees whose product with [`RADIANS`] is the number in rad to the last bit, if there are such degrees, as for all angles of model
+/// files, and otherwise smaller by the last bit, so that it stays within its bounds.
 fn degrees(rad: f64) -> f64 {
     let near = rad / RADIANS;
     let short = format!("{near:.DIGITS$e}").parse().expect("the text is a number");
@@ -199,7 +199,7 @@ fn degrees(rad: f64) -> f64 {
     exact.or_else(|| [near, above, below].into_iter().find(within)).unwrap_or(near)
 }
 
-/// Writes the units in use, each also as it is displayed.
+/// Writes the units in use, with the display unit of each.
 fn write_units(xml: &mut Xml, element: &str, variables: &[Variable]) -> io::Result<()> {
     let exposed: Vec<&Variable> = variables.iter().filter(|row| connector(row.causality).is_some()).collect();
     let used: Vec<&Unit> = UNITS.iter().filter(|unit| exposed.iter().any(|row| unit_of(row) == Some(*unit))).collect();
@@ -228,7 +228,7 @@ fn write_unit(xml: &mut Xml, name: &str, unit: &Unit, factor: Option<f64>) -> io
 mod tests {
     use super::*;
 
-    /// Degrees of model files come back as they were written, and give the same bits in rad.
+    /// Degrees of model files are reproduced as they were written, and give the same bits in rad.
     #[test]
     fn degrees_are_those_of_the_model_file() {
         for tenth in -3600..=3600 {
@@ -238,7 +238,7 @@ mod tests {
             assert!((degrees(rad) - written).abs() < 1e-12, "{written}");
         }
         assert_eq!(degrees(170.0_f64.to_radians()), 170.0);
-        // other numbers of rad may have none, and never come back beyond their bounds
+        // other angles in rad may have no such degrees, and the converted value never exceeds its bounds
         for thousandth in -3000..=3000 {
             let rad = f64::from(thousandth) / 1000.0;
             let found = degrees(rad) * RADIANS;

@@ -68,7 +68,7 @@ pub trait Channel {
     fn name(&self) -> &str;
     /// Returns whether it is an input.
     fn is_input(&self) -> bool;
-    /// Returns any value of its type; `None` for text, which a table cannot contain.
+    /// Returns an arbitrary value of the variable's type; `None` for text, which a table cannot contain.
     fn kind(&self) -> Option<Value>;
     /// Returns the smallest and largest allowed values.
     fn range(&self) -> Option<(f64, f64)>;

@@ -2,7 +2,6 @@
 //!
 //! Format: The MathWorks, "MAT-File Format", chapter "Level 5 MAT-files". Written without a crate, which would store the time of day in the
 //! header; here equal models give equal bytes.
-//! header; equal models give equal bytes here.
 
 use crate::report::linear::{growing, point_texts};
 use crate::report::number;

@@ -139,7 +139,7 @@ pub fn figures(recording: &Recording, measured: &[Measured]) -> Vec<Named> {
 /// Name of the file of [`overview`].
 pub const OVERVIEW: &str = "overview";
 
-/// Figures of an overview in their order, with the labels of their vertical axes, which have less room there.
+/// Figures of an overview in their order, with shorter labels of the vertical axes, which have less space there.
 const PANELS: [(&str, &str); 8] = [
     ("fold_angles", "angle (°)"),
     ("positions", "position (m)"),
@@ -448,7 +448,7 @@ mod tests {
     use crate::report::figure::Sheet;
     use crate::report::sample_tests::{recorded, shipped};
 
-    /// Of a wing that unfolds early and then no longer moves, the shapes are taken during the motion.
+    /// For a wing that unfolds early and then no longer moves, the shapes are taken during the motion.
     #[test]
     fn shapes_are_at_instants_of_equal_motion() {
         let early: Vec<f64> = (0..100).map(|i| if i < 8 { 0.25 } else { 0.0 }).collect();

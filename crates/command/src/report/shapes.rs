@@ -1,5 +1,5 @@
 //! Modes as motions of the recorded sections, for the page and the VTK files: complex displacements and rotations about a state, and the
-//! machine displaced by a mode of some amplitude.
+//! model displaced by a mode of some amplitude.
 //!
 //! Rotations are finite: a section rotates by its rotation vector, and its position follows by integration along the rotated axis from the
 //! inner end. Bodies therefore keep their lengths at any amplitude, and the motion at small amplitudes is that of the linear mode.
@@ -9,7 +9,7 @@ use foldwing_engine::math::so3::rotation_about;
 use foldwing_engine::plant::{Plant, SectionChange, SectionState};
 use nalgebra::{Complex, Matrix3, Vector3};
 
-/// Largest displacement of a mode at amplitude 1, relative to the diagonal of the box around the machine.
+/// Largest displacement of a mode at amplitude 1, relative to the diagonal of the box around the model.
 pub const LARGEST_SHARE: f64 = 0.1;
 /// Largest rotation at amplitude 1 in rad; it limits the displacement of motions that are mainly rotations.
 pub const LARGEST_ROTATION_RAD: f64 = 0.5;
@@ -53,10 +53,10 @@ pub struct DrawnState {
     pub modes: Vec<Option<DrawnMode>>,
 }
 
-/// Modes about one or more states of a machine.
+/// Modes about one or more states of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shapes {
-    /// Constant parts of the machine.
+    /// Constant parts of the model.
     pub scene: Scene,
     /// Title of the page below the name.
     pub title: String,
@@ -66,7 +66,7 @@ pub struct Shapes {
     pub states: Vec<DrawnState>,
 }
 
-/// Present state of a plant about which modes are drawn, without wake and circulation, which modes do not have.
+/// Current state of a plant about which modes are drawn, without wake and circulation, which modes do not have.
 pub fn state_of(scene: &Scene, plant: &Plant) -> Frame {
     let mut frame = Frame::of(scene, plant);
     frame.lattice.clear();
@@ -74,7 +74,7 @@ pub fn state_of(scene: &Scene, plant: &Plant) -> Frame {
     frame
 }
 
-/// Motion of the drawn sections about the present state of a plant, for changes of its free coordinates of any size.
+/// Motion of the drawn sections about the current state of a plant, for changes of its free coordinates of any size.
 pub fn changes_of(scene: &Scene, plant: &Plant, coordinates: &[Complex<f64>]) -> Changes {
     let places_m: Vec<Vec<f64>> = scene.bodies.iter().map(|body| body.places_m.clone()).collect();
     let part = |read: fn(&Complex<f64>) -> f64| {
@@ -85,7 +85,7 @@ pub fn changes_of(scene: &Scene, plant: &Plant, coordinates: &[Complex<f64>]) ->
 }
 
 impl DrawnMode {
-    /// Scales the motion to amplitude 1 about the frames of its state: its largest displacement is [`LARGEST_SHARE`] of the machine's size,
+    /// Scales the motion to amplitude 1 about the frames of its state: its largest displacement is [`LARGEST_SHARE`] of the model's size,
     /// or less if its largest rotation would exceed [`LARGEST_ROTATION_RAD`].
     pub fn scaled(mut self, scene: &Scene, frames: &[Frame]) -> Self {
         let (mut largest_m, mut largest_rad) = (0.0f64, 0.0f64);
@@ -190,7 +190,7 @@ fn turn(vector_rad: &Vector3<f64>) -> Matrix3<f64> {
     }
 }
 
-/// The machine displaced by a mode: `factor` is the complex amplitude, `a e^{iθ}` for amplitude `a` and phase `θ`, and `rate_1_s` its
+/// The model displaced by a mode: `factor` is the complex amplitude, `a e^{iθ}` for amplitude `a` and phase `θ`, and `rate_1_s` its
 /// logarithmic time derivative, for velocities. Strain measures are those of the mode alone, without those of the state.
 pub fn displaced(
     scene: &Scene,

@@ -192,7 +192,7 @@ fn a_hinge_is_a_pure_rotation() {
     assert!((mode.largest_m / size_m(&scene, &frame) - LARGEST_SHARE).abs() < 1e-12, "{mode:?}");
 }
 
-/// MS-04. At amplitude 1 the largest displacement of the drawn points over a cycle is a tenth of the machine's size, or the largest
+/// MS-04. At amplitude 1 the largest displacement of the drawn points over a cycle is a tenth of the model's size, or the largest
 /// rotation is half a radian; also for complex modes with a lifting surface.
 #[test]
 fn amplitude_one_has_its_size() {
@@ -225,12 +225,12 @@ fn amplitude_one_has_its_size() {
 }
 
 /// MS-05. At the mesh, the drawn sections agree with the mode shapes, which are computed by another recursion, for curved, branched,
-/// folding and flying machines; the drawn motion at a small amplitude agrees with the sections.
+/// folding and flying models; the drawn motion at a small amplitude agrees with the sections.
 #[test]
 fn drawn_motions_are_those_of_the_modes() {
     for name in ["curved_blade", "branched", "folding_wing_constant", "four_bar", "flying_wing", "roll_fold"] {
         let (plant, modes) = match name {
-            // machines without a static equilibrium
+            // models without a static equilibrium
             "flying_wing" | "four_bar" | "roll_fold" => bare(shipped(name), 8),
             _ => {
                 let mut plant = started(shipped(name));
@@ -323,7 +323,7 @@ fn bending_and_twist_have_the_phase_of_the_eigenvector() {
     assert!(due.arg().abs() > 0.2 && due.arg().abs() < FRAC_PI_2 + 1.2, "{due}");
 }
 
-/// A conjugate pair is drawn once, also for a spinning rotor: every mode of the supplied machines has a different eigenvalue in the upper
+/// A conjugate pair is drawn once, also for a spinning rotor: every mode of the supplied models has a different eigenvalue in the upper
 /// half plane.
 #[test]
 fn conjugate_pairs_are_drawn_once() {

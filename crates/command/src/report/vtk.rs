@@ -36,12 +36,11 @@ struct Mesh {
 /// Names of the possible series of a run, in the order of the blocks of `run.pvd`.
 pub const SERIES: [&str; 6] = ["wing", "joints", "gauges", "loads", "surfaces", "wake"];
 
-/// Passes the files of the series `wing` and of the other series for which the machine has data, and `run.pvd`, to `write` with their
-/// names.
+/// Passes the files of the series `wing` and of the other series for which the model has data, and `run.pvd`, to `write` with their
 /// names.
 ///
+/// # Errors
 /// Errors of `write`.
-/// Those of `write`.
 pub fn files<E>(recording: &Recording, write: impl FnMut(&str, String) -> Result<(), E>) -> Result<(), E> {
     let Some(first) = recording.frames.first() else { return Ok(()) };
     files_about(&recording.scene, &recording.frames, first, write)

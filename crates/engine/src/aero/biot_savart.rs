@@ -4,7 +4,7 @@
 //! without singularities and branches, and the field is that of a smooth vorticity distribution (closed rings cancel exactly). Bound and
 //! wake vorticity use the same core radius: a larger one in the wake alone would break the cancellation at the trailing edge.
 //!
-//! Lanes run over points, never over segments, so that results depend neither on the width of the machine's vectors nor on the number of
+//! Lanes run over points, never over segments, so that results depend neither on the width of the processor's vectors nor on the number of
 //! threads.
 
 use crate::aero::images::{Plane, Stretch};
@@ -240,8 +240,8 @@ mod tests {
         assert!((velocity(kernel, 1, 1, &nodes_m, point_m) - both).norm() < 1e-15);
     }
 
-    /// The kernels use the machine's SIMD vectors: without its cargo feature the dispatching crate silently falls back to scalars, at half
-    /// the speed.
+    /// The kernels use the processor's SIMD vectors: without its cargo feature the dispatching crate silently falls back to scalars, at
+    /// half the speed.
     #[cfg(target_arch = "x86_64")]
     #[test]
     fn kernels_are_dispatched_to_wide_vectors() {

@@ -23,7 +23,7 @@ const LARGEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
 pub struct Established {
     /// Length in s of the steps that follow: it determines where the wake starts, eq. (U9).
     pub step_s: f64,
-    /// Whether the root frame has rotated at its present rate for a long time, with the sections fixed in it: a steady turn, eq. (U30).
+    /// Whether the root frame has rotated at its current rate for a long time, with the sections fixed in it: a steady turn, eq. (U30).
     pub turning: bool,
 }
 

@@ -136,7 +136,7 @@ pub struct VortexLattice {
     pub(super) factored_stretch: Option<Stretch>,
     pub(super) factored: bool,
     pub(super) factors: Factors,
-    /// Velocity in m/s at the nodes of a free wake in the present step.
+    /// Velocity in m/s at the nodes of a free wake in the current step.
     pub(super) free_m_s: Vec<Vector3<f64>>,
     /// Number of steps between two evaluations of the velocity of a far row of a free wake.
     pub(super) far_period: usize,
@@ -145,7 +145,7 @@ pub struct VortexLattice {
 }
 
 impl VortexLattice {
-    /// Makes a lattice with a strip between each pair of consecutive sections of a surface.
+    /// Creates a lattice with a strip between each pair of consecutive sections of a surface.
     pub fn new(surfaces: Vec<Surface>, options: LatticeOptions) -> Self {
         let (mut bound, mut wake, mut first_panel) = (Vec::new(), Vec::new(), Vec::new());
         let (mut corners, mut rings, mut panels, mut columns, mut strips) = (0, 0, 0, 0, 0);

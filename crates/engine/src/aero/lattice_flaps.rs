@@ -91,17 +91,17 @@ impl VortexLattice {
         }
     }
 
-    /// Whether the influence matrix belongs to the present angles and stretching.
+    /// Whether the influence matrix belongs to the current angles and stretching.
     pub(super) fn matrix_has_angles(&self) -> bool {
         self.matrix_stretch == self.kernel.stretch && same(&self.matrix_angle_rad, self.flaps.deflections())
     }
 
-    /// Whether the factors belong to the present angles and stretching.
+    /// Whether the factors belong to the current angles and stretching.
     pub(super) fn factors_have_angles(&self) -> bool {
         self.factored_stretch == self.kernel.stretch && same(&self.factored_angle_rad, self.flaps.deflections())
     }
 
-    /// Stores the present angles and stretching as those of the influence matrix.
+    /// Stores the current angles and stretching as those of the influence matrix.
     pub(super) fn keep_matrix_angles(&mut self) {
         self.matrix_stretch = self.kernel.stretch;
         for (kept, now) in self.matrix_angle_rad.iter_mut().zip(&self.flaps.deflections) {

@@ -8,7 +8,7 @@ use crate::aero::near_sheets::NoCirculation;
 use crate::load::SectionMotion;
 
 impl VortexLattice {
-    /// Builds the influence matrix for the present geometry, and its factors if they are due. Does nothing for unchanged geometry.
+    /// Builds the influence matrix for the current geometry, and its factors if they are due. Does nothing for unchanged geometry.
     pub(super) fn influence(&mut self, state: &LatticeState, established: bool) -> Result<(), NoCirculation> {
         let is_factored =
             !established && self.factored && self.factored_corner_m == state.corner_m && self.factors_have_angles();
@@ -116,7 +116,7 @@ impl VortexLattice {
         Ok(())
     }
 
-    /// Solves for the present right-hand side.
+    /// Solves for the current right-hand side.
     pub(super) fn solve_right(&mut self, state: &LatticeState) -> Result<(), NoCirculation> {
         let own = self.factored_corner_m == state.corner_m && self.factors_have_angles();
         if own || !self.system.solve_with_factors_near_by(self.arch, &self.right, &mut self.solution) {

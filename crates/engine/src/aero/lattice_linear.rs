@@ -359,7 +359,7 @@ impl VortexLattice {
         let mut columns = Vec::new();
         for place in 0..places {
             for part in 0..3 {
-                // at the present instant the front has passed the foremost point by `place + 1` steps
+                // at the current instant the front has passed the foremost point by `place + 1` steps
                 let shape = [[0.0, 0.0], [displacement_m, 1.0], [2.0 * displacement_m, 0.0]];
                 let gust = |velocity_m_s: f64| Gust {
                     name: String::new(),

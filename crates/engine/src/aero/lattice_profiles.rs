@@ -38,7 +38,7 @@ pub(super) struct LatticeProfiles {
     pub has_gains: bool,
     pub newton: LinearSystem,
     /// For all strips in m/s: velocity at the last solution, thin-plate velocity there, trial velocity, velocity at the start of the
-    /// present Newton step, that step, and residual.
+    /// current Newton step, that step, and residual.
     pub solved_m_s: Vec<f64>,
     pub thin_m_s: Vec<f64>,
     pub trial_m_s: Vec<f64>,
@@ -64,7 +64,7 @@ pub(super) struct ProfileStrip {
     pub first_ring: usize,
 }
 
-/// Inflow of a strip at the present instant.
+/// Inflow of a strip at the current instant.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Met {
     pub cut: Cut,

@@ -39,7 +39,7 @@ pub struct LatticeState {
     /// Velocity of the points of the trailing edge, root frame, m/s.
     pub edge_m_s: Vec<Vector3<f64>>,
     /// Position, root frame, m, of the trailing edge at the end of the last step that shed a row, convected with the undisturbed air since
-    /// then. Not part of the state if `sheds`, because it is then the present edge.
+    /// then. Not part of the state if `sheds`, because it is then the current edge.
     pub left_m: Vec<Vector3<f64>>,
     /// Whether the step that ends here shed a row; true at the start.
     pub sheds: bool,

@@ -1,7 +1,7 @@
 //! Derivatives of the lattice with respect to circulations and node displacements of its wake, eqs. (U24) and (U25).
 //!
 //! Neither changes the wing. The velocities of unit rings at the points of the lattice are summed once, and the change due to a circulation
-//! or a node is added to the velocities of the steady flow: the perturbation of one ring or node then costs one solution with the present
+//! or a node is added to the velocities of the steady flow: the perturbation of one ring or node then costs one solution with the current
 //! factors and one product with the influence of the wing, instead of a sum over the whole wake.
 
 use crate::aero::biot_savart::{Block, LANES, Sheet, blocks};

@@ -1,4 +1,4 @@
-//! Normal forces of the panels of a lattice, for pictures of the pressure: summed beside the loads, and no part of any state.
+//! Normal forces of the panels of a lattice, for displays of the pressure: computed together with the loads, but not part of a state.
 
 /// Normal forces of all panels, in the order of the equations, of the circulation with which they were summed.
 #[derive(Debug, Clone, Default)]
@@ -14,7 +14,7 @@ impl PanelForces {
         Self { normal_n: vec![0.0; panels], of_m2_s: vec![f64::NAN; rings] }
     }
 
-    /// Clears the sum; it has no circulation until [`Self::settle`].
+    /// Sets the forces to zero; they belong to no circulation until [`Self::settle`].
     pub fn clear(&mut self) {
         self.normal_n.fill(0.0);
         self.of_m2_s.fill(f64::NAN);
@@ -25,7 +25,7 @@ impl PanelForces {
         self.normal_n[panel] += force_n;
     }
 
-    /// States that the forces are those of a circulation.
+    /// Marks the forces as those of a circulation.
     pub fn settle(&mut self, circulation_m2_s: &[f64]) {
         self.of_m2_s.copy_from_slice(circulation_m2_s);
     }

@@ -1,7 +1,7 @@
-//! Inner loops of the Biot-Savart law, written for the SIMD vectors of the machine.
+//! Inner loops of the Biot-Savart law, written for the SIMD vectors of the processor.
 //!
 //! The vectors are explicit because compilers do not vectorise square roots of arrays, which halves the speed. Each lane undergoes the same
-//! operations in the same order for any vector width, without fused multiply-add: results are bit-identical on all machines.
+//! operations in the same order for any vector width, without fused multiply-add: results are bit-identical on all processors.
 
 use crate::aero::images::Stretch;
 use crate::aero::sheet::{Block, Filaments, LANES, Sheet};
@@ -375,7 +375,7 @@ mod tests {
     use super::*;
     use pulp::{Arch, Scalar};
 
-    /// U-63. Any vector width gives bit-identical results: this machine's vectors and scalar code are compared.
+    /// U-63. Any vector width gives bit-identical results: the vectors of this processor and scalar code are compared.
     #[test]
     fn width_of_the_vectors_does_not_matter() {
         let sheet = Sheet {

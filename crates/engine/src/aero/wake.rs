@@ -80,7 +80,7 @@ impl VortexLattice {
             }
         }
         if from.turning && shed {
-            // the straight wake starts at the present end of the last of these rows, has absorbed the circulation of the row in front, and
+            // the straight wake starts at the current end of the last of these rows, has absorbed the circulation of the row in front, and
             // keeps its position relative to it in the root frame, eq. (U30)
             for at in ended * columns..(ended + 1) * columns {
                 let behind_m = from.wake_node_m[at + columns] - from.wake_node_m[at];

@@ -1,4 +1,4 @@
-//! Runs code with the widest SIMD vectors of the machine.
+//! Runs code with the widest SIMD vectors of the processor.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -14,7 +14,7 @@ impl<R, F: FnMut() -> R> WithSimd for Work<F> {
     }
 }
 
-/// Runs a closure, and the functions inlined into it, with the widest SIMD vectors of the machine.
+/// Runs a closure, and the functions inlined into it, with the widest SIMD vectors of the processor.
 ///
 /// The closure needs `#[inline(always)]`. If it were passed directly to [`Arch::dispatch`], it would be called through the shim of
 /// `FnOnce`, which is not inlined for long closures and is then compiled for the baseline instruction set.

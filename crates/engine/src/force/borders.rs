@@ -44,7 +44,7 @@ impl Borders {
         memory.element = self.element_at(start.angle_rad, start.rate_rad_s);
     }
 
-    /// Distance in m to the inner (0) or outer (1) border of the present element.
+    /// Distance in m to the inner (0) or outer (1) border of the current element.
     pub fn distance_m(&self, indicator: usize, place: &impl Place, memory: &JointMemory) -> f64 {
         let element = memory.element.min(self.last());
         match indicator {
@@ -68,7 +68,7 @@ impl Borders {
         Outcome { events: 1, ..Outcome::default() }
     }
 
-    /// Performs the transitions due at the end of the present step, if the step ends now.
+    /// Performs the transitions due at the end of the current step, if the step ends now.
     pub fn take_inputs(&self, told: &Told, crossed: u32, memory: &mut JointMemory) -> Outcome {
         let mut outcome = Outcome::default();
         for indicator in (0..2).filter(|i| told.at_end && crossed & (1 << i) != 0) {

@@ -79,12 +79,12 @@ impl EndStops {
     }
 }
 
-/// End stops with their present contact state.
+/// End stops with their current contact state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoSidedStops {
     /// Parameters of the stops.
     pub stops: EndStops,
-    /// Present contact state.
+    /// Current contact state.
     pub contact: Contact,
 }
 
@@ -179,7 +179,7 @@ impl TwoSidedStops {
         Outcome { events: 1, ..Outcome::default() }
     }
 
-    /// Performs the transitions due at the end of the present step, if the step ends now.
+    /// Performs the transitions due at the end of the current step, if the step ends now.
     pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: u32, memory: &mut JointMemory) -> Outcome {
         let mut outcome = Outcome::default();
         for indicator in (0..2).filter(|i| told.at_end && crossed & (1 << i) != 0) {

@@ -60,7 +60,7 @@ impl GeneratorLaw {
     }
 }
 
-/// A generator with its present state of operation.
+/// A generator with its current state of operation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Generator {
     /// Torque as a function of speed.
@@ -111,7 +111,7 @@ impl Generator {
         sum.tangent.damping += ratio * ratio * state.slope_n_m_s;
     }
 
-    /// Adds the power extracted from the machine as (negative) work of the environment.
+    /// Adds the power extracted from the model as (negative) work of the environment.
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         let state = self.at(here.rate_rad_s);
         powers.work -= state.torque_n_m * state.speed_rad_s;

@@ -42,7 +42,7 @@ pub struct JointForces {
 }
 
 impl JointForces {
-    /// Makes the forces on a joint; a joint with one degree of freedom is held until [`JointForces::recall`].
+    /// Creates the forces on a joint; a joint with one degree of freedom is held until [`JointForces::recall`].
     pub fn new(body: usize, joint: &Joint, forces: Vec<Force>) -> Self {
         Self {
             body,
@@ -252,7 +252,7 @@ impl JointForces {
         sum
     }
 
-    /// Applies changed inputs, including crossings at the present instant.
+    /// Applies changed inputs, including crossings at the current instant.
     pub fn take_inputs(&self, told: &Told, now: &Point, memory: &mut JointMemory) -> Outcome {
         let crossed = std::mem::take(&mut memory.crossed);
         let mut sum = Outcome::default();

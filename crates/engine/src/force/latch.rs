@@ -68,7 +68,7 @@ impl Latch {
 /// Accuracy to which crossings are located, in s.
 pub const CROSSING_S: f64 = 1e-10;
 
-/// A latch with its present state.
+/// A latch with its current state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CatchingLatch {
     /// Parameters of the latch.
@@ -112,7 +112,7 @@ impl CatchingLatch {
         Outcome { events: 1, ..Outcome::default() }
     }
 
-    /// Opens the latch and dissipates the energy stored in its spring, or closes it on a joint in the capture range. `crossed`: the present
+    /// Opens the latch and dissipates the energy stored in its spring, or closes it on a joint in the capture range. `crossed`: the current
     /// step ends at the edge of that range.
     pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: bool, memory: &mut JointMemory) -> Outcome {
         let mut outcome = Outcome::default();

@@ -10,7 +10,7 @@ pub struct JointMemory {
     pub released: bool,
     /// State of the latch, if the joint has one.
     pub latch: LatchState,
-    /// Indicators that the present step of the integrator crosses at its end, one bit each.
+    /// Indicators that the current step of the integrator crosses at its end, one bit each.
     pub crossed: u32,
     /// Failure bounds that have been passed, one bit each.
     pub tripped: u32,
@@ -25,9 +25,9 @@ pub struct JointMemory {
 /// Inputs and parameters of the forces on a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Told {
-    /// Present time in s.
+    /// Current time in s.
     pub time_s: f64,
-    /// Whether the present step ends now.
+    /// Whether the current step ends now.
     pub at_end: bool,
     /// Whether the lock is released.
     pub release: bool,

@@ -166,7 +166,7 @@ impl Force {
         }
     }
 
-    /// Applies changed inputs. `crossed` has one bit for each of the force's indicators that the present step crosses at its end.
+    /// Applies changed inputs. `crossed` has one bit for each of the force's indicators that the current step crosses at its end.
     pub fn take_inputs(&self, told: &Told, now: &Moving, crossed: u32, memory: &mut JointMemory) -> Outcome {
         match self {
             Self::Motor(_) => Motor::take_inputs(told, memory),
@@ -238,7 +238,7 @@ impl Force {
             Self::Motor(motor) => motor.linearize(time_s, angle_rad, rate_rad_s),
             Self::Generator(generator) => generator.linearize(rate_rad_s),
             Self::Slipping(brake) => brake.linearize(rate_rad_s),
-            // linear in angle and rate for the present contact, latch state and attitude
+            // linear in angle and rate for the current contact, latch state and attitude
             each!(Spring | External | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Watch | Borders) => {}
         }
     }

@@ -8,7 +8,7 @@ use crate::solve::Powers;
 /// Value for "no limit" in limits that must be finite numbers (FMI forbids infinity in the description).
 pub const UNLIMITED: f64 = 1e30;
 
-/// A motor with its present state of operation.
+/// A motor with its current state of operation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motor {
     /// Stiffness, damping, constant torque, limit.
@@ -122,7 +122,7 @@ impl Motor {
         self.slew = memory.slew;
     }
 
-    /// Redirects the slew of the neutral angle to the present command.
+    /// Redirects the slew of the neutral angle to the current command.
     pub fn take_inputs(told: &Told, memory: &mut JointMemory) -> Outcome {
         memory.slew.redirect(told.time_s, told.command_rad, told.command_rate_rad_s, told.rate_limit_rad_s);
         Outcome::default()

@@ -1,4 +1,4 @@
-//! All forces on the joints of a machine.
+//! All forces on the joints of a model.
 
 use crate::force::joint::JointForces;
 use crate::force::memory::JointMemory;

@@ -43,7 +43,7 @@ impl fmt::Display for Place {
 pub struct Fault {
     /// Path of the value.
     pub place: Place,
-    /// The invalid value in SI units and radians, or a description of the present state.
+    /// The invalid value in SI units and radians, or a description of the current state.
     pub value: String,
     /// Allowed values, with the unit.
     pub allowed: String,
@@ -56,7 +56,7 @@ pub struct Fault {
 pub enum Subject {
     /// The value of the quantity at the location.
     Value,
-    /// A description of the present state.
+    /// A description of the current state.
     State,
     /// An unknown name.
     Name {
@@ -145,7 +145,7 @@ impl Checker {
         self.push(place, value.to_string(), allowed.into(), Subject::Value);
     }
 
-    /// Reports the present state, described by `state`, at the location `place`.
+    /// Reports the current state, described by `state`, at the location `place`.
     pub fn refuse_state(&mut self, place: &[&str], state: impl Into<String>, allowed: impl Into<String>) {
         self.push(place, state.into(), allowed.into(), Subject::State);
     }

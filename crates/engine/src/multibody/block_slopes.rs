@@ -63,9 +63,9 @@ const DAMPING_CHANGE: f64 = 1e3;
 /// Derivative of the residual with respect to a parameter of the damping of the bodies.
 pub(crate) struct DampingSlope {
     own: Vec<Damping>,
-    /// The damping of the machine, changed along the derivative.
+    /// The damping of the bodies, changed along the derivative.
     changed: Vec<Damping>,
-    /// Change of the parameter to which that corresponds, to first order.
+    /// Change of the parameter that corresponds to this damping, to first order.
     change: f64,
     work: Workspace,
     scratch: Vec<f64>,

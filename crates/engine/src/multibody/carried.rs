@@ -14,7 +14,7 @@ use std::array::from_fn;
 pub(super) struct Carried<const N: usize> {
     /// Coupling of the outer node with the strains, velocity rows.
     pub velocity: [Vector3<f64>; N],
-    /// The same, spin rows.
+    /// Coupling of the outer node with the strains, spin rows.
     pub spin: [Vector3<f64>; N],
     /// Change of the diagonal block of the strains.
     pub block: StrainMatrix<N>,

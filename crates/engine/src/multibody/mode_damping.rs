@@ -42,7 +42,7 @@ impl Model {
         }
     }
 
-    /// The body of an index alone, clamped to the root.
+    /// Model of one body, given by its index, clamped to the root.
     fn clamped(&self, index: usize) -> Self {
         let body = &self.bodies[index];
         let elements = body.first_element..body.first_element + body.elements;
@@ -76,7 +76,7 @@ impl Model {
 }
 
 impl ClampedModes {
-    /// Modes of a beam of a model; `None` if its stiffness is not positive definite, as that of no section that has been checked.
+    /// Modes of a beam of a model; `None` if its stiffness is not positive definite, which does not occur for validated sections.
     pub fn of(model: &Model, body: usize) -> Option<Self> {
         let own = model.clamped(body);
         let n = own.coordinates;

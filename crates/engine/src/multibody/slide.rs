@@ -306,7 +306,7 @@ pub(crate) struct Riders<const N: usize> {
     pub outer: ArticulatedInertia,
     /// Coupling of that node with the strains of the element or outer half, velocity and spin rows, and block of these strains.
     pub own: Coupling<N>,
-    /// The same between the middle node of a pair and the inner half.
+    /// Coupling of the middle node of a pair with the strains of the inner half, and block of these strains.
     pub sibling: Coupling<N>,
     /// Coupling of the strains of both halves: rows outer, columns inner.
     pub halves: StrainMatrix<N>,

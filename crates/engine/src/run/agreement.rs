@@ -73,7 +73,7 @@ impl Plant {
         is_end
     }
 
-    /// Starts the next aerodynamic step if the present one has ended.
+    /// Starts the next aerodynamic step if the current one has ended.
     pub(crate) fn begin_air_step(&mut self) -> Result<(), PlantError> {
         let (Some(history), Some(air)) = (&mut self.system.state.air, &self.system.air) else { return Ok(()) };
         let (step_s, time_s) = (air.settings.step_s, self.system.state.start.time_s);
@@ -98,7 +98,7 @@ impl Plant {
         self.agree_on_loads()
     }
 
-    /// Computes the loads for the rest of the present step again, after the inputs have changed within it.
+    /// Computes the loads for the rest of the current step again, after the inputs have changed within it.
     pub(crate) fn renew_air(&mut self) -> Result<(), PlantError> {
         match (&self.system.state.air, &self.system.air) {
             (Some(history), Some(air)) => {
@@ -110,7 +110,7 @@ impl Plant {
         }
     }
 
-    /// Finds the loads at the end of the present aerodynamic step that are consistent with the motion there, NOTATION eq. (Q2). Leaves the
+    /// Finds the loads at the end of the current aerodynamic step that are consistent with the motion there, NOTATION eq. (Q2). Leaves the
     /// structure at `start`, with accelerations under these loads.
     fn agree_on_loads(&mut self) -> Result<(), PlantError> {
         let Some(rest) = self.begin_agreement() else { return Ok(()) };
@@ -154,7 +154,7 @@ impl Plant {
         self.system.discontinuity(|_, _| Outcome::default()).map(|_| ())
     }
 
-    /// Convects the wake to the end of the present aerodynamic step and stores the start of its trial marches; `None` without aerodynamics.
+    /// Convects the wake to the end of the current aerodynamic step and stores the start of its trial marches; `None` without aerodynamics.
     fn begin_agreement(&mut self) -> Option<RestOfStep> {
         let System { air: Some(air), state, equations, machine, .. } = &mut self.system else { return None };
         let air = &mut **air;
@@ -184,7 +184,7 @@ impl Plant {
         Some(RestOfStep { begin_s, end_s, gain, path, tolerance, most_trials })
     }
 
-    /// Marches the structure to the end of the step with the present guess of the loads, rolls it back, and solves for the loads due to
+    /// Marches the structure to the end of the step with the current guess of the loads, rolls it back, and solves for the loads due to
     /// that motion. Returns `None` if they agree with the guess, or if those of one more march would; otherwise returns their change in N
     /// and sets the next guess. `first`: the trial march determines the structural steps; `before_n`: change in the previous march.
     fn try_loads(&mut self, rest: &RestOfStep, first: bool, before_n: Option<f64>) -> Result<Option<f64>, PlantError> {
@@ -248,7 +248,7 @@ impl Plant {
             }
         }
         let bound_n = (tolerance * history.scale_n).max(air.round_off_n(density_kg_m3));
-        // predicts the next change from the present contraction
+        // predicts the next change from the current contraction
         let rate = before_n.map_or(1.0, |before_n| (change_n / before_n).max(MINIMUM_RATE));
         let foreseen =
             tolerance >= MINIMUM_FORESIGHT && rate <= MAXIMUM_RATE && rate * change_n <= LEFT_SHARE * bound_n;
@@ -277,7 +277,7 @@ impl Plant {
         };
     }
 
-    /// Marches the structure to the end of the aerodynamic step under the present guess of the loads; `first`: with steps chosen by the
+    /// Marches the structure to the end of the aerodynamic step under the current guess of the loads; `first`: with steps chosen by the
     /// error estimate.
     fn march_on_trial(&mut self, end_s: f64, first: bool) -> Result<(), PlantError> {
         self.system.discontinuity(|_, _| Outcome::default())?;
@@ -295,7 +295,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Structural step within the present aerodynamic step in s; `None` without aerodynamics.
+    /// Structural step within the current aerodynamic step in s; `None` without aerodynamics.
     pub(crate) fn structure_step_s(&self) -> Option<f64> {
         let history = self.system.state.air.as_ref()?;
         Some(self.after_jump_s().map_or(history.structure_step_s, |bound_s| bound_s.min(history.structure_step_s)))

@@ -9,7 +9,7 @@ use crate::solve::point::Point;
 use crate::system::state::State;
 
 impl Plant {
-    /// Interpolates the present state at a time within the integrator's step.
+    /// Interpolates the current state at a time within the integrator's step.
     pub(super) fn arrive_at(&mut self, time_s: f64) {
         if self.stepper.lands() && self.land(time_s) {
             return;

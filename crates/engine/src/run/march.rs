@@ -34,7 +34,7 @@ const MAX_LOCATING_STEPS: usize = 40;
 /// Maximum number of steps for locating one crossing in real time: after the tangent at the end of the first trial, the distance of the
 /// latch from the crossing, as a fraction of the step, decreases with the square of the step.
 const MAX_LOCATING_STEPS_REAL_TIME: usize = 2;
-/// Last correction, as a rotation in rad or a displacement divided by the machine's length, above which a stage in real-time mode counts as
+/// Last correction, as a rotation in rad or a displacement divided by the model's length, above which a stage in real-time mode counts as
 /// unsolved: the next correction could move any part arbitrarily far.
 const LOST_REST: f64 = 1.0;
 /// Largest rotation of a joint in a step of real-time mode, in rad: beyond half a revolution the direction is ambiguous.
@@ -56,7 +56,7 @@ pub(super) struct Untaken {
 }
 
 impl Plant {
-    /// Advances to `end_s` with the present inputs and their rates; the outputs are then those at `end_s`.
+    /// Advances to `end_s` with the current inputs and their rates; the outputs are then those at `end_s`.
     ///
     /// After an error the plant is at the last valid time, [`crate::system::System::time_s`], with its outputs; if no internal step has
     /// succeeded, they are bit-identical to those before the call. Allocates nothing.
@@ -64,7 +64,7 @@ impl Plant {
         self.step_with_pauses(end_s, Pauses::default()).map(|_| ())
     }
 
-    /// Like [`Self::step`], but ends earlier as specified by `pauses`: the present time and the outputs are then those of the pause.
+    /// Like [`Self::step`], but ends earlier as specified by `pauses`: the current time and the outputs are then those of the pause.
     pub fn step_with_pauses(&mut self, end_s: f64, pauses: Pauses) -> Result<Reached, PlantError> {
         let changed = self.system.inputs_changed();
         self.system.inputs_may_differ = false;
@@ -421,7 +421,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Sets the present time to `time_s`, for callers whose clock has round-off.
+    /// Sets the current time to `time_s`, for callers whose clock has round-off.
     ///
     /// The shift is limited by the caller's check; the state itself is unchanged.
     pub fn adopt_time(&mut self, time_s: f64) {

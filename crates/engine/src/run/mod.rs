@@ -1,7 +1,7 @@
-//! A run of a machine: its system advanced in time.
+//! A run of a model: its system advanced in time.
 //!
 //! The integrator takes internal steps and runs ahead of the caller while the inputs are unchanged; values in between are interpolated from
-//! the stages of its steps. A changed input cuts the step at the present time. The result therefore does not depend on the communication
+//! the stages of its steps. A changed input cuts the step at the current time. The result therefore does not depend on the communication
 //! step, and small communication steps cost little (`docs/decisions/0002-running-ahead.md`).
 
 mod agreement;
@@ -25,14 +25,14 @@ use agreement::Trial;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// A machine advanced in time: its [`System`], to which it dereferences, and the integrator.
+/// A model advanced in time: its [`System`], to which it dereferences, and the integrator.
 pub struct Plant {
     pub(crate) system: System,
     stepper: Stepper,
-    /// Maximum number of Newton iterations of the present communication step, and the remaining number.
+    /// Maximum number of Newton iterations of the current communication step, and the remaining number.
     most_work: u64,
     work_left: u64,
-    /// Smallest step required by the error estimate since the start of the present trial march, in s.
+    /// Smallest step required by the error estimate since the start of the current trial march, in s.
     smallest_step_s: f64,
     /// Remaining error of the iterations in the last real-time step, in the kinematic norm.
     rest: f64,
@@ -83,7 +83,7 @@ impl Plant {
         self.take_fixed(step_s, end_s).map_err(|_| PlantError::Clock { time_s: end_s, step_s })
     }
 
-    /// Analyses of the present state: equilibria, modes, linear models, derivatives.
+    /// Analyses of the current state: equilibria, modes, linear models, derivatives.
     pub fn study(&mut self) -> Study<'_> {
         Study::new(&mut self.system)
     }

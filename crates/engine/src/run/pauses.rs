@@ -25,7 +25,7 @@ pub enum Reached {
 }
 
 impl Plant {
-    /// Returns the pause at the end of the integrator's step, if that is after the present time and within the communication step to
+    /// Returns the pause at the end of the integrator's step, if that is after the current time and within the communication step to
     /// `end_s`.
     pub(crate) fn pause(&self, pauses: Pauses, end_s: f64) -> Option<Reached> {
         let State { now, ahead, .. } = &self.system.state;
@@ -46,7 +46,7 @@ impl Plant {
         joints.iter().any(|joint| joint.crossed != 0) || self.system.equations.failure_s <= ahead.time_s
     }
 
-    /// Performs an event at the present time: first the transitions of the forces whose indicators were crossed here in the last step, then
+    /// Performs an event at the current time: first the transitions of the forces whose indicators were crossed here in the last step, then
     /// changes of inputs and parameters. Has no effect if neither is due. The outputs are those after the event. After an error the state
     /// is unchanged. Allocates nothing.
     pub fn make_event(&mut self) -> Result<(), PlantError> {

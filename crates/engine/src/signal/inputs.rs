@@ -1,4 +1,4 @@
-//! Inputs of a machine.
+//! Inputs of a model.
 
 use crate::load::{RootMotion, Wrench};
 use crate::machine::Machine;
@@ -53,7 +53,7 @@ pub struct InputLayout {
 }
 
 impl InputLayout {
-    /// Layout for a machine.
+    /// Layout for a model.
     pub fn new(machine: &Machine) -> Self {
         let mut end = 0;
         let stations = machine.bodies.iter().map(|body| body.station_positions_m.len()).sum();
@@ -89,7 +89,7 @@ impl Clone for Inputs {
 }
 
 impl Inputs {
-    /// Start values of a machine's inputs.
+    /// Start values of a model's inputs.
     pub fn of(machine: &Machine) -> Self {
         let layout = InputLayout::new(machine);
         let mut inputs = Self { layout, values: vec![0.0; layout.end] };
@@ -144,7 +144,7 @@ impl Inputs {
         ;
         /// Gravity and motion of the root.
         root, root_mut: RootMotion;
-        /// Velocity of the air relative to the root's origin, root frame, m/s; ignored by machines without aerodynamics.
+        /// Velocity of the air relative to the root's origin, root frame, m/s; ignored by models without aerodynamics.
         wind_m_s, wind_m_s_mut: Vector3<f64>;
     }
 
@@ -168,7 +168,7 @@ impl Inputs {
         self.values.iter_mut().zip(&rates.values).for_each(|(value, rate)| *value += rate * elapsed_s);
     }
 
-    /// Whether these inputs have the layout of a machine.
+    /// Whether these inputs have the layout of a model.
     pub(crate) fn fit(&self, layout: &InputLayout) -> bool {
         self.layout == *layout && self.values.len() == layout.end
     }

@@ -32,7 +32,7 @@ impl<T: Pod> Segment<T> {
     /// Number of `f64` entries in one value.
     const WIDTH: usize = size_of::<T>() / size_of::<f64>();
 
-    /// Makes a segment of `count` values that starts at `end`, and advances `end` past it.
+    /// Creates a segment of `count` values that starts at `end`, and advances `end` past it.
     pub fn append(end: &mut usize, count: usize) -> Self {
         let start = *end;
         *end += count * Self::WIDTH;

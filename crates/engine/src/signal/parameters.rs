@@ -1,4 +1,4 @@
-//! Parameters of a machine.
+//! Parameters of a model.
 
 use crate::machine::Machine;
 use crate::signal::{Segment, are_finite, views};
@@ -90,7 +90,7 @@ pub struct ParameterLayout {
 }
 
 impl ParameterLayout {
-    /// Layout for a machine.
+    /// Layout for a model.
     pub fn new(machine: &Machine) -> Self {
         let mut end = 0;
         Self {
@@ -124,7 +124,7 @@ impl Clone for Parameters {
 }
 
 impl Parameters {
-    /// Start values of a machine's parameters.
+    /// Start values of a model's parameters.
     pub fn of(machine: &Machine) -> Self {
         let layout = ParameterLayout::new(machine);
         let mut parameters = Self { layout, values: vec![0.0; layout.end] };
@@ -192,7 +192,7 @@ impl Parameters {
         solver, solver_mut: SolverParameters;
     }
 
-    /// Density of the air in kg/m³; tunable; ignored by machines without aerodynamics.
+    /// Density of the air in kg/m³; tunable; ignored by models without aerodynamics.
     #[inline]
     pub fn air_density_kg_m3(&self) -> f64 {
         self.layout.air_density_kg_m3.view(&self.values)[0]
@@ -203,7 +203,7 @@ impl Parameters {
         &mut self.layout.air_density_kg_m3.view_mut(&mut self.values)[0]
     }
 
-    /// Whether these parameters have the layout of a machine.
+    /// Whether these parameters have the layout of a model.
     pub(crate) fn fit(&self, layout: &ParameterLayout) -> bool {
         self.layout == *layout && self.values.len() == layout.end
     }

@@ -25,12 +25,12 @@ pub trait StaticEquations {
     /// Solves in place with the last factorisation, for the change of the coordinates that corresponds to a residual.
     fn solve(&mut self, x: &mut [f64]);
 
-    /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement divided by the machine's
+    /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement divided by the model's
     /// length, or rotation in rad.
     fn norm(&mut self, change: &[f64]) -> f64;
 
     /// Inner product of two changes of the coordinates, which defines the arc length of paths: rotations in rad, and displacements divided
-    /// by the machine's length.
+    /// by the model's length.
     fn product(&self, a: &[f64], b: &[f64]) -> f64;
 
     /// Projects coordinates onto their constraints.

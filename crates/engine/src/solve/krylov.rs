@@ -195,7 +195,7 @@ pub fn leading<E>(
     Ok(list)
 }
 
-/// An irregular direction, which has a component in every mode of a machine.
+/// An irregular direction, which has a component in every mode of a model.
 fn fresh(n: usize, number: usize) -> DVector<f64> {
     DVector::from_fn(n, |i, _| ((i as f64 + 1.0) * (2.399_963 + 0.754_877 * number as f64)).sin())
 }

@@ -40,7 +40,7 @@ pub struct LaggedMode {
 const CLOSE: f64 = 1e-10;
 /// Relative distance from an eigenvalue of the lag states alone below which an eigenvalue is counted as one of theirs.
 const OWN: f64 = 1e-7;
-/// Participation of the lag states above which a mode that does not grow is counted as a lag mode, not as a motion of the machine.
+/// Participation of the lag states above which a mode that does not grow is counted as a lag mode, not as a motion of the model.
 const LAG: f64 = 0.5;
 
 /// Relative distance from an eigenvalue of the lag states alone within which an eigenvalue that has not converged is attributed to them.
@@ -202,11 +202,11 @@ impl Lagged {
             }
             let shape = &Basis(basis) * &shapes[i];
             let (mode, converged) = self.polish(resolvent, value, shape.clone());
-            // the highest eigenvalues over a truncated basis may grow although no mode of the machine does
+            // the highest eigenvalues over a truncated basis may grow although no mode of the model does
             if beyond && !(converged && grows(mode.eigenvalue_1_s)) {
                 continue;
             }
-            // lag modes of equal strips cluster about their poles and are not motions of the machine
+            // lag modes of equal strips cluster about their poles and are not motions of the model
             if !converged && mode.lag_share <= LAG && nearest > CROWD * value.norm() {
                 lacking.push((value, shape, mode.eigenvalue_1_s));
             }

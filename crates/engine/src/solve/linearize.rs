@@ -49,7 +49,7 @@ pub struct LaggedInputs {
     pub follow: DMatrix<f64>,
 }
 
-/// Inertia of a machine whose mass matrix has small eigenvalues, and the effect of accelerations on outputs: products with the matrix and
+/// Inertia of a model whose mass matrix has small eigenvalues, and the effect of accelerations on outputs: products with the matrix and
 /// its inverse lose digits by cancellation, which sweeps along the tree avoid.
 pub trait Accelerations {
     /// Inertia forces `M x`, column by column.

@@ -68,7 +68,7 @@ pub trait EquationsOfMotion {
     /// Solves in place with the last factorisation; returns the kinematic norm of the solution.
     fn solve(&mut self, x: &mut [f64]) -> f64;
 
-    /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement divided by the machine's
+    /// Kinematic norm of a change of coordinates at the configuration of the last residual: largest displacement divided by the model's
     /// length, or rotation in rad.
     fn norm(&mut self, change: &[f64]) -> f64;
 

@@ -63,7 +63,7 @@ const ASYMMETRY: f64 = 1e-10;
 pub(super) const FREE_MOTION: f64 = 1e-3;
 
 /// The `count` modes of lowest frequency and every mode that grows, in ascending order. `mass` is symmetric and positive definite;
-/// `damping` may contain gyroscopic terms; `stiffness` need not be symmetric (follower loads) or positive (buckled or free machines).
+/// `damping` may contain gyroscopic terms; `stiffness` need not be symmetric (follower loads) or positive (buckled or free models).
 pub fn modes(
     mass: &DMatrix<f64>,
     damping: &DMatrix<f64>,
@@ -189,7 +189,7 @@ impl Pencil {
                 continue;
             }
             let (mode, converged) = self.polish(eigenvalue, i);
-            // the highest eigenvalues over a truncated basis may grow although no mode of the machine does
+            // the highest eigenvalues over a truncated basis may grow although no mode of the model does
             if lowest || converged && mode.grows() {
                 list.push(mode);
             }

@@ -82,7 +82,7 @@ impl Measure {
         &self.gain
     }
 
-    /// Relative errors up to a frequency. `beside` is an error of each pair that is added.
+    /// Relative errors up to a frequency. `beside` is an additional error of each pair.
     pub fn accuracy(&self, up_to_hz: f64, beside: f64, dropped: Vec<Dropped>) -> Accuracy {
         let responds = responding(&self.gain);
         let error = DMatrix::from_fn(self.gain.nrows(), self.gain.ncols(), |i, j| {

@@ -61,7 +61,7 @@ impl Study<'_> {
         Ok((system, Some(Aeroelastic { slopes, air_force, air_rate_force, mass: apparent })))
     }
 
-    /// Motion of the sections for given coordinates, and for given rates and accelerations or the present ones.
+    /// Motion of the sections for given coordinates, and for given rates and accelerations or the current ones.
     pub(super) fn sections_at(&mut self, q: &[f64], v: Option<&[f64]>, a: Option<&[f64]>) -> Vec<Section> {
         let now = self.system.state.now.clone();
         let (v, a) = (v.unwrap_or(&now.v), a.unwrap_or(&now.a));
@@ -90,8 +90,8 @@ impl Study<'_> {
             let shifted = |vector: &[f64], sign: f64| -> Vec<f64> {
                 vector.iter().zip(&unit).map(|(x, unit)| x + sign * unit).collect()
             };
-            // about zero accelerations, and those about zero rates: neither changes these derivatives, and accelerations of thousands of
-            // m/s² would leave their digits in them, which sections of little rotary inertia enlarge
+            // velocities about zero accelerations, and accelerations about zero rates: neither changes these derivatives, whereas
+            // accelerations of thousands of m/s² would add their round-off, which sections of little rotary inertia amplify
             let ends = [1.0, -1.0].map(|sign| {
                 let (v, a) = (shifted(&now.v, sign), shifted(&zero, sign));
                 (

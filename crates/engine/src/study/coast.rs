@@ -13,19 +13,19 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::AddAssign;
 
 /// Step of the central differences for a hinge in rad, if its torque derivatives are differences; for a prismatic joint, displacement
-/// divided by the machine's length. The derivatives are accurate to 1e-6: aerodynamic loads vary over tenths of a rad, and are accurate to
+/// divided by the model's length. The derivatives are accurate to 1e-6: aerodynamic loads vary over tenths of a rad, and are accurate to
 /// 1e-9 at equilibrium.
 const STEP_RAD: f64 = 1e-3;
-/// Largest step of a hinge in one iteration in rad, or of a prismatic joint divided by the machine's length: aerodynamic loads change sign
+/// Largest step of a hinge in one iteration in rad, or of a prismatic joint divided by the model's length: aerodynamic loads change sign
 /// within a few tenths.
 const LONGEST_RAD: f64 = 0.2;
-/// Correction in rad, or displacement divided by the machine's length, below which the angles and positions have converged.
+/// Correction in rad, or displacement divided by the model's length, below which the angles and positions have converged.
 const TOLERANCE_RAD: f64 = 1e-8;
 /// Maximum number of iterations: with the largest step, two revolutions.
 const MAXIMUM_ITERATIONS: usize = 60;
 
 impl Study<'_> {
-    /// Hinges that rotate freely at the present state, by their index in the equations.
+    /// Hinges that rotate freely at the current state, by their index in the equations.
     pub(crate) fn free_hinges(&self) -> Vec<usize> {
         let joints = self.system.equations.forces.joints().iter().enumerate();
         joints.filter(|(_, joint)| !joint.held && !joint.is_latched()).map(|(i, _)| i).collect()
@@ -99,7 +99,7 @@ impl Study<'_> {
         DVector::from_iterator(hinges.len(), hinges.iter().map(angle))
     }
 
-    /// Unit of the unknown: 1 rad, or the machine's length in m for a prismatic joint.
+    /// Unit of the unknown: 1 rad, or the model's length in m for a prismatic joint.
     pub(super) fn scale(&self, hinge: usize) -> f64 {
         let slides = self.system.equations.model.bodies[self.system.equations.forces.joints()[hinge].body]
             .joint
@@ -110,7 +110,7 @@ impl Study<'_> {
     }
 
     /// Torques in N·m required to hold free hinges in static equilibrium, minus those of their motors; for prismatic joints the force
-    /// multiplied by the machine's length.
+    /// multiplied by the model's length.
     fn hinge_torques(&mut self, time_s: f64, hinges: &[usize]) -> DVector<f64> {
         let zero = vec![0.0; self.system.state.now.q.len()];
         self.system.equations.residual(time_s, &self.system.state.now.q, &zero, &zero, &mut self.system.scratch[0]);
@@ -208,7 +208,7 @@ mod tests {
     use std::sync::Arc;
 
     /// If no equilibrium is found, the message lists each joint with its coordinate in its unit: angles in degrees, positions, which the
-    /// iteration scales by the machine's length, in m; and the torque in N.m.
+    /// iteration scales by the model's length, in m; and the torque in N.m.
     #[test]
     fn a_message_without_equilibrium_has_angles_in_degrees() {
         let body = |name: &str| Body::rigid(name).inertia(1.0, [0.0; 3], Matrix3::identity());

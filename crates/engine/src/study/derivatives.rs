@@ -13,7 +13,7 @@ use crate::system::equations::Equations;
 use crate::system::outputs::Outputs;
 use crate::system::state::State;
 
-/// Difference step along the motion: rotation in rad, or displacement divided by the machine's length.
+/// Difference step along the motion: rotation in rad, or displacement divided by the model's length.
 const STEP: f64 = 2e-3;
 /// Spacing of the five times at which outputs are read for their time derivatives, relative to the internal step.
 const SLOPE_SPACING: f64 = 1.0 / 64.0;
@@ -21,11 +21,11 @@ const SLOPE_SPACING: f64 = 1.0 / 64.0;
 const TIME_STEP_S: f64 = 1e-3;
 
 impl Study<'_> {
-    /// Rates of all outputs per second at the present time, NOTATION eq. (L13); attitudes contain the rates of their four components.
+    /// Rates of all outputs per second at the current time, NOTATION eq. (L13); attitudes contain the rates of their four components.
     ///
-    /// They are the time derivatives of the outputs along the present internal step, (T6), with its inputs, limits, latches and aerodynamic
+    /// They are the time derivatives of the outputs along the current internal step, (T6), with its inputs, limits, latches and aerodynamic
     /// loads. At its end, if a latch closes or inputs jump there, they are the left-sided derivatives; aerodynamic loads are those within
-    /// the aerodynamic step, (Q1). At the start of the simulation and right after an event at the present time there is no such step: they
+    /// the aerodynamic step, (Q1). At the start of the simulation and right after an event at the current time there is no such step: they
     /// then follow from rates and accelerations, by sixth-order differences along the motion, accurate to 1e-12 of the outputs' scale, and
     /// accelerations are constant.
     pub fn output_rates(&mut self) -> Outputs {
@@ -45,8 +45,8 @@ impl Study<'_> {
         rates
     }
 
-    /// Time derivatives of the outputs along the present internal step, NOTATION eq. (T6): those of the quartics through five times of the
-    /// step around the present.
+    /// Time derivatives of the outputs along the current internal step, NOTATION eq. (T6): those of the quartics through five times of the
+    /// step around the current time.
     fn slopes(&mut self) -> Outputs {
         let mut sum = self.system.outputs.no_change();
         let Some([start, end]) = self.system.state.present_step() else { return sum };
@@ -108,7 +108,7 @@ impl Study<'_> {
         self.system.evaluate();
     }
 
-    /// Adds the terms with kinks at limits and at the ends of slews, on the present branch, and the energy accounts.
+    /// Adds the terms with kinks at limits and at the ends of slews, on the current branch, and the energy accounts.
     fn add_drives(&mut self, sum: &mut Outputs) {
         let now = &self.system.state.now;
         for (i, joint) in self.system.equations.forces.joints().iter().enumerate() {
@@ -180,7 +180,7 @@ impl Study<'_> {
         outcome.map(|()| slope)
     }
 
-    /// Sets the equations to the present time with other inputs and the set parameters; neutral angles jump with their commands unless a
+    /// Sets the equations to the current time with other inputs and the set parameters; neutral angles jump with their commands unless a
     /// rate limit is active.
     fn impose(&mut self, inputs: &Inputs) {
         let State { applied_inputs, applied_parameters, applied_from_s, now, .. } = &self.system.state;

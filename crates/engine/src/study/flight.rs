@@ -1,4 +1,4 @@
-//! Free-flying machines: a steady flight is a static equilibrium in a frame that moves with the machine, NOTATION eq. (Q8).
+//! Free-flying models: a steady flight is a static equilibrium in a frame that moves with the model, NOTATION eq. (Q8).
 
 use crate::load::Wrench;
 use crate::solve::EquationsOfMotion;
@@ -8,11 +8,11 @@ use crate::system::shape::{ModeShape, NodeMotion};
 use crate::system::{FlightMode, PlantError, System};
 use nalgebra::{Complex, DMatrix, Vector3};
 
-/// Maximum load that may remain on a free joint in equilibrium, relative to the weight of the machine or to its largest load; moments are
-/// also divided by the machine's length. It is a thousand times the tolerance of a trim.
+/// Maximum load that may remain on a free joint in equilibrium, relative to the weight of the model or to its largest load; moments are
+/// also divided by the model's length. It is a thousand times the tolerance of a trim.
 const BALANCED: f64 = 1e-6;
 
-/// Load required to hold a free joint in equilibrium: zero if the machine is trimmed.
+/// Load required to hold a free joint in equilibrium: zero if the model is trimmed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlightLoad {
     /// Body attached by the joint.
@@ -34,14 +34,14 @@ impl Study<'_> {
     /// Finds [`Study::equilibrium`] with the free joints held at their initial position; returns the loads that hold them.
     ///
     /// # Errors
-    /// If the machine with its free joints held has no equilibrium.
+    /// If the model with its free joints held has no equilibrium.
     pub fn rest_held_in_flight(&mut self, time_s: f64) -> Result<Vec<FlightLoad>, PlantError> {
         self.come_to_rest(time_s, Holding::AsReleased)?;
         Ok(self.flight_loads(time_s))
     }
 
-    /// Reference force in N for the force balance in flight: the maximum of the machine's weight and the loads on it, with moments divided
-    /// by the machine's length.
+    /// Reference force in N for the force balance in flight: the maximum of the model's weight and the loads on it, with moments divided
+    /// by the model's length.
     pub fn flight_scale_n(&self) -> f64 {
         let equations = &self.system.equations;
         let weight_n = self.system.mass_kg() * equations.root.apparent_gravity_m_s2().norm();
@@ -54,7 +54,7 @@ impl Study<'_> {
         self.system.equations.model.reference_length_m
     }
 
-    /// Loads that hold the free joints in the present equilibrium.
+    /// Loads that hold the free joints in the current equilibrium.
     fn flight_loads(&mut self, time_s: f64) -> Vec<FlightLoad> {
         if !self.system.equations.spatial.iter().any(|joint| joint.flies) {
             return Vec::new();
@@ -116,8 +116,8 @@ pub(super) fn tell_lateral_apart(modes: &mut [ModeShape]) {
 }
 
 impl System {
-    /// Flight mode represented by a mode of a machine with one free joint, if the mode includes the aerodynamics; `None` for other modes
-    /// and machines.
+    /// Flight mode represented by a mode of a model with one free joint, if the mode includes the aerodynamics; `None` for other modes
+    /// and models.
     pub(super) fn flight_mode(&self, mode: &ModeShape) -> Option<FlightMode> {
         let mut flying = self.equations.spatial.iter().filter(|joint| joint.flies);
         let (Some(joint), None) = (flying.next(), flying.next()) else { return None };

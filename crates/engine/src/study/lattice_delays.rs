@@ -1,4 +1,4 @@
-//! The nonlinear eigenvalue problem of a machine with a lattice, NOTATION eq. (L30): the rows of the wake act as delays.
+//! The nonlinear eigenvalue problem of a model with a lattice, NOTATION eq. (L30): the rows of the wake act as delays.
 
 use crate::study::lattice_space::SampledLattice;
 use crate::system::air::VELOCITY_WEIGHTS;

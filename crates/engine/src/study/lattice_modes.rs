@@ -1,4 +1,4 @@
-//! Modes of a machine with a lattice, NOTATION eq. (L30): the rows of the wake act as delays, so that the eigenvalues of the discrete-time
+//! Modes of a model with a lattice, NOTATION eq. (L30): the rows of the wake act as delays, so that the eigenvalues of the discrete-time
 //! system are those of a small matrix that depends on the eigenvalue.
 
 use crate::solve::complex_factors::ComplexFactors;
@@ -50,7 +50,7 @@ const DECAYS: f64 = 1e-3;
 /// decaying motion: with 1e6 ten digits of the aerodynamic loads remain, with 1e16 none, and the moments over a circle that extends so far
 /// are noise.
 const FADED: f64 = 1e6;
-/// Number of eigenvalues that a disc can hold in addition to those of the machine.
+/// Number of eigenvalues that a disc can hold in addition to those of the model.
 const CAPACITY: usize = 60;
 /// Distance from the centre, relative to the radius, up to which eigenvalues contribute to the moments beyond round-off.
 const REACH: f64 = 1.5;
@@ -74,7 +74,7 @@ struct Disc {
 /// Kind of modes sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sought {
-    /// All modes of the machine, and growing modes of the wake.
+    /// All modes of the model, and growing modes of the wake.
     All,
     /// Growing modes: estimates that decay are not corrected.
     Growing,
@@ -119,7 +119,7 @@ impl Delays<'_> {
         (at(value_1_s), shape)
     }
 
-    /// Number of eigenvalues that the moments must resolve: each mode of the machine appears as one within the range of the steps, in pairs
+    /// Number of eigenvalues that the moments must resolve: each mode of the model appears as one within the range of the steps, in pairs
     /// distributed over it, in addition to modes of the wake.
     fn capacity(&self, disc: Disc) -> usize {
         let machine = 2.0 * self.by_place.ncols() as f64 * (REACH * disc.radius_1_s * self.system.step_s / PI).min(1.0);
@@ -197,7 +197,7 @@ impl Delays<'_> {
         Some(LaggedMode { eigenvalue_1_s, shape: shape / largest, lag_share })
     }
 
-    /// Modes of the machine with eigenvalues in a disc and up to `fastest_1_s`, except rigid-body modes, and whether there may be some
+    /// Modes of the model with eigenvalues in a disc and up to `fastest_1_s`, except rigid-body modes, and whether there may be some
     /// below a fraction of the radius, which a smaller disc about 0 resolves. `None` if the moments fail.
     fn motions(&self, disc: Disc, fastest_1_s: f64, free_1_s: f64, sought: Sought) -> Option<(Vec<LaggedMode>, bool)> {
         let (guesses, full) = self.within(disc)?;
@@ -360,7 +360,7 @@ fn merge(list: &mut Vec<LaggedMode>, found: Vec<LaggedMode>) {
 }
 
 impl Study<'_> {
-    /// The `count` modes of lowest frequency with a lattice about the present equilibrium, in ascending order, including those that decay
+    /// The `count` modes of lowest frequency with a lattice about the current equilibrium, in ascending order, including those that decay
     /// or grow without oscillation; and the sign of the determinant of the static stiffness in the established flow, `None` if it is
     /// singular. Modes of the wake alone are omitted unless they grow, and so are modes that are too fast for the aerodynamic step: there
     /// may be fewer modes than `count`.
@@ -383,7 +383,7 @@ impl Study<'_> {
         Ok((shapes, sign))
     }
 
-    /// The growing modes with a lattice about the present equilibrium, among those no faster than the `count`-th mode of the structure
+    /// The growing modes with a lattice about the current equilibrium, among those no faster than the `count`-th mode of the structure
     /// alone, one of each pair. The cost is a fraction of that of [`Study::lattice_modes_and_rest`].
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The machine with a vortex lattice as a linear system in discrete time, NOTATION eqs. (L27) to (L29), with the aerodynamic step as the
+//! The model with a vortex lattice as a linear system in discrete time, NOTATION eqs. (L27) to (L29), with the aerodynamic step as the
 //! sampling time, coupled as in a simulation by (Q1), (Q2) and (Q4).
 
 use crate::solve::held::{HeldStructure, held_structure};
@@ -71,7 +71,7 @@ impl Layout {
 }
 
 impl Study<'_> {
-    /// Linear model of the machine with its lattice about the present state, which must be an equilibrium, in aerodynamic steps.
+    /// Linear model of the machine with its lattice about the current state, which must be an equilibrium, in aerodynamic steps.
     ///
     /// Inputs are constant over a step, as in a simulation; wind and control surfaces act at its end. A gust input is the velocity, at the
     /// end of the step and at the foremost point of the lattice, of a gust that travels with the wind. Outputs are values at the end of a
@@ -148,7 +148,7 @@ impl Study<'_> {
         PlantError::Linearization { time_s: self.system.state.now.time_s, cause }
     }
 
-    /// Structure and lattice about the present equilibrium.
+    /// Structure and lattice about the current equilibrium.
     pub(super) fn sampled_lattice(&mut self, gusts: bool) -> Result<SampledLattice, PlantError> {
         let time_s = self.system.state.now.time_s;
         let refused = |cause: &str| PlantError::Linearization { time_s, cause: cause.into() };

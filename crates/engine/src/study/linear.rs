@@ -1,4 +1,4 @@
-//! Linear model of the machine about its present state: matrices, modes, derivatives of outputs.
+//! Linear model of the machine about its current state: matrices, modes, derivatives of outputs.
 //!
 //! The stiffness is the exact tangent if the state is an equilibrium. About a moving state, inertia forces change with the pose: the
 //! derivative is then computed by sixth-order differences of the residual without its elastic part, accurate to 1e-11 of its terms. Mass
@@ -34,10 +34,10 @@ pub enum Argument {
     Acceleration,
 }
 
-/// A state near the present one.
+/// A state near the current one.
 #[derive(Debug, Clone, Copy)]
 pub enum Beside<'f> {
-    /// The present state itself.
+    /// The current state itself.
     Nothing,
     /// A degree of freedom changed by an amount, in its unit.
     Position(&'f Freedom, f64),
@@ -61,7 +61,7 @@ pub struct InstantRates {
 }
 
 impl Study<'_> {
-    /// Mass, damping and stiffness about the present state with its accelerations, over [`System::freedoms`].
+    /// Mass, damping and stiffness about the current state with its accelerations, over [`System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
         self.system.refuse_sliding("linear model")?;
         let freedoms = self.system.freedoms();
@@ -182,7 +182,7 @@ impl Study<'_> {
         q
     }
 
-    /// Residual over [`System::freedoms`] at the present state with the present inputs. A change of a command moves the motor's neutral
+    /// Residual over [`System::freedoms`] at the current state with the current inputs. A change of a command moves the motor's neutral
     /// angle immediately: rate limits do not affect infinitesimal changes.
     pub fn residual_of_inputs(&mut self) -> DVector<f64> {
         self.with_present_inputs();
@@ -194,7 +194,7 @@ impl Study<'_> {
         pick(&residual, &freedoms)
     }
 
-    /// Outputs at the present state with one argument changed by `amount` along a degree of freedom, and with the present inputs. The state
+    /// Outputs at the current state with one argument changed by `amount` along a degree of freedom, and with the current inputs. The state
     /// of the plant is restored.
     pub fn outputs_beside(&mut self, change: Option<(Argument, &Freedom, f64)>) -> Outputs {
         let mut there = self.system.state.now.clone();
@@ -210,7 +210,7 @@ impl Study<'_> {
         self.outputs_at(there)
     }
 
-    /// Outputs at the present state with changed accelerations of all coordinates.
+    /// Outputs at the current state with changed accelerations of all coordinates.
     pub(super) fn outputs_pulled(&mut self, change: &[f64]) -> Outputs {
         let mut there = self.system.state.now.clone();
         there.a.iter_mut().zip(change).for_each(|(a, change)| *a += change);
@@ -266,7 +266,7 @@ impl Study<'_> {
         done
     }
 
-    /// Rates of the states of a linear model, and the outputs, at the present state with the set inputs, or near it: by the nonlinear
+    /// Rates of the states of a linear model, and the outputs, at the current state with the set inputs, or near it: by the nonlinear
     /// equations of the machine, with the loads of strips and rotors at the instant. Loads of lattices are constant. For comparisons with
     /// linear models; strips with apparent mass need their rates to jump with the wind, as in [`Study::state_space`]. The state is
     /// unchanged.
@@ -303,7 +303,7 @@ impl Study<'_> {
         })
     }
 
-    /// Calls `take` with linearised forces of joints at the present state, with the present inputs: a motor at its limit stays there, one
+    /// Calls `take` with linearised forces of joints at the current state, with the current inputs: a motor at its limit stays there, one
     /// exactly at the limit is not limited, a generator at a row of its table continues towards higher speeds, contacts of end stops and
     /// latches are constant, NOTATION eq. (L10). Accelerations are those of the instant.
     pub(super) fn on_tangents<T>(

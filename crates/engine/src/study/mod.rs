@@ -41,7 +41,7 @@ pub use statics::{Branch, Departure, Holding, LoadPath, Rest, Search};
 use crate::system::System;
 use statics::Quest;
 
-/// Analyses of the present state of a system. Equilibria replace the state; all others restore it.
+/// Analyses of the current state of a system. Equilibria replace the state; all others restore it.
 pub struct Study<'a> {
     system: &'a mut System,
     /// Settings and results of the current search for an equilibrium.

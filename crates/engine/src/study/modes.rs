@@ -1,4 +1,4 @@
-//! Modes of the machine about its present state, with linearised aerodynamics, and their shapes.
+//! Modes of the model about its current state, with linearised aerodynamics, and their shapes.
 
 use crate::math::strain::{EDGE, FLAP, SHEARED, STRAINS, Strain};
 use crate::multibody::model::Body;
@@ -17,7 +17,7 @@ use nalgebra::{Complex, Vector3};
 type Shape = (Vec<f64>, Vec<(Vector3<f64>, Vector3<f64>)>);
 
 impl Study<'_> {
-    /// Modes of lowest frequency about the present state, with shapes. They include the loads of strips and of rotors; other aerodynamic
+    /// Modes of lowest frequency about the current state, with shapes. They include the loads of strips and of rotors; other aerodynamic
     /// loads are constant.
     pub fn modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         let (mut modes, _) = self.modes_and_rest(count)?;

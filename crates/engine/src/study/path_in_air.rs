@@ -116,7 +116,7 @@ impl Study<'_> {
         }
     }
 
-    /// Newton's method with a given air density from the present state; returns the determinant of the stiffness and the size of the first
+    /// Newton's method with a given air density from the current state; returns the determinant of the stiffness and the size of the first
     /// correction, or `None` if it diverges.
     fn correct_in_air(
         &mut self,

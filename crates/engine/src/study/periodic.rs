@@ -9,7 +9,7 @@ use crate::system::freedoms::Freedom;
 use crate::system::shape::WhirlShare;
 use nalgebra::{Complex, DVector};
 
-/// Transformation of the coordinates of a machine with a spinning rotor to the fixed frame.
+/// Transformation of the coordinates of a model with a spinning rotor to the fixed frame.
 #[derive(Debug, Clone)]
 pub struct GroundView {
     freedoms: Vec<Freedom>,
@@ -35,8 +35,8 @@ pub struct AveragedModes {
 }
 
 impl Study<'_> {
-    /// Transformation to the fixed frame for a machine in its present state, at the start of a revolution of the shaft of `rotor`; without
-    /// a rotor of equal blades (`None`) the coordinates are those of the machine.
+    /// Transformation to the fixed frame for a model in its current state, at the start of a revolution of the shaft of `rotor`; without
+    /// a rotor of equal blades (`None`) the coordinates are those of the model.
     ///
     /// # Errors
     /// If blades of the rotor have different degrees of freedom.
@@ -53,7 +53,7 @@ impl Study<'_> {
         Ok(GroundView { freedoms, rotor, blades, mass, speed_rad_s, sum: None, first: None, spread: 0.0 })
     }
 
-    /// Adds the equations about the present state, at an azimuth from the start of the revolution, to the average.
+    /// Adds the equations about the current state, at an azimuth from the start of the revolution, to the average.
     ///
     /// # Errors
     /// As for [`Study::second_order`].
@@ -92,7 +92,7 @@ impl GroundView {
         self.blades.components(coordinates, azimuth_rad)
     }
 
-    /// Coordinates of the machine, from components in the fixed frame: the inverse of [`GroundView::components`].
+    /// Coordinates of the model, from components in the fixed frame: the inverse of [`GroundView::components`].
     pub fn coordinates(&self, components: &DVector<Complex<f64>>, azimuth_rad: f64) -> DVector<Complex<f64>> {
         self.blades.coordinates(components, azimuth_rad)
     }

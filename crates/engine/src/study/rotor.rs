@@ -1,4 +1,4 @@
-//! Identification of the rotor of a machine: a shaft, a hub and equal blades with even spacing around the shaft.
+//! Identification of the rotor of a model: a shaft, a hub and equal blades with even spacing around the shaft.
 
 use crate::machine::{JointKind, Machine, OneFreedom, Parent};
 use crate::study::Study;
@@ -112,7 +112,7 @@ pub(crate) fn shaft_of(machine: &Machine, named: Option<&str>) -> Result<usize, 
 }
 
 impl Study<'_> {
-    /// Identifies the rotor of the machine from its initial angles; state, loads and wind are unchanged. `shaft` names its joint; by
+    /// Identifies the rotor of the model from its initial angles; state, loads and wind are unchanged. `shaft` names its joint; by
     /// default it is the only joint that rotates without limit and carries a hub, a body with several others attached.
     ///
     /// # Errors

@@ -23,7 +23,7 @@ const MAXIMUM_COORDINATES: usize = 1200;
 /// Change of a beam's rotation from element to element, in rad, above which the mesh is reported as coarse.
 const COARSE_RAD: f64 = 0.5;
 
-/// Stability of an equilibrium under the present inputs.
+/// Stability of an equilibrium under the current inputs.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Stability {
     /// Number of negative pivots of the static tangent: directions in which the forces are destabilising, eq. (L16). It is exact if the
@@ -100,7 +100,7 @@ impl Coarseness {
 }
 
 impl Study<'_> {
-    /// Stability of the present state, which must be an equilibrium, under the present inputs, including the aerodynamic response. It is
+    /// Stability of the current state, which must be an equilibrium, under the current inputs, including the aerodynamic response. It is
     /// not assessed if the aerodynamic model has no linear model, or if the loads have no potential and there are too many coordinates for
     /// modes.
     ///
@@ -141,7 +141,7 @@ impl Study<'_> {
         Stability { growing: self.growing_of(modes), in_lattice: true, ..Stability::default() }
     }
 
-    /// Eigenvalues in 1/s of the growing modes about the present state, fastest first, one of each pair, NOTATION eq. (L22). They include
+    /// Eigenvalues in 1/s of the growing modes about the current state, fastest first, one of each pair, NOTATION eq. (L22). They include
     /// the loads of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice, whose loads are
     /// constant in a continuous-time model.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
@@ -151,14 +151,14 @@ impl Study<'_> {
         Ok(Some(self.growing()?.iter().map(|growth| growth.eigenvalue_1_s).collect()))
     }
 
-    /// Eigenvalues in 1/s of the growing modes about the present equilibrium with a lattice, fastest first, one of each pair, as found by
+    /// Eigenvalues in 1/s of the growing modes about the current equilibrium with a lattice, fastest first, one of each pair, as found by
     /// [`Study::stability`]. `None` if stability is not assessed.
     ///
     /// # Errors
     /// If the modes cannot be computed.
     pub fn growing_in_lattice_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
         let stability = self.stability()?;
-        // the pivots may show that a large machine is unstable without its modes being computed
+        // the pivots may show that a large model is unstable without its modes being computed
         let judged = stability.not_judged.is_none() && (stability.is_stable() || !stability.growing.is_empty());
         Ok(judged.then(|| stability.growing.iter().map(|growth| growth.eigenvalue_1_s).collect()))
     }
@@ -192,7 +192,7 @@ impl Study<'_> {
         growth
     }
 
-    /// Position of the largest change of curvature from element to element in the present shape.
+    /// Position of the largest change of curvature from element to element in the current shape.
     pub fn coarseness(&self) -> Coarseness {
         let (q, model) = (&self.system.state.now.q, &self.system.equations.model);
         let mut worst = Coarseness { body: 0, place_m: 0.0, turn_rad: 0.0 };

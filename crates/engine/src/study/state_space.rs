@@ -17,7 +17,7 @@ pub struct InputSlope<'a> {
     /// Step of the central difference. Forces are quadratic in the root's rates and, when linearised, linear in all other inputs, so any
     /// step is exact.
     pub step: f64,
-    /// Uniform gust velocity in m/s, root frame, added per unit of the input: gusts are not inputs of the machine, so `add` then has no
+    /// Uniform gust velocity in m/s, root frame, added per unit of the input: gusts are not inputs of the model, so `add` then has no
     /// effect. Only strips respond to it, with Küssner's lag.
     pub gust_m_s: Vector3<f64>,
 }
@@ -39,7 +39,7 @@ pub(super) fn air_of(input: &InputSlope, inputs: &Inputs) -> Vec<f64> {
 }
 
 impl Study<'_> {
-    /// `A`, `B`, `C`, `D` about the present state with the present inputs, over [`crate::system::System::freedoms`] and
+    /// `A`, `B`, `C`, `D` about the current state with the current inputs, over [`crate::system::System::freedoms`] and
     /// their rates, and over the lag states of strips and rotors.
     ///
     /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the aerodynamic response,
@@ -155,7 +155,7 @@ impl Study<'_> {
     }
 }
 
-/// Accelerations of the machine by sweeps along the tree.
+/// Accelerations of the model by sweeps along the tree.
 struct AlongTree<'s, 'a, 'r> {
     study: &'s mut Study<'a>,
     bare: Bare,
@@ -189,7 +189,7 @@ impl Accelerations for AlongTree<'_, '_, '_> {
             let along = &self.directions * column;
             let size = along.amax();
             if size > 0.0 {
-                // outputs are linear in it: at least as large as the present value, so that the change is not lost in round-off
+                // outputs are linear in this step: at least as large as the current value, so that the change is not lost in round-off
                 let scale = (present / size).max(1.0);
                 let mut at = |sign: f64| {
                     let shift: Vec<f64> = along.iter().map(|a| sign * scale * a).collect();

@@ -1,4 +1,4 @@
-//! Static equilibrium of the machine under its loads.
+//! Static equilibrium of the model under its loads.
 
 use crate::force::set::Forces;
 use crate::load::{RootMotion, Wrench};
@@ -17,9 +17,9 @@ use nalgebra::Matrix3;
 
 /// Maximum number of searches for equilibrium if contacts open and close alternately.
 const MAXIMUM_SEARCHES: usize = 100;
-/// Gap of a closed loop at equilibrium, relative to the machine's length, above which the loop counts as torn.
+/// Gap of a closed loop at equilibrium, relative to the model's length, above which the loop counts as torn.
 const TORN: f64 = 0.01;
-/// Distance in rad, or displacement divided by the machine's length, from an unstable equilibrium at which the search for a stable one near
+/// Distance in rad, or displacement divided by the model's length, from an unstable equilibrium at which the search for a stable one near
 /// it starts: within it the linear part of the torque is destabilising.
 const BESIDE_RAD: f64 = 0.05;
 
@@ -107,7 +107,7 @@ struct Target {
 }
 
 impl Target {
-    /// Target given by the present equations, from the coordinates `start`.
+    /// Target given by the current equations, from the coordinates `start`.
     fn of(equations: &Equations, start: &[f64]) -> Self {
         Self {
             root: equations.root,
@@ -181,7 +181,7 @@ impl<'a> AtRest<'a> {
     }
 }
 
-/// Weights of the coordinates in the arc length of a path: `∫κ² ds` times the length of the machine, strains multiplied by the element's
+/// Weights of the coordinates in the arc length of a path: `∫κ² ds` times the length of the model, strains multiplied by the element's
 /// fraction of that length, angles in rad, displacements divided by the length.
 fn path_weights(model: &Model) -> Vec<f64> {
     let length_m = model.reference_length_m;
@@ -287,10 +287,10 @@ impl Equations {
 }
 
 impl Study<'_> {
-    /// Initialises at `time_s` and finds the static equilibrium under the present inputs: gravity, root motion, station loads, motors and
+    /// Initialises at `time_s` and finds the static equilibrium under the current inputs: gravity, root motion, station loads, motors and
     /// latches. Afterwards, rates and accelerations are zero, and the outputs are those of the equilibrium.
     ///
-    /// Starts from the unstrained machine at its initial angles; prescribed joints keep their angle at `time_s`. A rotating root loads the
+    /// Starts from the unstrained model at its initial angles; prescribed joints keep their angle at `time_s`. A rotating root loads the
     /// wing by centrifugal and Euler forces.
     ///
     /// The equilibrium is the one at the end of the load path, stable or not: see [`Study::stability`].
@@ -318,7 +318,7 @@ impl Study<'_> {
         Ok(Rest { effort, departure, path, stability, corrections_rad })
     }
 
-    /// Continues from the present equilibrium, which is statically unstable, to a stable one downhill: hinges with only aerodynamic
+    /// Continues from the current equilibrium, which is statically unstable, to a stable one downhill: hinges with only aerodynamic
     /// stiffness leave their angle to either side in steps proportional to the torques, eq. (Q6).
     ///
     /// # Errors
@@ -438,7 +438,7 @@ impl Study<'_> {
         Err(PlantError::Equilibrium { time_s, reached: 1.0, tried: 1.0, cause, diverges_m_s: None })
     }
 
-    /// Finds the equilibrium on the path from the initial coordinates, with the latches in their present state.
+    /// Finds the equilibrium on the path from the initial coordinates, with the latches in their current state.
     fn search(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let now = &mut self.system.state.now;
         let equations = &mut self.system.equations;

@@ -1,4 +1,4 @@
-//! Steady state of a machine with a spinning rotor whose loads are the same at every azimuth, so that only the shaft moves.
+//! Steady state of a model with a spinning rotor whose loads are the same at every azimuth, so that only the shaft moves.
 
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
@@ -10,7 +10,7 @@ use nalgebra::DVector;
 
 /// Further azimuths in rad at which the state must be the same; no symmetry of a rotor has these angles.
 const AZIMUTHS_RAD: [f64; 2] = [0.7, 1.9];
-/// Correction divided by the machine's length, or in rad, at which the state has converged: aerodynamic loads are balanced to 1e-10 of
+/// Correction divided by the model's length, or in rad, at which the state has converged: aerodynamic loads are balanced to 1e-10 of
 /// their magnitude.
 const FOUND: f64 = 1e-9;
 /// Largest correction.
@@ -19,14 +19,14 @@ const LONGEST: f64 = 0.3;
 const MAXIMUM_CORRECTIONS: usize = 100;
 
 impl Study<'_> {
-    /// Finds the state of a machine with a shaft (given by its body) of given speed in which no other part moves, under gravity, loads and
-    /// an established flow at its present azimuth, NOTATION eq. (L40). Returns the difference from the states at other azimuths, divided by
-    /// the machine's length, or in rad. If it is zero, the state rotates with the rotor and is steady; otherwise it is the initial guess of
+    /// Finds the state of a model with a shaft (given by its body) of given speed in which no other part moves, under gravity, loads and
+    /// an established flow at its current azimuth, NOTATION eq. (L40). Returns the difference from the states at other azimuths, divided by
+    /// the model's length, or in rad. If it is zero, the state rotates with the rotor and is steady; otherwise it is the initial guess of
     /// a periodic motion.
     ///
     /// # Errors
     /// [`PlantError::Periodic`] if no such state is found: a joint without stiffness, or an aeroelastic coupling that does not converge.
-    /// The machine is then in the last state of the search.
+    /// The model is then in the last state of the search.
     pub(crate) fn turn_in_balance(&mut self, shaft: usize, speed_rad_s: f64) -> Result<f64, PlantError> {
         let time_s = self.system.state.now.time_s;
         let refused = |cause: String| PlantError::Periodic { time_s, cause };
@@ -58,7 +58,7 @@ impl Study<'_> {
         )))
     }
 
-    /// Newton's step towards equilibrium under the aerodynamic loads of the present state, and its size.
+    /// Newton's step towards equilibrium under the aerodynamic loads of the current state, and its size.
     fn correction(&mut self, time_s: f64, freedoms: &[Freedom]) -> Result<(Vec<f64>, f64), String> {
         self.system.start_air(time_s).map_err(|error| error.to_string())?;
         let now = &self.system.state.now;

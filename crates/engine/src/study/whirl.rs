@@ -20,7 +20,7 @@ const AZIMUTHS_RAD: [f64; 2] = [0.7, 1.9];
 const ISOTROPIC: f64 = 1e-6;
 /// Round-off of the stiffness relative to its largest entry, eq. (L10).
 const ROUND_OFF: f64 = 1e-10;
-/// Correction of the steady state divided by the machine's length, or in rad, at which it has converged.
+/// Correction of the steady state divided by the model's length, or in rad, at which it has converged.
 const STEADY: f64 = 1e-10;
 /// Largest step towards the steady state.
 const LONGEST: f64 = 0.3;
@@ -28,7 +28,7 @@ const LONGEST: f64 = 0.3;
 const MAXIMUM_ITERATIONS: usize = 50;
 
 impl Study<'_> {
-    /// The `count` modes of lowest frequency of the machine whose rotor rotates at `speed_rad_s`, without loads, gravity, root motion and
+    /// The `count` modes of lowest frequency of the model whose rotor rotates at `speed_rad_s`, without loads, gravity, root motion and
     /// aerodynamics, NOTATION eqs. (L25) and (L26). Frequencies are in the fixed frame; shapes are those at the initial angles.
     ///
     /// The state is the steady one: deformed by centrifugal forces, with the torque on the shaft that balances them. A free shaft keeps its
@@ -38,7 +38,7 @@ impl Study<'_> {
     /// If there is no steady state, or if the equations in the fixed frame change as the rotor rotates: the rotor is not isotropic, or it
     /// has two blades on an anisotropic support. The message names the coordinates.
     ///
-    /// Afterwards the machine is in the state of [`Study::undeformed`], also after an error.
+    /// Afterwards the model is in the state of [`Study::undeformed`], also after an error.
     pub fn whirl_modes(
         &mut self,
         time_s: f64,
@@ -52,7 +52,7 @@ impl Study<'_> {
         found
     }
 
-    /// Computes the modes of [`Study::whirl_modes`], and leaves the machine in the steady state.
+    /// Computes the modes of [`Study::whirl_modes`], and leaves the model in the steady state.
     fn turning_modes(
         &mut self,
         time_s: f64,

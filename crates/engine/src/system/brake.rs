@@ -18,7 +18,7 @@ pub(crate) struct Stop {
 
 /// Factor in 1/s by which a jump of the rates is converted to accelerations, which are then far above the actual ones.
 pub(crate) const JUMP_1_S: f64 = 1e6;
-/// Inertia of a loop's penalty in an impulse, relative to the machine's mass: the rate of its gap jumps by a millionth of the other rates,
+/// Inertia of a loop's penalty in an impulse, relative to the model's mass: the rate of its gap jumps by a millionth of the other rates,
 /// and its impulse is accurate to 1e-10.
 const LOOP_INERTIA: f64 = 1e6;
 

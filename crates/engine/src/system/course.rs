@@ -16,12 +16,12 @@ impl RootMotion {
 }
 
 impl State {
-    /// Wind at a time of the present communication step in m/s.
+    /// Wind at a time of the current communication step in m/s.
     pub fn wind_at_m_s(&self, time_s: f64) -> Vector3<f64> {
         self.applied_inputs.wind_m_s() + self.applied_rates.wind_m_s() * (time_s - self.applied_from_s)
     }
 
-    /// Angular velocity of the root frame at a time of the present communication step in rad/s.
+    /// Angular velocity of the root frame at a time of the current communication step in rad/s.
     pub fn spin_at_rad_s(&self, time_s: f64) -> Vector3<f64> {
         self.applied_inputs.root().angular_velocity_rad_s
             + self.applied_rates.root().angular_velocity_rad_s * (time_s - self.applied_from_s)
@@ -37,7 +37,7 @@ impl State {
     }
 }
 
-/// Inputs of the present communication step as functions of time, for the equations.
+/// Inputs of the current communication step as functions of time, for the equations.
 #[derive(Debug, Clone)]
 pub(crate) struct Course {
     /// Whether some rate is nonzero.
@@ -56,7 +56,7 @@ impl Course {
         Self { moves: false, from_s: 0.0, base: inputs.clone(), rates: inputs.no_rates() }
     }
 
-    /// Copies the inputs and rates of a state's present step. Allocates nothing.
+    /// Copies the inputs and rates of a state's current step. Allocates nothing.
     pub fn follow(&mut self, state: &State) {
         self.from_s = state.applied_from_s;
         self.base.clone_from(&state.applied_inputs);

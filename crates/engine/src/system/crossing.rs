@@ -85,7 +85,7 @@ impl Equations {
         }
     }
 
-    /// Kinetic energy in J of the whole machine.
+    /// Kinetic energy in J of the whole model.
     fn kinetic_j(&mut self, point: &Point, zero: &[f64]) -> f64 {
         sweep_motion(&self.model, &mut self.work, Motion { q: &point.q, v: &point.v, a: zero });
         energy::kinetic(&self.model, &self.work, |_, _| ())
@@ -146,7 +146,7 @@ impl Equations {
             work_j = moved.map(|joint| momenta[joint.coordinate] * point.v[joint.coordinate]).sum();
         }
         let after_j = self.kinetic_j(point, zero);
-        // the border is located to a finite accuracy, by which the pose jumps: this share is work, as for the potentials
+        // the border is located to a finite accuracy, by which the pose jumps: the resulting energy counts as work, as for the potentials
         Ok(Stopped { lost_j: held_j + work_j - after_j, work_j: work_j + held_j - before_j })
     }
 }

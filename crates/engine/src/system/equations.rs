@@ -1,4 +1,4 @@
-//! The equations of motion of the whole machine: the tree, its motors and latches, its loads.
+//! The equations of motion of the whole model: the tree, its motors and latches, its loads.
 
 use crate::beam::element::rigid_body_mass;
 use crate::force::Stored;
@@ -37,7 +37,7 @@ pub(crate) struct Equations {
     pub stations: Vec<Wrench>,
     /// Number of stations with loads of the caller.
     pub load_stations: usize,
-    /// Aerodynamic loads; `None` for machines without aerodynamics.
+    /// Aerodynamic loads; `None` for models without aerodynamics.
     pub air: Option<StepLoads>,
     /// Whether some station carries a load.
     pub loaded: bool,
@@ -45,14 +45,14 @@ pub(crate) struct Equations {
     pub forces: Forces,
     /// Joints with several degrees of freedom.
     pub spatial: Vec<SpatialJoint>,
-    /// Time in s that selects the branch of slews and prescribed motions: the middle of a step, or the present.
+    /// Time in s that selects the branch of slews and prescribed motions: the middle of a step, or the current time.
     pub branch_s: f64,
     /// Whether energies are booked; not during trial marches, which are undone.
     pub booked: bool,
     pub tangents: Vec<FreedomTangent>,
     /// Time of the next failure known in advance, in s; infinite if there is none.
     pub failure_s: f64,
-    /// Elements before any failure, for machines with bodies that may be weakened.
+    /// Elements before any failure, for models with bodies that may be weakened.
     pub sound: Vec<Element>,
     /// Positions of the internal loads that are outputs.
     pub sections: Vec<SectionPlace>,
@@ -60,7 +60,7 @@ pub(crate) struct Equations {
 }
 
 impl Equations {
-    /// Creates the equations of a machine with the fixed factors of `parameters`; inputs and tunable parameters are set later.
+    /// Creates the equations of a model with the fixed factors of `parameters`; inputs and tunable parameters are set later.
     pub fn new(machine: &Machine, parameters: &Parameters) -> Self {
         let descriptions: Vec<BodyDescription> = machine
             .bodies

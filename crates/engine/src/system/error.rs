@@ -1,4 +1,4 @@
-//! Errors of a machine at run time.
+//! Errors of a model at run time.
 
 /// Error of a plant.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -49,7 +49,7 @@ pub enum PlantError {
     Leap {
         /// Time in s.
         time_s: f64,
-        /// Displacement within an aerodynamic step divided by the machine's length.
+        /// Displacement within an aerodynamic step divided by the model's length.
         lengths: f64,
         /// Aerodynamic step in s.
         step_s: f64,
@@ -103,7 +103,7 @@ pub enum PlantError {
         /// Cause of the failure.
         cause: String,
     },
-    /// The aerodynamic model does not apply to the present state: a control surface beyond its limits, Mach 1, the ground.
+    /// The aerodynamic model does not apply to the current state: a control surface beyond its limits, Mach 1, the ground.
     #[error("no aerodynamic loads at t = {time_s} s: {cause}")]
     Surroundings {
         /// Time in s.
@@ -192,7 +192,7 @@ pub enum PlantError {
         /// Position of the joint in m.
         position_m: f64,
     },
-    /// An analysis that machines with sliding joints do not have.
+    /// An analysis that models with sliding joints do not have.
     #[error(
         "no {analysis} at t = {time_s} s: the sliding joint {joint} has no linear model; compute the motion over time, or \
          replace the joint by a clamped one at a fixed parent_position_m"
@@ -205,7 +205,7 @@ pub enum PlantError {
         /// The analysis.
         analysis: &'static str,
     },
-    /// The present state has no linear model.
+    /// The current state has no linear model.
     #[error("no linearisation at t = {time_s} s: {cause}")]
     Linearization {
         /// Time in s.

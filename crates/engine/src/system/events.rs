@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Maximum length of the first step after a crossing, as a fraction of the step before the crossing.
 const STEP_SHARE_AFTER_CROSSING: f64 = 0.1;
-/// Limit of the displacement relative to the machine's length, or of the rotation of a section in rad, that a jump of the accelerations may
+/// Limit of the displacement relative to the model's length, or of the rotation of a section in rad, that a jump of the accelerations may
 /// cause within an aerodynamic step: a light wing in a suddenly applied wind reaches 1, by the twist of its sections.
 const MAXIMUM_LENGTHS: f64 = 100.0;
 
@@ -63,14 +63,14 @@ impl System {
         self.impose_failures();
     }
 
-    /// Whether inputs or parameters differ from those of the present step. Always true for inputs that vary in time: their step ends at the
+    /// Whether inputs or parameters differ from those of the current step. Always true for inputs that vary in time: their step ends at the
     /// communication point.
     pub(crate) fn inputs_changed(&self) -> bool {
         let State { inputs, rates, parameters, applied_inputs, applied_rates, applied_parameters, .. } = &self.state;
         inputs != applied_inputs || parameters != applied_parameters || !rates.is_still() || !applied_rates.is_still()
     }
 
-    /// Cuts the integrator's step at the present time and continues with the new inputs and parameters.
+    /// Cuts the integrator's step at the current time and continues with the new inputs and parameters.
     pub(crate) fn apply_inputs(&mut self) -> Result<(), PlantError> {
         let State { start, now, .. } = &mut self.state;
         start.copy_from(now);
@@ -180,7 +180,7 @@ impl System {
         Err(PlantError::Leap { time_s, lengths, step_s, cause: self.largest_input() })
     }
 
-    /// Changes the equations at `start` and solves again for the accelerations; the present step then has zero length.
+    /// Changes the equations at `start` and solves again for the accelerations; the current step then has zero length.
     ///
     /// `change` returns the energy that it dissipates and counts its events; the remainder of the jump of the potentials is booked as work.
     /// Joints that are held after the change stop instantaneously, eq. (A6), and the energy lost is booked as dissipated. The accelerations

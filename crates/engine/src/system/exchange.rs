@@ -43,7 +43,7 @@ pub enum CoordinateQuantity {
 }
 
 impl System {
-    /// Passes control of the initialised machine to an external integrator, which starts in event mode. Returns an error with a lattice or
+    /// Passes control of the initialised model to an external integrator, which starts in event mode. Returns an error with a lattice or
     /// a rotor.
     pub fn begin_exchange(&mut self) -> Result<(), NotHybrid> {
         let accounts = self.account_count();
@@ -62,7 +62,7 @@ impl System {
         Ok(())
     }
 
-    /// Makes the energy accounts, work of the inputs and energy dissipated, states of an external integrator, or not: without them the
+    /// Sets whether the energy accounts, work of the inputs and energy dissipated, are states of an external integrator: otherwise the
     /// accounts are not known while it integrates. To be called before [`System::begin_exchange`]; they are states by default.
     pub fn keep_exchange_accounts(&mut self, kept: bool) {
         self.exchange.without_accounts = !kept;

@@ -14,7 +14,7 @@ const STEP_RATE_1_S: f64 = 1e-3;
 impl System {
     /// Largest magnitude in rad/s of an eigenvalue of the equations linearised at the states set by [`System::begin_exchange`], by power
     /// iteration with finite differences of the derivatives, in O(n) each. For beams this is the shortest axial or torsional wave of the
-    /// mesh. Accurate to about 5 % from below; 0 for a machine without restoring forces.
+    /// mesh. Accurate to about 5 % from below; 0 for a model without restoring forces.
     ///
     /// # Errors
     /// If the accelerations cannot be computed.

@@ -1,4 +1,4 @@
-//! Degrees of freedom at the present state.
+//! Degrees of freedom at the current state.
 
 use crate::machine::Travel;
 use crate::math::strain::{CURVATURES, NAMES};
@@ -28,7 +28,7 @@ pub struct Freedom {
 }
 
 impl System {
-    /// Degrees of freedom at the present state: angles of joints that are not held, rotations and displacements of universal, ball and free
+    /// Degrees of freedom at the current state: angles of joints that are not held, rotations and displacements of universal, ball and free
     /// joints, strains; body by body.
     pub fn freedoms(&self) -> Vec<Freedom> {
         let mut list = Vec::new();
@@ -70,8 +70,8 @@ impl System {
         list
     }
 
-    /// Present values of [`System::freedoms`] and of their rates. Degrees of freedom of universal, ball and free joints have no coordinate:
-    /// they are measured from the present attitude, and are zero at the state of linearisation.
+    /// Current values of [`System::freedoms`] and of their rates. Degrees of freedom of universal, ball and free joints have no coordinate:
+    /// they are measured from the current attitude, and are zero at the state of linearisation.
     pub fn free_state(&self) -> (Vec<f64>, Vec<f64>) {
         let spatial = |index: usize| {
             let mut joints = self.equations.model.bodies.iter().map(|body| body.joint);

@@ -14,7 +14,7 @@ use crate::system::outputs::Outputs;
 use crate::system::state::State;
 use crate::system::{OutputSet, System};
 
-/// An initialised machine, without aerodynamics or with strip theory, under an external integrator.
+/// An initialised model, without aerodynamics or with strip theory, under an external integrator.
 ///
 /// The states are the coordinates that forces can move, then their rates, then the lag states of strips; their number is constant, even
 /// while joints are held. Coordinates of universal, ball and free joints are redundant parameters: [`Hybrid::complete`] projects them onto
@@ -42,7 +42,7 @@ pub struct AccountRates {
     pub work_w: f64,
 }
 
-/// Reason why a machine cannot be integrated externally.
+/// Reason why a model cannot be integrated externally.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NotHybrid {
     /// `Plant::initialize` has not succeeded.
@@ -63,7 +63,7 @@ pub enum NotHybrid {
 }
 
 impl System {
-    /// The machine as a hybrid system at the present time. Returns an error before `Plant::initialize`, and with a lattice or a rotor,
+    /// The model as a hybrid system at the current time. Returns an error before `Plant::initialize`, and with a lattice or a rotor,
     /// whose states are advanced only by the internal integrator.
     pub fn hybrid(&mut self) -> Result<Hybrid<'_>, NotHybrid> {
         if !self.state.initialized {
@@ -83,7 +83,7 @@ impl System {
         Ok(hybrid)
     }
 
-    /// The machine as a hybrid system, without the checks of [`System::hybrid`], within a step of the external integrator.
+    /// The model as a hybrid system, without the checks of [`System::hybrid`], within a step of the external integrator.
     pub(super) fn as_hybrid(&mut self) -> Hybrid<'_> {
         Hybrid { system: self }
     }
@@ -107,12 +107,12 @@ impl Hybrid<'_> {
         &self.system.moving
     }
 
-    /// Present time in s.
+    /// Current time in s.
     pub fn time_s(&self) -> f64 {
         self.system.state.now.time_s
     }
 
-    /// Copies the present states. `states` has [`Hybrid::states`] entries.
+    /// Copies the current states. `states` has [`Hybrid::states`] entries.
     pub fn read(&self, states: &mut [f64]) {
         let now = &self.system.state.now;
         self.copy_to(states, &now.q, &now.v);
@@ -155,7 +155,7 @@ impl Hybrid<'_> {
     }
 
     /// Error for an element that the states compress through zero length, which is physically impossible. It is the first symptom of
-    /// integration steps that are too long for the axial modes, the fastest ones of a machine.
+    /// integration steps that are too long for the axial modes, the fastest ones of a model.
     pub(super) fn crushed(&self) -> Option<PlantError> {
         let System { state, equations, .. } = &*self.system;
         let strain = |element: &Element| element.strains::<STRAINS>(&state.now.q)[STRETCH];
@@ -164,7 +164,7 @@ impl Hybrid<'_> {
         Some(PlantError::Crushed { time_s, place, strain: strain(element) })
     }
 
-    /// Work of the inputs and dissipated energy until the present in J.
+    /// Work of the inputs and dissipated energy up to the current time in J.
     pub fn accounts_j(&self) -> [f64; 2] {
         let now = &self.system.state.now;
         [now.work, now.dissipated]
@@ -176,7 +176,7 @@ impl Hybrid<'_> {
         (now.work, now.dissipated) = (work, dissipated);
     }
 
-    /// Computes the derivatives of the states at the present time, in O(n) by the mass matrix, and the rates of the energy accounts.
+    /// Computes the derivatives of the states at the current time, in O(n) by the mass matrix, and the rates of the energy accounts.
     pub fn derivatives(&mut self, derivatives: &mut [f64]) -> Result<AccountRates, PlantError> {
         let in_air = self.system.air.is_some();
         let System { equations, state, scratch, .. } = &mut *self.system;
@@ -205,7 +205,7 @@ impl Hybrid<'_> {
         self.system.equations.forces.indicators().count()
     }
 
-    /// Reads the event indicators at the present time, in rad or m: an event occurs when one falls through zero. Indicators that cannot be
+    /// Reads the event indicators at the current time, in rad or m: an event occurs when one falls through zero. Indicators that cannot be
     /// crossed are 1.
     pub fn read_indicators(&self, indicators: &mut [f64]) {
         let State { start, now, joints, .. } = &self.system.state;
@@ -217,7 +217,7 @@ impl Hybrid<'_> {
         }
     }
 
-    /// Whether some indicator has fallen to zero at the present time, to the accuracy of the location of crossings; `crossed` is called
+    /// Whether some indicator has fallen to zero at the current time, to the accuracy of the location of crossings; `crossed` is called
     /// with the index of each.
     pub fn arrived(&self, mut crossed: impl FnMut(usize)) -> bool {
         let State { start, now, joints, .. } = &self.system.state;
@@ -239,7 +239,7 @@ impl Hybrid<'_> {
         2 * self.system.equations.forces.joints().iter().filter(|joint| joint.motor().is_some()).count()
     }
 
-    /// Reads the distances of the motor torques from their limits at the present time, in N·m; 1 without a limit.
+    /// Reads the distances of the motor torques from their limits at the current time, in N·m; 1 without a limit.
     pub fn read_limits(&self, distances: &mut [f64]) {
         let System { state, equations, .. } = &*self.system;
         let now = &state.now;
@@ -249,7 +249,7 @@ impl Hybrid<'_> {
         }
     }
 
-    /// Applies the continuous inputs and tunable parameters from the present time on. Switches, rate limits, and commands subject to a rate
+    /// Applies the continuous inputs and tunable parameters from the current time on. Switches, rate limits, and commands subject to a rate
     /// limit are applied by [`Hybrid::transition`], because they change discrete states. The work of moving commands and gravity on
     /// potentials, and of changed stiffness, is not booked.
     pub fn follow_inputs(&mut self) {
@@ -283,12 +283,12 @@ impl Hybrid<'_> {
         system.forget_outputs();
     }
 
-    /// Time of the next time event after the present in s: end of a slew, knot of a prescribed motion.
+    /// Time in s of the next time event after the current time: end of a slew, knot of a prescribed motion.
     pub fn next_kink_s(&self) -> f64 {
         self.system.equations.next_kink_s(self.time_s())
     }
 
-    /// Ends a step of the external integrator at the present time: redundant parameters are projected onto their constraints, and the
+    /// Ends a step of the external integrator at the current time: redundant parameters are projected onto their constraints, and the
     /// motion of indicators is measured from here.
     pub fn complete(&mut self) {
         let State { before, start, ahead, now, .. } = &mut self.system.state;
@@ -296,7 +296,7 @@ impl Hybrid<'_> {
         self.system.remember_attitudes();
     }
 
-    /// Performs the transitions of the indicators that the caller has found crossed at the present time, passes a kink at this time, and
+    /// Performs the transitions of the indicators that the caller has found crossed at the current time, passes a kink at this time, and
     /// applies changed inputs and parameters. The states may jump, so the caller must read them again.
     pub fn transition(&mut self, crossed: &[usize]) -> Result<Jump, PlantError> {
         let system = &mut *self.system;
@@ -326,7 +326,7 @@ impl Hybrid<'_> {
         Ok(jump)
     }
 
-    /// Outputs at the present time; derivatives must have been evaluated.
+    /// Outputs at the current time; derivatives must have been evaluated.
     pub fn outputs(&mut self) -> &Outputs {
         self.system.provide(OutputSet::ALL);
         &self.system.outputs
@@ -346,7 +346,7 @@ mod tests {
     use std::sync::Arc;
 
     /// Attitudes are stored at the end of each step of an external integrator: over two revolutions of a hinge no quaternion changes its
-    /// sign from one step to the next, and the last one is at the present time.
+    /// sign from one step to the next, and the last one is at the current time.
     #[test]
     fn attitudes_are_remembered_at_the_end_of_each_step() {
         let mass = AttachedMass { inertia_kg_m2: Matrix3::identity(), ..AttachedMass::point("mass", 0.0, 1.0) };

@@ -1,4 +1,4 @@
-//! Forces on the joints of a machine, from its description, its inputs and its parameters.
+//! Forces on the joints of a model, from its description, its inputs and its parameters.
 
 use crate::force::Force;
 use crate::force::attitude::AttitudeSpring;
@@ -20,7 +20,7 @@ use crate::multibody::model::Base;
 use crate::signal::{Inputs, Parameters};
 use crate::system::failure_memory;
 
-/// Forces on all joints of a machine; inputs and parameters are set later.
+/// Forces on all joints of a model; inputs and parameters are set later.
 pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
     let joints = machine.one_freedoms().map(|(body, own)| {
         let mut forces = of_joint(own);

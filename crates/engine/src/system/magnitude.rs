@@ -13,13 +13,13 @@ const LARGEST: f64 = 1e20;
 const LARGEST_ACCOUNT: f64 = 1e200;
 
 impl System {
-    /// Whether all outputs at the present time are certain to be finite, by the magnitudes of the quantities that they depend on; always
-    /// false for machines with aerodynamics.
+    /// Whether all outputs at the current time are certain to be finite, by the magnitudes of the quantities that they depend on; always
+    /// false for models with aerodynamics.
     pub(crate) fn is_moderate(&self) -> bool {
         self.air.is_none() && self.rest_is_moderate() && coordinates_are_moderate(&self.state.now)
     }
 
-    /// Like [`Self::is_moderate`], for the present time and all times until the end of the integrator's step, without the aerodynamic
+    /// Like [`Self::is_moderate`], for the current time and all times until the end of the integrator's step, without the aerodynamic
     /// loads, which are checked in the step.
     pub(crate) fn stays_moderate(&self) -> bool {
         let State { now, ahead, .. } = &self.state;

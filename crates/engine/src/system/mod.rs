@@ -1,4 +1,4 @@
-//! The machine as a hybrid system: a state, equations that give its derivatives, events that change both, and outputs.
+//! The model as a hybrid system: a state, equations that give its derivatives, events that change both, and outputs.
 //!
 //! Runs (module `run`) advance it in time; studies evaluate it at a single state.
 
@@ -62,7 +62,7 @@ use equations::Equations;
 use state::State;
 use std::sync::Arc;
 
-/// A machine with its state at one time.
+/// A model with its state at one time.
 pub struct System {
     pub(crate) machine: Arc<Machine>,
     revolute_joints: Vec<usize>,
@@ -88,9 +88,9 @@ pub struct System {
     pub(crate) outputs: Outputs,
     /// Outputs that each step evaluates.
     pub(crate) watched: OutputSet,
-    /// Outputs that are up to date at the present time.
+    /// Outputs that are up to date at the current time.
     found: OutputSet,
-    /// Whether inputs may have been set since the last step, so that they differ from those of the present step.
+    /// Whether inputs may have been set since the last step, so that they differ from those of the current step.
     pub(crate) inputs_may_differ: bool,
     /// Whether some gauge reads a strain that is recovered from forces.
     gauges_need_forces: bool,
@@ -99,7 +99,7 @@ pub struct System {
 }
 
 impl System {
-    /// Creates the system of a validated machine, with the inputs and parameters of the machine; not yet started.
+    /// Creates the system of a validated model, with the inputs and parameters of the model; not yet started.
     pub(crate) fn new(machine: Arc<Machine>, continuation: Continuation) -> Self {
         let state = State::of_model(&machine);
         let equations = Equations::new(&machine, &state.parameters);
@@ -192,7 +192,7 @@ impl System {
         &mut self.state.inputs
     }
 
-    /// Mutable access to the rates per second of the real inputs in the next step: the inputs then vary linearly from their present values,
+    /// Mutable access to the rates per second of the real inputs in the next step: the inputs then vary linearly from their current values,
     /// NOTATION eq. (A4), and keep their values at its end. The rates apply to one step only.
     pub fn input_rates_mut(&mut self) -> &mut Inputs {
         &mut self.state.rates
@@ -208,12 +208,12 @@ impl System {
         &mut self.state.parameters
     }
 
-    /// Present time in s.
+    /// Current time in s.
     pub fn time_s(&self) -> f64 {
         self.state.now.time_s
     }
 
-    /// Outputs at the present time, with the inputs of the last step: all outputs, or those selected by [`System::watch`].
+    /// Outputs at the current time, with the inputs of the last step: all outputs, or those selected by [`System::watch`].
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
     }

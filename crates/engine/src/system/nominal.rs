@@ -7,7 +7,7 @@ use crate::multibody::model::Element;
 
 /// Typical magnitude of a curvature in 1/m.
 const NOMINAL_CURVATURE: f64 = 1.0;
-/// The same of another strain.
+/// Typical magnitude of any other strain.
 const NOMINAL_STRAIN: f64 = 1e-2;
 /// Rate of a coordinate over its magnitude in 1/s, unless it is that of a fast wave.
 const NOMINAL_RATE_1_S: f64 = 10.0;

@@ -29,7 +29,7 @@ pub(crate) enum Failure {
     Newton(NewtonError),
     /// After the limited number of iterations, a stage is too far from its solution to continue.
     Unsolved {
-        /// Kinematic norm of the last correction: rotation in rad, or displacement divided by the machine's length.
+        /// Kinematic norm of the last correction: rotation in rad, or displacement divided by the model's length.
         rest: f64,
     },
     /// A joint rotates by more than half a revolution within a step of given length, so that the direction of rotation is ambiguous.
@@ -116,7 +116,7 @@ impl System {
         "no joint and no element".to_owned()
     }
 
-    /// Name of the largest input among the present loads, torques, commands and motions, with the probable cause if it is an acceleration
+    /// Name of the largest input among the current loads, torques, commands and motions, with the probable cause if it is an acceleration
     /// of the root.
     pub(crate) fn largest_input(&self) -> String {
         let inputs = &self.state.applied_inputs;

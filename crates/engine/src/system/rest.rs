@@ -6,7 +6,7 @@ use crate::system::System;
 const ROUND_OFF: f64 = 1e-9;
 
 impl System {
-    /// Whether the present state is a static equilibrium: all velocities are zero and the forces balance.
+    /// Whether the current state is a static equilibrium: all velocities are zero and the forces balance.
     pub fn is_at_rest(&self) -> bool {
         let now = &self.state.now;
         now.v.iter().all(|rate| *rate == 0.0) && now.a.iter().all(|acceleration| acceleration.abs() <= ROUND_OFF)

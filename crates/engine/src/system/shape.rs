@@ -1,4 +1,4 @@
-//! Shapes along the bodies, at the present state and of modes.
+//! Shapes along the bodies, at the current state and of modes.
 
 use crate::beam::element::ElementKind;
 use crate::beam::recovery::axial_row;
@@ -63,7 +63,7 @@ pub fn energy_share_names() -> [&'static str; ENERGY_SHARES] {
 }
 
 /// A mode with its shape: per body, the motion of the sections of [`System::shape`]. Normalised so that the largest rotation in rad, or
-/// displacement divided by the machine's length, is 1.
+/// displacement divided by the model's length, is 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeShape {
     /// Frequency `|λ|/2π` in Hz.
@@ -82,11 +82,11 @@ pub struct ModeShape {
     /// [`System::section_changes`] gives the changes of sections. Empty for modes about a periodic motion, whose coordinates vary over the
     /// revolution.
     pub coordinates: Vec<Complex<f64>>,
-    /// Length of the machine in m, by which displacements are divided.
+    /// Length of the model in m, by which displacements are divided.
     pub length_m: f64,
     /// Moving parts of a machine with a spinning rotor, largest participation first; empty for other machines.
     pub whirl: Vec<WhirlShare>,
-    /// Flight mode of the whole machine that this mode represents; `None` for other modes.
+    /// Flight mode of the whole model that this mode represents; `None` for other modes.
     pub flight: Option<FlightMode>,
 }
 
@@ -101,7 +101,7 @@ pub struct WhirlShare {
     pub share: f64,
 }
 
-/// Flight mode of a free-flying machine, identified by its motion relative to the steady flight, NOTATION eq. (Q10).
+/// Flight mode of a free-flying model, identified by its motion relative to the steady flight, NOTATION eq. (Q10).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FlightMode {
     /// Exchange between height and speed, at nearly constant angle of attack.
@@ -171,7 +171,7 @@ impl Followed for ModeShape {
         self.eigenvalue_1_s
     }
 
-    /// Similarity `|aᴴb|²/(aᴴa bᴴb)` of two shapes over rotations and displacements divided by the machine's length; 1 for different
+    /// Similarity `|aᴴb|²/(aᴴa bᴴb)` of two shapes over rotations and displacements divided by the model's length; 1 for different
     /// meshes. For modes about a periodic motion, which have no shape, the common participation of the moving parts.
     fn likeness(&self, other: &Self) -> f64 {
         if self.real.is_empty() && other.real.is_empty() && !self.whirl.is_empty() {
@@ -184,7 +184,7 @@ impl Followed for ModeShape {
         }
     }
 
-    /// Inner product over rotations and displacements divided by the machine's length; `None` for different meshes.
+    /// Inner product over rotations and displacements divided by the model's length; `None` for different meshes.
     fn product(&self, other: &Self) -> Option<Complex<f64>> {
         let sections = |mode: &Self| mode.real.iter().map(Vec::len).collect::<Vec<_>>();
         if self.real.is_empty() || sections(self) != sections(other) {
@@ -251,7 +251,7 @@ pub struct SectionChange {
 }
 
 impl System {
-    /// Changes of sections, linearised about the present state: displacement, rotation and strain measures due to a small `change` of
+    /// Changes of sections, linearised about the current state: displacement, rotation and strain measures due to a small `change` of
     /// [`System::freedoms`]. `places_m` are distances from the inner end in m, per body.
     pub fn section_changes(&self, change: &[f64], places_m: &[Vec<f64>]) -> Vec<Vec<SectionChange>> {
         let (model, now) = (&self.equations.model, &self.state.now);
@@ -297,7 +297,7 @@ impl System {
         elements.iter().step_by(stride).map(|element| element.start_m).chain(end).collect()
     }
 
-    /// Sections of a body at distances in m from its inner end, at the present time.
+    /// Sections of a body at distances in m from its inner end, at the current time.
     pub fn sections(&self, body: usize, places_m: &[f64]) -> Vec<SectionState> {
         let (model, work, now) = (&self.equations.model, &self.equations.work, &self.state.now);
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
@@ -316,8 +316,8 @@ impl System {
         places_m.iter().map(section).collect()
     }
 
-    /// Places on a beam at distances in m from its inner end, ascending, for [`System::internal_loads`]: the first section is cut outboard
-    /// of masses and loads attached there, the others inboard. None on rigid and modal bodies.
+    /// Positions on a beam at distances in m from its inner end, ascending, for [`System::internal_loads`]: the first section is cut
+    /// outboard of masses and loads attached there, the others inboard. None on rigid and modal bodies.
     pub fn load_places(&self, body: usize, places_m: &[f64]) -> Vec<SectionPlace> {
         let model = &self.equations.model;
         if model.bodies[body].elements == 0 {
@@ -332,8 +332,8 @@ impl System {
         places_m.iter().enumerate().map(place).collect()
     }
 
-    /// Internal loads at places: force in N and moment in N·m of the part outboard of a section on the part inboard, in the frame of the
-    /// section, at the present time; all outputs must have been evaluated. NOTATION eqs. (G5), (G6).
+    /// Internal loads at positions: force in N and moment in N·m of the part outboard of a section on the part inboard, in the frame of the
+    /// section, at the current time; all outputs must have been evaluated. NOTATION eqs. (G5), (G6).
     pub fn internal_loads(&self, places: &[SectionPlace]) -> Vec<Wrench> {
         let (equations, now) = (&self.equations, &self.state.now);
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
@@ -341,7 +341,7 @@ impl System {
         places.iter().map(|place| place.load(&equations.model, &equations.work, motion, loads)).collect()
     }
 
-    /// Sections at the mesh boundaries of every body, inner end first, at the present time.
+    /// Sections at the mesh boundaries of every body, inner end first, at the current time.
     pub fn shape(&self) -> Vec<Vec<SectionShape>> {
         let (model, work, now) = (&self.equations.model, &self.equations.work, &self.state.now);
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };

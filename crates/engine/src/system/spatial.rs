@@ -12,14 +12,14 @@ pub(crate) struct SpatialJoint {
     pub body: usize,
     /// Redundant parameters of the joint.
     joint: Joint,
-    /// Whether it is a free joint that is the only connection of its bodies to the rest of the machine, without loops.
+    /// Whether it is a free joint that is the only connection of its bodies to the rest of the model, without loops.
     pub flies: bool,
-    /// Whether it is held while the other parts of the machine settle, eq. (Q8).
+    /// Whether it is held while the other parts of the model settle, eq. (Q8).
     pub held: bool,
 }
 
 impl SpatialJoint {
-    /// The joints of a machine.
+    /// The joints of a model.
     pub fn of_machine(machine: &Machine, model: &Model) -> Vec<Self> {
         let of = |(body, _): (usize, &Spatial)| {
             let joint = model.bodies[body].joint;

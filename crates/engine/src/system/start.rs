@@ -29,7 +29,7 @@ impl System {
             let c = equations.coordinate;
             q[c] = parameters.start_angle_rad;
             let caught = equations.latch().is_some_and(|latch| latch.latch.catches(q[c]));
-            // by the description, for any position of the joint
+            // closed according to the description, at any position of the joint
             let described = revolute.latch.as_ref().is_some_and(|latch| latch.initially_closed);
             let mut told = Told {
                 time_s,

@@ -27,23 +27,23 @@ pub(crate) struct State {
     pub parameters: Parameters,
     /// Rates per second of the real inputs in the next step, as the caller set them.
     pub rates: Inputs,
-    /// Inputs of the present step at `applied_from_s`.
+    /// Inputs of the current step at `applied_from_s`.
     pub applied_inputs: Inputs,
-    /// Rates per second of the real inputs in the present step.
+    /// Rates per second of the real inputs in the current step.
     pub applied_rates: Inputs,
     /// Time of `applied_inputs` in s.
     pub applied_from_s: f64,
-    /// Parameters of the present step.
+    /// Parameters of the current step.
     pub applied_parameters: Parameters,
     /// Start of the integrator's previous step; the same as `start` after an event and after a failed step.
     pub before: Point,
-    /// Start of the integrator's present step; the same as `ahead` if the present time is the end of a step.
+    /// Start of the integrator's current step; the same as `ahead` if the current time is the end of a step.
     pub start: Point,
-    /// End of the integrator's present step, at or ahead of the present time.
+    /// End of the integrator's current step, at or ahead of the current time.
     pub ahead: Point,
     /// Intermediate stages of [`State::present_step`]; meaningless without such a step.
     pub stages: Vec<Point>,
-    /// Present point.
+    /// Current point.
     pub now: Point,
     /// Step size to try next in s.
     pub step_s: f64,
@@ -95,7 +95,7 @@ impl State {
         }
     }
 
-    /// Start and end of the integrator's step that contains the present time or ends there. `None` without such a step: at the start, after
+    /// Start and end of the integrator's step that contains the current time or ends there. `None` without such a step: at the start, after
     /// an event and after a failed step.
     pub fn present_step(&self) -> Option<[&Point; 2]> {
         let Self { before, start, ahead, .. } = self;
@@ -143,7 +143,7 @@ impl Snapshot {
         Self(Box::new(state.clone()))
     }
 
-    /// Whether the machine is under an external integrator.
+    /// Whether the model is under an external integrator.
     pub fn is_outside(&self) -> bool {
         self.0.outside.is_some()
     }
@@ -209,7 +209,7 @@ impl State {
     /// Returns an error for values that cannot occur in a run: the bytes of a saved state may be arbitrary.
     fn check_values(&self) -> Result<(), PlantError> {
         let refuse = |what: &str| Err(PlantError::Snapshot(format!("{what} that cannot occur in a run")));
-        // without a step to the present time there are no stages; an infinite tolerance means that the aerodynamics has not been solved yet
+        // without a step to the current time there are no stages; an infinite tolerance means that the aerodynamics has not been solved yet
         let left_out = if self.present_step().is_some() { &[TOLERANCE][..] } else { &[TOLERANCE, STAGES][..] };
         if let Some(found) = not_finite(self, left_out) {
             return Err(PlantError::Snapshot(format!("{found}, which cannot occur in a run")));

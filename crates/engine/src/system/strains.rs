@@ -1,4 +1,4 @@
-//! Strains of all sections at the present time, for reports; not used in the time step.
+//! Strains of all sections at the current time, for reports; not used in the time step.
 
 use crate::beam::element::ElementKind;
 use crate::beam::recovery::maximum_axial_strain;
@@ -10,7 +10,7 @@ use crate::system::System;
 /// Strain of one section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectionStrain {
-    /// Index into the machine's bodies.
+    /// Index into the model's bodies.
     pub body: usize,
     /// Distance from the body's inner end in m.
     pub position_m: f64,
@@ -24,7 +24,7 @@ pub struct SectionStrain {
 }
 
 impl System {
-    /// Strains at both ends of every element or pair, body by body, at the present time.
+    /// Strains at both ends of every element or pair, body by body, at the current time.
     pub fn section_strains(&self) -> Vec<SectionStrain> {
         let (model, work, now) = (&self.equations.model, &self.equations.work, &self.state.now);
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };

@@ -147,7 +147,7 @@ impl Instance {
         }
     }
 
-    /// Updates the machine to the values set by the importer if any of the selected rows, `count` values of one type, is
+    /// Updates the model to the values set by the importer if any of the selected rows, `count` values of one type, is
     /// computed from them.
     pub(super) fn update(&mut self, selection: impl Selection, kind: Kind, count: usize) -> Result<(), CallError> {
         let moves = || selection.heads(&self.interface).any(|reference| self.interface.moves(reference));

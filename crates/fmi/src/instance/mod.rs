@@ -44,7 +44,7 @@ pub struct Instance {
     /// Start values changed since the last evaluation.
     stale: bool,
     step_failed: bool,
-    /// Processor time of the present step in s, if steps are timed.
+    /// Processor time of the current step in s, if steps are timed.
     spent_s: f64,
     /// Outputs read by the importer since the last step, and between the last two steps.
     read: OutputSet,
@@ -219,7 +219,7 @@ impl Instance {
         self.step_failed = false;
     }
 
-    /// Saves the present state under a handle, which is a new one if 0 is passed.
+    /// Saves the current state under a handle, which is a new one if 0 is passed.
     pub fn save_state(&mut self, handle: usize) -> Result<usize, CallError> {
         let state = SavedState {
             kind: self.kind,

@@ -105,7 +105,7 @@ pub struct SavedState {
     pub stale: bool,
     /// Whether the last step succeeded.
     pub step_failed: bool,
-    /// State of the machine.
+    /// State of the model.
     pub plant: Snapshot,
 }
 

@@ -278,7 +278,7 @@ impl Slot {
         Self { place: bound.place, needs: bound.needs, kind: variable.value.kind(), settable, min, max }
     }
 
-    /// Returns the present value; inputs and parameters are read from the plant.
+    /// Returns the current value; inputs and parameters are read from the plant.
     #[inline]
     pub(super) fn read(&self, plant: &Plant, outputs: &Outputs) -> Value {
         let number = match self.place {

@@ -1,4 +1,4 @@
-//! Rows of machines with aerodynamics, and their dependencies.
+//! Rows of models with aerodynamics, and their dependencies.
 
 use crate::interface::Variability;
 use crate::interface::cause::{Cause, Depends};

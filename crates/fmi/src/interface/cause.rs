@@ -93,7 +93,7 @@ pub(super) enum Reach {
 pub(super) struct Depends {
     /// At a communication point, with the state held constant.
     pub running: Vec<Cause>,
-    /// Initially, for a machine that starts unstrained.
+    /// Initially, for a model that starts unstrained.
     pub initial: Vec<Cause>,
     /// If the simulation starts from equilibrium, the initial value is that of the equilibrium.
     pub settles: bool,

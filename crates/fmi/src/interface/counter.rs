@@ -35,7 +35,7 @@ pub(super) enum Duration {
 }
 
 impl Duration {
-    /// Present value in s.
+    /// Current value in s.
     pub(super) fn read_s(self, latency: &Latency) -> f64 {
         match self {
             Self::Last => latency.last_s(),
@@ -46,7 +46,7 @@ impl Duration {
 }
 
 impl Counter {
-    /// Present count; saturates at the largest Integer.
+    /// Current count; saturates at the largest Integer.
     pub(super) fn read(self, statistics: &Statistics) -> i32 {
         let count = match self {
             Self::Steps => statistics.steps,

@@ -5,7 +5,7 @@
 //! stored energy of the wing) depend on no input; accelerations and the forces recovered from them depend on all loads within the branch.
 //! At the start the strains and their rates are zero, so the state follows from start angles, start rates and the inputs of locks and
 //! latches; the springs of universal and ball joints are slack. If the simulation starts from equilibrium, the state depends on everything
-//! that acts on the machine.
+//! that acts on the model.
 
 use crate::interface::air::{blows, blows_initially};
 use crate::interface::cause::{Cause, Depends, Reach};
@@ -57,7 +57,7 @@ pub(super) struct Dependence<'a> {
 }
 
 impl<'a> Dependence<'a> {
-    /// Dependence for a machine at a stage.
+    /// Dependence for a model at a stage.
     pub fn new(machine: &'a Machine, stage: Stage) -> Self {
         Self { topology: Topology::new(machine), stage }
     }

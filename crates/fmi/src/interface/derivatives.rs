@@ -23,7 +23,7 @@ pub enum DerivativeError {
     /// The row has no derivative, or a value is invalid.
     #[error(transparent)]
     Access(#[from] AccessError),
-    /// The plant has no solution next to the present one.
+    /// The plant has no solution next to the current one.
     #[error(transparent)]
     Plant(#[from] PlantError),
 }
@@ -59,7 +59,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Time derivatives of Real outputs at the present time (`Study::output_rates`); those of order 2 and higher are zero. The slices are
+    /// Time derivatives of Real outputs at the current time (`Study::output_rates`); those of order 2 and higher are zero. The slices are
     /// equally long; nothing is written unless all can be read.
     pub fn output_rates(
         &self,
@@ -221,8 +221,8 @@ impl Interface {
         }
     }
 
-    /// Evaluates the initialisation at values around the present value of a known and passes each result on with its weight; returns the
-    /// step. The plant is initialised with the present value afterwards.
+    /// Evaluates the initialisation at values around the current value of a known and passes each result on with its weight; returns the
+    /// step. The plant is initialised with the current value afterwards.
     fn initial_differences(
         &self,
         plant: &mut Plant,
@@ -268,7 +268,7 @@ impl Interface {
     }
 }
 
-/// Returns whether the initial values are polynomials of an input: loads and motion of the root on a machine whose start coordinates do not
+/// Returns whether the initial values are polynomials of an input: loads and motion of the root on a model whose start coordinates do not
 /// depend on them. Motors have limits, and aerodynamic loads are not polynomials of the root's rotation.
 fn is_polynomial(machine: &Machine, known: Known) -> bool {
     machine.experiment.start == StartState::Unstrained

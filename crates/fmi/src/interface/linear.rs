@@ -142,7 +142,7 @@ impl Interface {
         self.variables().iter().filter(wanted)
     }
 
-    /// Linear model about the plant's present state, from real inputs to real outputs. The plant must be initialised; its state is
+    /// Linear model about the plant's current state, from real inputs to real outputs. The plant must be initialised; its state is
     /// unchanged.
     pub fn linearize(
         &self,

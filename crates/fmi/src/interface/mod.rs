@@ -63,7 +63,7 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// The table of a machine. Row 0 is `time`.
+    /// The table of a model. Row 0 is `time`.
     pub fn new(machine: &Machine) -> Self {
         Self::of(rows::build(machine, Integrator::Own), machine, Vec::new())
     }
@@ -139,7 +139,7 @@ impl Interface {
         self.references.get(name).map(|&reference| &self.variables[reference as usize])
     }
 
-    /// Index of an output's value in [`Outputs::values`]; `None` for rows that are not outputs of the machine.
+    /// Index of an output's value in [`Outputs::values`]; `None` for rows that are not outputs of the model.
     pub fn output_index(&self, value_reference: u32) -> Option<usize> {
         self.bounds.get(value_reference as usize)?.place.output()
     }
@@ -149,7 +149,7 @@ impl Interface {
         self.bounds.get(value_reference as usize)?.place.input()
     }
 
-    /// Present value: of inputs and parameters from the plant, of outputs from `outputs`.
+    /// Current value: of inputs and parameters from the plant, of outputs from `outputs`.
     pub fn get(&self, plant: &Plant, outputs: &Outputs, value_reference: u32) -> Option<Value> {
         self.slots.get(value_reference as usize).map(|slot| slot.read(plant, outputs))
     }

@@ -14,7 +14,7 @@ const ROUND_OFF: f64 = 1e-9;
 pub struct OperatingPoint {
     /// Time in s.
     pub time_s: f64,
-    /// The machine is in static equilibrium; false at a start that is not an equilibrium, and during a run.
+    /// The model is in static equilibrium; false at a start that is not an equilibrium, and during a run.
     pub equilibrium: bool,
     /// Revolute and prismatic joints, in the order of the model.
     pub joints: Vec<JointPoint>,
@@ -54,7 +54,7 @@ pub struct Acting {
 }
 
 impl Interface {
-    /// The plant's present state as an operating point, with the unstable eigenvalues about it.
+    /// The plant's current state as an operating point, with the unstable eigenvalues about it.
     pub(super) fn operating_point(&self, plant: &Plant, growing_1_s: Option<Vec<Complex<f64>>>) -> OperatingPoint {
         let machine = plant.machine();
         let statuses = plant.joint_statuses().zip(plant.outputs().joints()).zip(plant.revolute_joints());

@@ -1,4 +1,4 @@
-//! All rows of a machine except those of joints and aerodynamics: names, types, descriptions, dependencies.
+//! All rows of a model except those of joints and aerodynamics: names, types, descriptions, dependencies.
 
 use crate::interface::cause::{Cause, Depends, Reach};
 use crate::interface::dependencies::loop_reach;
@@ -15,10 +15,10 @@ use foldwing_engine::plant::{
 };
 use std::mem::offset_of;
 
-/// Integrator of the machine, which decides on rows.
+/// Integrator of the model, which decides on rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Integrator {
-    /// The machine, in steps.
+    /// The model, in steps.
     Own,
     /// The importer, in Model Exchange.
     Importer {
@@ -27,7 +27,7 @@ pub(super) enum Integrator {
     },
 }
 
-/// The table of a machine, rows in the order of their value references.
+/// The table of a model, rows in the order of their value references.
 pub(super) fn build(machine: &Machine, integrator: Integrator) -> Table {
     let topology = Topology::new(machine);
     let mut table = Table::new(machine);

@@ -25,7 +25,7 @@ const NOMINAL_INPUT: f64 = 10.0;
 /// Rate of a coordinate over its magnitude in 1/s, for the step.
 const RATE_1_S: f64 = 10.0;
 
-/// A known with its present value and its seed.
+/// A known with its current value and its seed.
 struct Seeded {
     row: usize,
     value: f64,
@@ -131,7 +131,7 @@ impl Interface {
         Ok((slope, crossed))
     }
 
-    /// Sets the knowns to their present values plus `amount` times their seeds.
+    /// Sets the knowns to their current values plus `amount` times their seeds.
     fn shift(&self, plant: &mut Plant, along: &[Seeded], amount: f64) {
         for known in along {
             let value = known.value + amount * known.seed;
@@ -188,7 +188,7 @@ impl Interface {
             }
         };
         let nominal = match slot.place {
-            // the nominal magnitudes of rates are those of short waves: too long a step for loads of the air, which are not quadratic
+            // the nominal magnitudes of rates are those of short waves: too long a step for aerodynamic loads, which are not quadratic
             Place::State(state) if (self.coordinates.len()..2 * self.coordinates.len()).contains(&state) => {
                 RATE_1_S * self.nominals[state - self.coordinates.len()]
             }

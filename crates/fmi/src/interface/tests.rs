@@ -231,7 +231,7 @@ fn what_is_set_is_read_back_and_nothing_else_changes() {
     }
 }
 
-/// Another value that the row allows, far enough away for a visible effect on dependent outputs.
+/// Another value that the row allows, different enough to have a visible effect on dependent outputs.
 fn other(row: &Variable, value: Value) -> Value {
     match value {
         Value::Boolean(value) => Value::Boolean(!value),
@@ -341,7 +341,7 @@ fn compare(label: &str, declared: &Pairs, seen: &Seen) -> Vec<String> {
     let missing =
         seen.surely.difference(declared).map(|(output, known)| format!("{label}: {output} depends on {known} unsaid"));
     let (declared, seen) = (groups(declared), groups(&seen.perhaps));
-    // the load of a lock is zero while the joint rotates freely, as in most of the machines
+    // the load of a lock is zero while the joint rotates freely, as in most of the models
     let idle = declared
         .difference(&seen)
         .filter(|(output, _)| !output.ends_with(".holding_torque") && !output.ends_with(".holding_force"))

@@ -37,7 +37,7 @@ pub(super) struct Topology<'a> {
 }
 
 impl<'a> Topology<'a> {
-    /// Topology of a machine whose parents precede their children.
+    /// Topology of a model whose parents precede their children.
     pub fn new(machine: &'a Machine) -> Self {
         let revolutes: Vec<usize> =
             (0..machine.bodies.len()).filter(|&body| revolute(machine, body).is_some()).collect();

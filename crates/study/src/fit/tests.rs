@@ -148,7 +148,7 @@ fn the_search_returns_from_points_without_residuals() {
 }
 
 /// With two numbers that enter as their product, the direction that raises one and lowers the other is not determined, and the search
-/// still ends; so it is with one direction of three numbers that are fitted to two measurements.
+/// still ends. The same holds for one direction of three numbers that are fitted to two measurements.
 #[test]
 fn directions_that_are_not_determined_are_found() {
     let mut product = Given {

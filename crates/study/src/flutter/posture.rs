@@ -5,7 +5,7 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
 use nalgebra::Vector3;
 
-/// Distance of two equilibria, in rad or relative to the machine's extent, up to which they count as one that changes continuously with
+/// Distance of two equilibria, in rad or relative to the model's extent, up to which they count as one that changes continuously with
 /// the speed.
 const NEAR: f64 = 1e-3;
 /// Number of bisections between two distant equilibria. Along a path that turns back at its end, each one reduces their distance by a
@@ -24,7 +24,7 @@ pub struct Posture {
 }
 
 impl Posture {
-    /// The posture of a plant in its present state.
+    /// The posture of a plant in its current state.
     pub fn of(plant: &Plant) -> Self {
         let ends: Vec<Vector3<f64>> =
             plant.shape().iter().filter_map(|body| body.last().map(|section| section.position_m)).collect();

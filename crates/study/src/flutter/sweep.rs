@@ -48,21 +48,21 @@ pub enum FlutterError {
         /// The rejected number of modes.
         count: usize,
     },
-    /// The machine has no aerodynamics.
+    /// The model has no aerodynamics.
     #[error(
         "{machine}: has no aerodynamics; flutter needs [aerodynamics] with model = \"strip\" or \"uvlm\", and surfaces"
     )]
     NoAir {
-        /// Name of the machine.
+        /// Name of the model.
         machine: String,
     },
-    /// The machine has the aerodynamics of a rotor.
+    /// The model has the aerodynamics of a rotor.
     #[error(
         "{machine}: has rotor aerodynamics, which flutter does not support; use strips or a lattice (aerodynamics.model = \"strip\" or \
          \"uvlm\"), or simulate the response to a gust"
     )]
     Rotor {
-        /// Name of the machine.
+        /// Name of the model.
         machine: String,
     },
     /// The flow starts impulsively with the run, so that it is not developed.
@@ -70,7 +70,7 @@ pub enum FlutterError {
         "{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed steady flow; omit the key"
     )]
     UnsteadyStart {
-        /// Name of the machine.
+        /// Name of the model.
         machine: String,
     },
     /// The wind has no direction.
@@ -79,7 +79,7 @@ pub enum FlutterError {
          of wind.velocity"
     )]
     NoWind {
-        /// Name of the machine.
+        /// Name of the model.
         machine: String,
     },
     /// There is no equilibrium at the first speed, or there are no modes about it.
@@ -102,7 +102,7 @@ pub enum FlutterError {
 /// are inserted. A speed without an equilibrium ends the sweep: [`Flutter::ended`].
 ///
 /// # Errors
-/// Speeds or counts that are not allowed, a machine without aerodynamics that can be linearised, no result at the first speed.
+/// Speeds or counts that are not allowed, a model without aerodynamics that can be linearised, no result at the first speed.
 pub fn sweep(plant: Plant, options: &Options) -> Result<Flutter, FlutterError> {
     sweep_watched(plant, options, &mut unwatched)
 }
@@ -198,7 +198,7 @@ struct Visit {
     posture: Posture,
 }
 
-/// A machine in a wind of fixed direction and variable speed.
+/// A model in a wind of fixed direction and variable speed.
 struct Tunnel<'w> {
     plant: Plant,
     /// Unit vector of the wind, root frame.
@@ -242,7 +242,7 @@ impl<'w> Tunnel<'w> {
         found.filter(|_| self.refines())
     }
 
-    /// Computes the equilibrium of the machine at a speed.
+    /// Computes the equilibrium of the model at a speed.
     fn rest(&mut self, wind_m_s: f64) -> Result<Posture, PlantError> {
         *self.plant.inputs_mut().wind_m_s_mut() = self.direction * wind_m_s;
         let time_s = self.plant.machine().experiment.start_time_s;
@@ -316,7 +316,7 @@ fn unexplained(
     changes
 }
 
-/// Direction of the wind; rejects machines without wind or without aerodynamics that can be linearised.
+/// Direction of the wind; rejects models without wind or without aerodynamics that can be linearised.
 fn direction(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, FlutterError> {
     let name = || machine.name.clone();
     let Some(air) = &machine.air else { return Err(FlutterError::NoAir { machine: name() }) };
@@ -333,7 +333,7 @@ fn direction(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, FlutterEr
 mod tests {
     use super::*;
 
-    /// Invalid speeds and counts out of range have separate errors, which are reported before errors of the machine.
+    /// Invalid speeds and counts out of range have separate errors, which are reported before errors of the model.
     #[test]
     fn options_are_refused_by_their_fields() {
         let error = |wind_m_s: &[f64], count: usize| check(&Options { wind_m_s: wind_m_s.to_vec(), count }).err();

@@ -1,4 +1,4 @@
-//! The measurement, and the load that excites the machine.
+//! The measurement, and the load that excites the model.
 
 use crate::latency::processor_time::processor_time;
 use foldwing_engine::plant::{Plant, PlantError, Statistics};
@@ -88,7 +88,7 @@ impl Options {
     }
 }
 
-/// Measures how long single communication steps take while a turbulent load shakes the machine.
+/// Measures how long single communication steps take while a turbulent load shakes the model.
 ///
 /// Two clocks are read: the wall clock, on which a real-time loop depends and which other programs disturb, and the processor
 /// time of the thread, which they disturb less. `plant` has its start values and is not yet initialised.

@@ -113,13 +113,13 @@ pub enum PointsError {
         /// The unknown.
         unknown: Unknown,
     },
-    /// The machine has no aerodynamics.
+    /// The model has no aerodynamics.
     #[error(
         "{machine}: has no aerodynamics; operating points need [aerodynamics] with model = \"bem\" or \"strip\" and \
          the blades' surfaces"
     )]
     NoAir {
-        /// Name of the machine.
+        /// Name of the model.
         machine: String,
     },
     /// The wind has no direction.
@@ -128,7 +128,7 @@ pub enum PointsError {
          of wind.velocity"
     )]
     NoWind {
-        /// Name of the machine.
+        /// Name of the model.
         machine: String,
     },
     /// No joints pitch the blades.
@@ -137,7 +137,7 @@ pub enum PointsError {
          joints in pitch_joints"
     )]
     NoPitchJoints {
-        /// Name of the machine.
+        /// Name of the model.
         machine: String,
     },
     /// A name of a pitch joint that is not a revolute joint.
@@ -171,13 +171,13 @@ pub enum PointsError {
 /// Reason why a point has no state.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PointError {
-    /// The machine has no shaft, or its motion is not periodic.
+    /// The model has no shaft, or its motion is not periodic.
     #[error("no operating point: {cause}")]
     NoTurn {
         /// The reason.
         cause: String,
     },
-    /// The machine has no steady state.
+    /// The model has no steady state.
     #[error(transparent)]
     Plant(#[from] PlantError),
     /// The output is above its target in the whole range.
@@ -197,7 +197,7 @@ pub enum PointError {
         /// Distance above the target at the end, in SI units.
         excess: f64,
     },
-    /// The search ended without a state that holds the output.
+    /// The search ended without a state at which the output meets its target.
     #[error("target {output}={target}: no value was found that reaches the target")]
     NotHeld {
         /// Name of the output.

@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 /// Serialised, it is the JSON of `foldwing operating-points`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperatingPoints {
-    /// Name of the machine.
+    /// Name of the model.
     pub machine: String,
     /// Outermost body of the first blade.
     pub blade: Option<String>,

@@ -5,13 +5,13 @@ use crate::values::{Setting, Target};
 /// Options of [`tabulate`](fn@crate::operating_points::tabulate).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Wind speeds in m/s, in the direction of the machine's wind; not negative.
+    /// Wind speeds in m/s, in the direction of the model's wind; not negative.
     pub wind_m_s: Vec<f64>,
-    /// Rotor speeds in rpm; `None`: that of the machine. With a tip speed ratio one value, the maximum speed.
+    /// Rotor speeds in rpm; `None`: that of the model. With a tip speed ratio one value, the maximum speed.
     pub speed_rpm: Option<Vec<f64>>,
     /// Ratio of the speed of the blade tips to the wind speed, from which the rotor speed follows.
     pub tip_speed_ratio: Option<f64>,
-    /// Pitch angles of all blades in degrees, positive as the angles of the pitch joints; `None`: that of the machine.
+    /// Pitch angles of all blades in degrees, positive as the angles of the pitch joints; `None`: that of the model.
     pub pitch_deg: Option<Vec<f64>>,
     /// The lists are combined value by value, where a list of one value applies to all points; otherwise in all combinations.
     pub paired: bool,
@@ -29,7 +29,7 @@ pub struct Options {
     /// Steps per revolution of a periodic state, rounded up to a multiple of 144.
     pub steps: usize,
     /// Difference between the ends of a revolution below which a state counts as periodic: rotation in rad, or displacement relative
-    /// to the machine's length; between 0 and 1.
+    /// to the model's length; between 0 and 1.
     pub tolerance: f64,
 }
 

@@ -31,7 +31,7 @@ pub struct Found {
     pub values: Vec<[f64; 2]>,
 }
 
-/// A machine with its rotor, and the data shared by its operating points.
+/// A model with its rotor, and the data shared by its operating points.
 pub struct Rotor<'w> {
     machine: Arc<Machine>,
     interface: Interface,
@@ -58,7 +58,7 @@ pub struct Rotor<'w> {
 }
 
 impl<'w> Rotor<'w> {
-    /// Rejects machines without aerodynamics, shaft or wind, and unknown names.
+    /// Rejects models without aerodynamics, shaft or wind, and unknown names.
     pub fn new(machine: Arc<Machine>, options: &Options, watch: &'w mut Watch<'w>) -> Result<Self, PointsError> {
         let name = || machine.name.clone();
         if machine.air.is_none() {
@@ -106,7 +106,7 @@ impl<'w> Rotor<'w> {
         })
     }
 
-    /// Name of the machine.
+    /// Name of the model.
     pub fn name(&self) -> &str {
         &self.machine.name
     }
@@ -146,7 +146,7 @@ impl<'w> Rotor<'w> {
         if (self.watch)(self.progress).is_break() { Err(PointsError::Stopped) } else { Ok(()) }
     }
 
-    /// The state at a wind in m/s, a speed in rpm and a pitch in degrees; NaN selects the value of the machine. `tolerance`
+    /// The state at a wind in m/s, a speed in rpm and a pitch in degrees; NaN selects the value of the model. `tolerance`
     /// is the difference between the ends of the revolution below which the motion counts as periodic.
     pub fn state(&mut self, at: [f64; 3], tolerance: f64) -> Result<Found, PointsError> {
         let (mut plant, turn) = self.plant(at)?;
@@ -221,7 +221,7 @@ impl<'w> Rotor<'w> {
         Ok((plant, turn))
     }
 
-    /// The given pitch or, if it is NaN, that of the machine.
+    /// The given pitch or, if it is NaN, that of the model.
     fn pitch_deg(&self, given_deg: f64) -> f64 {
         if !given_deg.is_nan() {
             return given_deg;

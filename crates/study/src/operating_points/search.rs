@@ -30,7 +30,7 @@ pub struct Searcher<'a> {
     search: &'a Search,
     /// The last value found.
     last: Option<f64>,
-    /// The last two values of the unknown at which a motion was found in the present search.
+    /// The last two values of the unknown at which a motion was found in the current search.
     tried: Option<[f64; 2]>,
 }
 

@@ -15,10 +15,10 @@ pub const MAXIMUM_POINTS: usize = 100_000;
 /// Computes operating points of a rotor over wind, speed and pitch.
 ///
 /// Each is the steady state in the rotating frame or, with tilt, gravity or shear, the motion that repeats every revolution, at
-/// constant shaft speed. A point without a state holds its error; the others are computed.
+/// constant shaft speed. A point for which no state is found contains the error; the others are computed.
 ///
 /// # Errors
-/// Lists and ranges that are not allowed, machines without aerodynamics, wind or shaft, unknown names, and the error of the first point
+/// Lists and ranges that are not allowed, models without aerodynamics, wind or shaft, unknown names, and the error of the first point
 /// if none has a state.
 pub fn tabulate(machine: impl Into<Arc<Machine>>, options: &Options) -> Result<OperatingPoints, PointsError> {
     tabulate_watched(machine, options, &mut unwatched)
@@ -100,7 +100,7 @@ fn check_search(search: &Search, options: &Options) -> Result<(), PointsError> {
     Ok(())
 }
 
-/// Wind, speed and pitch of every point; `None` selects the value of the machine.
+/// Wind, speed and pitch of every point; `None` selects the value of the model.
 fn combinations(options: &Options) -> Result<Vec<[Option<f64>; 3]>, PointsError> {
     let own = |list: &Option<Vec<f64>>| -> Vec<Option<f64>> {
         list.as_ref().map_or(vec![None], |list| list.iter().map(|value| Some(*value)).collect())
@@ -149,7 +149,7 @@ mod tests {
     use super::*;
     use crate::values::Target;
 
-    /// Lists are combined value by value or in all combinations, with pitch varying fastest; values not given are those of the machine.
+    /// Lists are combined value by value or in all combinations, with pitch varying fastest; values not given are those of the model.
     #[test]
     fn lists_are_combined() {
         let options = |paired: bool, wind_m_s: &[f64], speed_rpm: Option<&[f64]>, pitch_deg: Option<&[f64]>| Options {

@@ -28,7 +28,7 @@ pub struct Options {
     /// Steps per revolution, rounded up to a multiple of 144.
     pub steps: usize,
     /// Difference between the ends of a revolution below which the motion counts as periodic: rotation in rad, or displacement
-    /// relative to the machine's length; between 0 and 1.
+    /// relative to the model's length; between 0 and 1.
     pub tolerance: f64,
     /// Outputs: names, patterns, prefixes, lists with commas ([`choose`]); all if empty.
     pub outputs: Vec<String>,
@@ -62,7 +62,7 @@ impl Default for Options {
 /// Serialised, it is the JSON of `foldwing periodic`: without the values over the revolution.
 #[derive(Debug, Clone)]
 pub struct Periodic {
-    /// Name of the machine.
+    /// Name of the model.
     pub machine: String,
     /// The revolution of the shaft, at constant speed.
     pub turn: Turn,
@@ -97,7 +97,7 @@ pub enum PeriodicError {
     /// Modes are requested without perturbations.
     #[error("perturbations 0: modes need at least 1; count 0 omits the modes")]
     NoPerturbations,
-    /// The machine has no shaft, or changes from revolution to revolution.
+    /// The model has no shaft, or changes from revolution to revolution.
     #[error("no periodic motion: {cause}")]
     NoTurn {
         /// The reason.
@@ -120,7 +120,7 @@ pub enum PeriodicError {
 /// Finds the motion of a rotor that repeats every revolution, NOTATION eqs. (L32) and (L33), with its outputs and the modes about it.
 ///
 /// # Errors
-/// Options that are not allowed, no shaft or speed, a machine that changes from revolution to revolution, unknown names, no periodic
+/// Options that are not allowed, no shaft or speed, a model that changes from revolution to revolution, unknown names, no periodic
 /// motion.
 pub fn find(machine: &Machine, options: &Options) -> Result<Periodic, PeriodicError> {
     find_watched(machine, options, &mut unwatched)

@@ -22,7 +22,7 @@ pub enum QuantityError {
         /// Stop of the run in s.
         stop_s: f64,
     },
-    /// The largest value lies at a jump or a corner of the output, where it has no derivative.
+    /// The largest value lies at a jump or a kink of the output, where it has no derivative.
     #[error(
         "its largest value, at {time_s} s, is at a jump or a kink of the output, where no derivative exists; request \
          the output at a time (NAME@TIME) instead"

@@ -77,7 +77,7 @@ impl Samples {
         if best == 0 || best == last || range == 0.0 {
             return Ok(Ok(self.times_s[best]));
         }
-        // it stays to the end, as the angle of a joint behind its rigid latch
+        // the output keeps this value to the end, like the angle of a joint held by its rigid latch
         if values[best] == values[last] {
             return Ok(Ok(self.times_s[last]));
         }

@@ -1,5 +1,5 @@
 //! Gradients of a run: derivatives of outputs at given times, of largest values and means, of latch times and impulses with respect to numbers of the
-//! machine.
+//! model.
 //!
 //! The engine differentiates the discrete run along its steps ([`foldwing_engine::plant::Gradient`], NOTATION eqs. (X6)–(X11)); this
 //! module adds names, instants of largest values, and the choice between forward and adjoint.

@@ -100,14 +100,14 @@ pub enum Quantity {
     Extreme {
         /// Its index in the engine's outputs.
         index: usize,
-        /// Kind.
+        /// Type of the extreme value.
         kind: Extreme,
     },
     /// A mean of an output over the run.
     Average {
         /// Its index in the engine's outputs.
         index: usize,
-        /// Kind.
+        /// Type of the mean.
         kind: Average,
     },
     /// The impulse on the outer body with which the rigid latch of a joint closes for the first time.

@@ -30,7 +30,7 @@ pub struct Options {
     /// Results: `NAME` of a real output at the end of the run, `NAME@TIME` at a time in s, `max(NAME)`, `min(NAME)`, `peak(NAME)`, `mean(NAME)`,
     /// `rms(NAME)` over the run, `JOINT.latch_time`, `JOINT.latch_impulse`. Names of vectors and patterns represent all of their components.
     pub of: Vec<String>,
-    /// Stop time in s; `None`: that of the machine.
+    /// Stop time in s; `None`: that of the model.
     pub stop_s: Option<f64>,
     /// Forward or adjoint.
     pub mode: Mode,
@@ -38,9 +38,9 @@ pub struct Options {
     pub inputs: InputRows,
 }
 
-/// Numbers of a machine, and the parameter that varies the machine with them.
+/// Numbers of a model, and the parameter that varies the model with them.
 pub struct Numbers {
-    /// A number of the machine, or values of an input over time.
+    /// A number of the model, or values of an input over time.
     pub by: Vec<By>,
     /// Plants with perturbed values of these numbers.
     pub parameter: Parameter,
@@ -49,7 +49,7 @@ pub struct Numbers {
 /// Results of a run with their derivatives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gradients {
-    /// Name of the machine.
+    /// Name of the model.
     pub name: String,
     /// Start of the run in s.
     pub start_s: f64,
@@ -65,7 +65,7 @@ pub struct Gradients {
     pub of: Vec<Derivatives>,
 }
 
-/// A number of the machine.
+/// A number of the model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct By {
     /// Name: of an input or parameter, of an input at the time of a row (`fold.command@0.1`), or a key of the model file.
@@ -91,13 +91,13 @@ pub struct Derivatives {
     pub derivatives: Vec<f64>,
 }
 
-/// Runs a machine and differentiates results of the run with respect to numbers of the machine.
+/// Runs a model and differentiates results of the run with respect to numbers of the model.
 ///
 /// `plant` has its start values and is not yet initialised; the plants of `numbers` differ from it only in the perturbed number. Without
 /// numbers only the values are computed.
 ///
 /// # Errors
-/// Results that do not exist, parts of the machine that gradients do not cover, and a run that fails.
+/// Results that do not exist, parts of the model that gradients do not cover, and a run that fails.
 pub fn differentiate(mut plant: Plant, numbers: Vec<Numbers>, options: &Options) -> Result<Gradients, GradientsError> {
     let start_s = plant.machine().experiment.start_time_s;
     let stop_s = options.stop_s.unwrap_or(plant.machine().experiment.stop_time_s);

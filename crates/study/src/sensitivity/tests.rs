@@ -185,8 +185,9 @@ fn a_corner_has_no_slope() {
     assert!(values.of.iter().all(|own| own.derivatives.is_empty()) && values.of[0].value == found.of[0].value);
 }
 
-/// GR-42: behind a rigid latch an arm rests at the edge of the range: its largest angle has the slope of the latch's angle, none by the
-/// torque. Its largest rate, where the impulse stops it, is a corner, and so is that at a lock which an input closes.
+/// GR-42: a rigid latch holds an arm at the edge of its range: the derivative of the largest angle is that of the latch angle, and zero
+/// with respect to the torque. The largest rate, where the impulse stops the arm, has no derivative, and neither has that at a lock which
+/// an input closes.
 #[test]
 fn an_impulse_is_a_corner_of_the_rate() {
     let driven = Arm { stiffness: 0.0, torque: -1.0, start_angle: 0.0, start_rate: 0.0, ..SWING };
@@ -325,7 +326,7 @@ fn results_that_do_not_exist_are_refused() {
 /// Angle of an arm of 1 kg·m² without a spring at `time_s` per unit of torque in one of the rows: the second integral of the row's
 /// interpolation weight.
 fn second_integral(times_s: &[f64], row: usize, time_s: f64) -> f64 {
-    // from the knee where the derivative of the weight changes by `slope`, or the weight jumps by `step`
+    // from the kink where the derivative of the weight changes by `slope`, or the weight jumps by `step`
     let mut angle = 0.0;
     let mut add = |knee_s: f64, step: f64, slope: f64| {
         let past_s = time_s - knee_s;

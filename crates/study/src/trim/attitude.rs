@@ -1,4 +1,4 @@
-//! Attitude and steady turn of a free machine: gravity, wind and motion of the root in the machine's frame, NOTATION eqs. (Q9),
+//! Attitude and steady turn of a free model: gravity, wind and motion of the root in the model's frame, NOTATION eqs. (Q9),
 //! (Q11).
 
 use foldwing_engine::machine::{AirOptions, WakeModel};
@@ -24,7 +24,7 @@ const LEVEL: f64 = 1e-6;
 /// Attitude angles in rad, and turn rate in rad/s, in the order of [`Turn`].
 pub type Turns = [f64; 4];
 
-/// An angle of the attitude of a machine relative to gravity and wind, or the rate of its steady turn.
+/// An angle of the attitude of a model relative to gravity and wind, or the rate of its steady turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Turn {
     /// About the forward axis, right side down.
@@ -57,19 +57,19 @@ impl Turn {
     }
 }
 
-/// Reason why a machine has no attitude, or no steady turn.
+/// Reason why a model has no attitude, or no steady turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TurnError {
     /// No gravity, or no wind component normal to it.
     #[error("an attitude needs gravity and a wind that is not parallel to it; set gravity and wind.velocity")]
     NoAttitude,
-    /// No part of the machine is on a free joint.
+    /// No part of the model is on a free joint.
     #[error("only a model on a free joint can fly a steady turn; attach it by a joint of type = \"free\"")]
     NoFreeJoint,
     /// The wake of the lattice is free.
     #[error("a free wake has no steady shape in a turn; write free_wake = false")]
     FreeWake,
-    /// The machine has the aerodynamics of a rotor.
+    /// The model has the aerodynamics of a rotor.
     #[error("rotors in the wind have no steady turn; use strips (aerodynamics.model = \"strip\")")]
     Rotor,
     /// Start values already prescribe a motion of the root.
@@ -87,7 +87,7 @@ pub struct Attitude {
     moving: bool,
     /// Reason why the aerodynamic model does not support steady turns.
     no_turn: Option<TurnError>,
-    /// The machine is on a free joint.
+    /// The model is on a free joint.
     flies: bool,
     /// Columns: forward, right, down; `None` without gravity, or without a wind component normal to it.
     axes: Option<Matrix3<f64>>,
@@ -119,7 +119,7 @@ impl Attitude {
         }
     }
 
-    /// Checks that the machine has an attitude and, for the rate, can turn.
+    /// Checks that the model has an attitude and, for the rate, can turn.
     pub fn check(&self, turn: Turn) -> Result<(), TurnError> {
         if self.axes.is_none() {
             return Err(TurnError::NoAttitude);
@@ -146,7 +146,7 @@ impl Attitude {
         place.is_some()
     }
 
-    /// Gravity and wind in the machine's frame after rotations by roll, pitch and yaw in rad relative to the given attitude,
+    /// Gravity and wind in the model's frame after rotations by roll, pitch and yaw in rad relative to the given attitude,
     /// yaw first; if it `turns`, also the motion of the root in a steady turn about the vertical.
     pub fn turned(&self, turned: Turns, turns: bool) -> Vec<(String, f64)> {
         let [gravity, wind] = [0, 3].map(|first| Vector3::from_column_slice(&self.given[first..first + 3]));

@@ -39,12 +39,12 @@ pub enum TrimError {
         /// Its value.
         value: f64,
     },
-    /// A start value of the attitude or of the turn for a machine that has none.
+    /// A start value of the attitude or of the turn for a model that has none.
     #[error("turns {}: {error}", turn.name())]
     Turn {
         /// The angle, or the rate.
         turn: Turn,
-        /// Reason why the machine has none.
+        /// Reason why the model has none.
         error: TurnError,
     },
     /// More targets than unknowns, or more unknowns than targets and loads on free joints.
@@ -60,7 +60,7 @@ pub enum TrimError {
     /// No unknowns.
     #[error("there is no unknown; name an input or parameter, and a target")]
     NothingFree,
-    /// The machine rejects a value of an unknown within the iteration.
+    /// The model rejects a value of an unknown within the iteration.
     #[error("solve_for {name}={value:?}: {error}")]
     Refused {
         /// Name of the input or parameter.
@@ -105,7 +105,7 @@ pub enum UnknownError {
     /// An unknown is named twice.
     #[error("is named twice; name each value once")]
     Repeated,
-    /// The machine has no such attitude or turn.
+    /// The model has no such attitude or turn.
     #[error(transparent)]
     Turn(#[from] TurnError),
 }

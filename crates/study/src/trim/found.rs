@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 /// Serialised, it is the JSON of `foldwing trim`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trim {
-    /// Name of the machine.
+    /// Name of the model.
     pub machine: String,
     /// The unknowns, in the order of [`Options::solve_for`](crate::trim::Options::solve_for).
     pub solved: Vec<Solved>,
@@ -18,7 +18,7 @@ pub struct Trim {
     pub balanced: Vec<Balanced>,
     /// Components of the loads on free joints, forces in N and moments in N·m, which the trim makes vanish.
     pub joint_loads: Vec<Residual>,
-    /// Start values, in SI units, of inputs and parameters that put the machine into this state: those solved for, and those that the
+    /// Start values, in SI units, of inputs and parameters that put the model into this state: those solved for, and those that the
     /// attitude and the turn set.
     pub settings: Vec<(String, f64)>,
     /// Newton steps.

@@ -1,4 +1,4 @@
-//! The machine at equilibrium as a function of the unknowns, and Newton's iteration, NOTATION eq. (Q7).
+//! The model at equilibrium as a function of the unknowns, and Newton's iteration, NOTATION eq. (Q7).
 
 use crate::trim::attitude::{Attitude, Turn, Turns};
 use crate::trim::error::{Cause, Residual, TrimError, UnknownError};
@@ -24,7 +24,7 @@ const MAXIMUM_HALVINGS: usize = 12;
 /// Options of [`solve`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Options {
-    /// Unknowns: real inputs and parameters, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which rotate the machine relative to
+    /// Unknowns: real inputs and parameters, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which rotate the model relative to
     /// gravity and wind, or `turn.rate` for a steady turn to the right. Names joined by commas share a value; `-name` takes its negative.
     pub solve_for: Vec<String>,
     /// Outputs with their targets, as many as unknowns. Forces and moments on free joints are balanced as well, with up to six more
@@ -57,7 +57,7 @@ pub fn solve_watched(plant: Plant, options: &Options, watch: &mut Watch<'_>) -> 
     Ok(problem.found(&values, &left, steps))
 }
 
-/// The machine at equilibrium as a function of the unknowns.
+/// The model at equilibrium as a function of the unknowns.
 struct Problem<'a> {
     interface: &'a Interface,
     plant: Plant,
@@ -69,7 +69,7 @@ struct Problem<'a> {
     attitude: Attitude,
     /// Given attitude angles and turn rate, or initial guesses.
     turns: Turns,
-    /// The machine is in a steady turn.
+    /// The model is in a steady turn.
     turning: bool,
     /// Called after every equilibrium.
     watch: &'a mut Watch<'a>,
@@ -146,7 +146,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Start values of inputs and parameters that put the machine into the state of the unknowns.
+    /// Start values of inputs and parameters that put the model into the state of the unknowns.
     fn settings(&self, values: &DVector<f64>) -> Vec<(String, f64)> {
         let mut list = Vec::new();
         let mut attitude = self.attitude.clone();
@@ -183,7 +183,7 @@ impl<'a> Problem<'a> {
         let mut warnings = warnings::joints_at(&self.plant);
         for steps in 0..MAXIMUM_STEPS {
             if measure(&left, &sizes) <= TOLERANCE {
-                // leave the machine at these values
+                // leave the model at these values
                 self.left(&values)?;
                 return Ok((values, left, steps));
             }
@@ -244,7 +244,7 @@ impl<'a> Problem<'a> {
         all.zip(left.iter()).map(|((name, unit), value)| Residual { name, unit, value: *value }).collect()
     }
 
-    /// The machine at equilibrium for values of the unknowns; residuals of the balances, and the loads on free joints.
+    /// The model at equilibrium for values of the unknowns; residuals of the balances, and the loads on free joints.
     fn left(&mut self, values: &DVector<f64>) -> Result<DVector<f64>, TrimError> {
         self.report()?;
         for (name, value) in self.settings(values) {

@@ -29,7 +29,7 @@ pub struct Trials<'a> {
     pub numbers: Vec<(String, f64, &'static str)>,
     /// Units of the measurements.
     pub units: Vec<&'static str>,
-    /// Name of the machine.
+    /// Name of the model.
     pub name: String,
     started: bool,
 }

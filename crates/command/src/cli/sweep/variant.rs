@@ -21,7 +21,7 @@ pub(in crate::cli) struct Experiment<'a> {
     pub file: String,
     /// Machine of the unchanged model file.
     pub machine: Arc<Machine>,
-    /// Variables of this machine.
+    /// Variables of this model.
     pub interface: Arc<Interface>,
     /// Text of the model file.
     pub text: &'a str,

@@ -1,5 +1,5 @@
-//! Sizes of the parts of a figure: wide ones have the names of curves at their ends, narrow ones are for a column of a paper, with
-//! letters of 8 points and the names in rows above the chart.
+//! Sizes of the parts of a figure: wide ones have the names of curves at their ends, narrow ones are for a journal column, with
+//! 8-point text and the names in rows above the chart.
 
 use super::{BORDER, Curve, Figure, LONGEST_NAME, TITLE};
 
@@ -25,7 +25,7 @@ pub(super) struct Layout {
     pub names: u32,
     /// Room for labels at the left and below.
     pub labels: [u32; 2],
-    /// Free border, and that at the right of the chart, where half of a number stands.
+    /// Margin, and margin to the right of the chart, which contains half of the last number of the axis.
     pub border: u32,
     pub right: u32,
     /// Distance of the title from the left.
@@ -103,7 +103,7 @@ impl Layout {
     }
 }
 
-/// Places of the names in rows: distance from the left in user units and row.
+/// Positions of the names in rows: distance from the left in user units and row.
 pub(super) fn rows(figure: &Figure, size: [u32; 2]) -> impl Iterator<Item = ([u32; 2], &Curve)> {
     let (left, right) = (LEFT, size[0].saturating_sub(8));
     let named = figure.curves.iter().filter(|curve| !curve.name.is_empty());
@@ -128,7 +128,7 @@ mod tests {
         Figure { curves: curves.collect(), ..Figure::default() }
     }
 
-    /// In a column of 85 mm letters have 8 points or more; the rows of names do not overlap and stay within the column.
+    /// In a column of 85 mm the text has 8 points or more; the rows of names do not overlap and stay within the column.
     #[test]
     fn columns_are_legible() {
         let column = [(85.0 / 25.4 * 96.0) as u32, 220];

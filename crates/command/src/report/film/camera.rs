@@ -1,4 +1,4 @@
-//! Cameras: position of the eye, and projection of points of the machine to the image. The z axis of the root frame
+//! Cameras: position of the eye, and projection of points of the model to the image. The z axis of the root frame
 //! points up.
 
 use crate::report::film::run::{Run, State, Vector};
@@ -14,7 +14,7 @@ fn half_view() -> f64 {
     (15.0 * PI / 180.0).tan()
 }
 
-/// Viewing direction of a film, as on the page.
+/// Viewing direction of a video, as on the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum View {
     /// Isometric.
@@ -115,16 +115,16 @@ impl Camera {
     }
 }
 
-/// Motion of the camera of a film.
+/// Motion of the camera of a video.
 #[derive(Debug)]
 pub(super) struct Motion {
     at_start: Camera,
-    /// Mean position of the machine at the start, if the target moves with the machine.
+    /// Mean position of the model at the start, if the target moves with the model.
     start: Option<Vector>,
 }
 
 impl Motion {
-    /// Creates a camera for the states of a run: fixed, with the whole motion in the frame, or moving with the machine.
+    /// Creates a camera for the states of a run: fixed, with the whole motion in the frame, or moving with the model.
     pub fn new<'r>(
         run: &'r Run,
         (view, follows): (View, bool),

@@ -1,4 +1,4 @@
-//! Colours of a film: those of the page's light theme and of its colour scales.
+//! Colours of a video: those of the page's light theme and of its colour scales.
 
 /// Colour with red, green and blue components from 0 to 1.
 pub(super) type Rgb = [f32; 3];

@@ -1,4 +1,4 @@
-//! Films as files: frames are drawn on all processors, and encoded in order.
+//! Videos as files: frames are drawn on all processors, and encoded in order.
 
 use super::{Film, Gif, Mp4};
 use crate::report::figure::signed;
@@ -9,7 +9,7 @@ use tiny_skia::{IntSize, Pixmap};
 /// Number of frames from which the colour table of the GIF is selected.
 const SAMPLED: usize = 7;
 
-/// Format of a film.
+/// Format of a video.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// H.264 in MP4.
@@ -60,7 +60,7 @@ impl Format {
     }
 }
 
-/// Draws a film and passes its file, or its numbered files, to `file`; `drawn` is called with the number of finished frames.
+/// Draws a video and passes its file, or its numbered files, to `file`; `drawn` is called with the number of finished frames.
 ///
 /// # Errors
 /// Errors of `file` and `drawn`, which end the work.

@@ -1,4 +1,4 @@
-//! GIF files: one palette for the whole film, and in every frame only the pixels that changed.
+//! GIF files: one palette for the whole video, and in every frame only the pixels that changed.
 
 use gif::{AnyExtension, DisposalMethod, Encoder, EncodingError, Frame, Repeat};
 
@@ -7,7 +7,7 @@ const COLOURS: usize = 255;
 /// Bits per channel of the colour histogram.
 const BITS: u32 = 6;
 
-/// Film as GIF in an endless loop.
+/// Video as GIF in an endless loop.
 pub struct Gif {
     encoder: Encoder<Vec<u8>>,
     size: [u32; 2],
@@ -30,7 +30,7 @@ impl Gif {
     /// Maximum width and height in pixels.
     pub const MAXIMUM_SIZE: u32 = 65_535;
 
-    /// Creates a film whose palette is selected from some of its frames.
+    /// Creates a video whose palette is selected from some of its frames.
     ///
     /// # Errors
     /// The size is too large for the format.
@@ -211,7 +211,7 @@ mod tests {
         (0..1200).flat_map(pixel).collect()
     }
 
-    /// A GIF with 30 frames per second has the duration of its film within half a hundredth of a second, and represents a few colours
+    /// A GIF with 30 frames per second has the duration of its video within half a hundredth of a second, and represents a few colours
     /// exactly; a frame without changes has one pixel.
     #[test]
     fn gifs_last_as_long_as_their_film() {

@@ -1,4 +1,4 @@
-//! The machine in an image: bodies, lifting surfaces, wake, joints, gauges, masses, paths and arrows, as the page shows them by
+//! The model in an image: bodies, lifting surfaces, wake, joints, gauges, masses, paths and arrows, as the page shows them by
 //! default.
 
 use super::colours::{self, Rgb, share, tint};
@@ -17,7 +17,7 @@ const NO_STRAIN: f64 = 1e-7;
 /// Limits of the colour scales over the run, and reference sizes of symbols.
 #[derive(Debug)]
 pub(super) struct Measures {
-    /// Size of the machine at the start in m.
+    /// Size of the model at the start in m.
     pub width_m: f64,
     /// Largest magnitude of the longitudinal strain.
     pub strain: f64,
@@ -75,7 +75,7 @@ impl Measures {
     }
 }
 
-/// Draws the machine in a state.
+/// Draws the model in a state.
 pub(super) fn draw(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     for (b, body) in run.about.bodies.iter().enumerate() {
         if !body.rigid && !skin::is_enclosed(run, b) {
@@ -260,7 +260,7 @@ fn draw_links(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Draw
     into.lines.extend(links.into_iter().map(line));
 }
 
-/// Draws dashed paths of the outer ends up to the present time.
+/// Draws dashed paths of the outer ends up to the current time.
 fn draw_paths(measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     let (dash, gap) = (0.012 * measures.width_m, 0.009 * measures.width_m);
     let until = state.frame();
@@ -292,8 +292,8 @@ fn draw_paths(measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     }
 }
 
-/// Draws arrows of gravity at the middle of the machine and of the wind at the middle of every body; the longest is a fifth of the
-/// machine's size.
+/// Draws arrows of gravity at the middle of the model and of the wind at the middle of every body; the longest is a fifth of the
+/// model's size.
 fn draw_arrows(run: &Run, measures: &Measures, state: &State<'_>, into: &mut Drawing) {
     let width_m = measures.width_m;
     let mut arrow = |at: Vector, value: Vector, most: f64, upstream: bool, rgb: Rgb| {

@@ -1,4 +1,4 @@
-//! Films of a run without a browser or a display: the data of the page (`viewer/packed.rs`), drawn by a rasteriser.
+//! Videos of a run without a browser or a display: the data of the page (`viewer/packed.rs`), drawn by a rasteriser.
 //!
 //! Reasons and formats: `docs/decisions/0061-films.md`.
 
@@ -35,32 +35,32 @@ use std::sync::{Mutex, PoisonError};
 
 /// Playback speeds among which the default is chosen, as on the page.
 const SPEEDS: [f64; 14] = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
-/// Approximate length of a film in s at the default speed.
+/// Approximate length of a video in s at the default speed.
 const LENGTH_S: f64 = 8.0;
-/// Maximum number of frames of a film.
+/// Maximum number of frames of a video.
 pub const MAXIMUM_FRAMES: usize = 36_000;
 /// Length of the shorter side of a frame in the units of widths, with which text and lines have the sizes of the
 /// page.
 const UNITS: f64 = 640.0;
 
-/// Settings of a film.
+/// Settings of a video.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Frames per second.
     pub frames_per_s: f64,
-    /// Seconds of the run per second of the film; `None` for the default.
+    /// Seconds of the run per second of the video; `None` for the default.
     pub speed: Option<f64>,
     /// Viewing direction.
     pub view: View,
-    /// Whether the camera moves with the machine; `None` follows a flying machine only.
+    /// Whether the camera moves with the model; `None` follows a flying model only.
     pub follows: Option<bool>,
     /// First and last time in s; `None` takes the limits of the run.
     pub span_s: [Option<f64>; 2],
 }
 
-/// Film of a run, with frames at equal time intervals.
+/// Video of a run, with frames at equal time intervals.
 pub struct Film {
     run: Run,
     measures: Measures,
@@ -72,13 +72,13 @@ pub struct Film {
     rasters: Mutex<Vec<Raster>>,
     /// Times of the frames in s.
     pub times_s: Vec<f64>,
-    /// Seconds of the run per second of the film.
+    /// Seconds of the run per second of the video.
     pub speed: f64,
-    /// Whether the camera moves with the machine.
+    /// Whether the camera moves with the model.
     pub follows: bool,
 }
 
-/// Returns the default playback speed, at which the film takes about eight seconds.
+/// Returns the default playback speed, at which the video takes about eight seconds.
 pub fn default_speed(duration_s: f64) -> f64 {
     let off = |speed: &f64| (speed / (duration_s / LENGTH_S)).ln().abs();
     SPEEDS.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0)
@@ -90,7 +90,7 @@ pub fn frame_count(duration_s: f64, frames_per_s: f64, speed: f64) -> f64 {
 }
 
 impl Film {
-    /// Creates a film of a run.
+    /// Creates a video of a run.
     ///
     /// # Errors
     /// Damaged data, a time span outside the run, or too many frames; the message states the remedy.

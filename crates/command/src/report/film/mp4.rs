@@ -7,7 +7,7 @@ const INTERVAL_S: f64 = 4.0;
 /// Time units per frame.
 const TICKS: u32 = 1000;
 
-/// Film as MP4.
+/// Video as MP4.
 pub struct Mp4 {
     encoder: Encoder,
     size: [u32; 2],
@@ -26,7 +26,7 @@ impl Mp4 {
     /// Text near the beginning of a file.
     pub const MARK: &[u8] = b"made by foldwing";
 
-    /// Creates a film with frames of even width and height.
+    /// Creates a video with frames of even width and height.
     pub fn new(size: [u32; 2], frames_per_s: f64) -> Self {
         let encoder = Encoder::new(size, (INTERVAL_S * frames_per_s).ceil() as u32);
         let timescale = (frames_per_s * f64::from(TICKS)).round() as u32;

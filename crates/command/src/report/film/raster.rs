@@ -20,7 +20,7 @@ pub(super) struct Corner {
 /// Rule for combining a triangle with the pixels behind it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Ink {
-    /// Covers them.
+    /// Covers the pixels behind it.
     Solid,
     /// Is blended with this opacity, from 0 to 1; does not cover objects drawn later.
     Glass(f32),

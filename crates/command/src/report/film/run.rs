@@ -17,7 +17,7 @@ const PER_SECTION: usize = 16;
 /// Number of values of a load station.
 const PER_STATION: usize = 12;
 
-/// Parts of the machine that do not change during the run.
+/// Parts of the model that do not change during the run.
 #[derive(Debug, Deserialize)]
 pub(super) struct About {
     pub name: String,
@@ -104,7 +104,7 @@ pub(super) struct Run {
     layout: Layout,
 }
 
-/// State of the machine at one time. Between two frames all quantities are interpolated, except latches and the wake.
+/// State of the model at one time. Between two frames all quantities are interpolated, except latches and the wake.
 pub(super) struct State<'r> {
     run: &'r Run,
     present: Vec<f64>,
@@ -176,7 +176,7 @@ impl Layout {
         let gravity = take(3);
         let winds = take(3 * about.winds);
         let strips = take(about.strips);
-        // internal loads and forces of the air, which films do not show
+        // internal loads and aerodynamic forces, which videos do not show
         take(about.bodies.iter().filter(|body| body.loaded).map(|body| 6 * body.rims.len()).sum());
         if about.edge_forces {
             take(about.surfaces.iter().map(|surface| 3 * surface.columns).sum());
@@ -315,7 +315,7 @@ impl Run {
         (0..count).map(move |i| self.at_frame(last * i / (count - 1).max(1)))
     }
 
-    /// Returns whether a body that is attached to no other moves by more than half the machine's size.
+    /// Returns whether a body that is attached to no other moves by more than half the model's size.
     pub fn flies_away(&self) -> bool {
         let (first, last) = (self.at_frame(0), self.at_frame(self.count() - 1));
         let extent = Extents::of(first.points().into_iter()).size();
@@ -432,7 +432,7 @@ impl State<'_> {
         self.frame
     }
 
-    /// Points of the machine: outlines of its sections, corners of its surfaces, masses.
+    /// Points of the model: outlines of its sections, corners of its surfaces, masses.
     pub fn points(&self) -> Vec<Vector> {
         let about = &self.run.about;
         let mut points = Vec::new();

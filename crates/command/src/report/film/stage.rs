@@ -1,4 +1,4 @@
-//! Surroundings of the machine: a numbered grid on the ground, the axes of the root frame, title, clock, colour scales.
+//! Surroundings of the model: a numbered grid on the ground, the axes of the root frame, title, clock, colour scales.
 
 use super::colours::{self, Rgb, Scale, tint};
 use super::drawing::{Drawing, Label, Line};
@@ -10,7 +10,7 @@ use crate::report::film::run::{Extents, Run, Vector};
 /// Opacity of the background of a colour scale.
 const FAINT_BEHIND: f32 = 0.82;
 
-/// Ground and axes, identical in all images of a film.
+/// Ground and axes, identical in all images of a video.
 #[derive(Debug)]
 pub(super) struct Stage {
     floor_m: f64,
@@ -20,7 +20,7 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    /// Creates a grid below the machine with a round spacing, numbered in metres, and the axes of the root frame.
+    /// Creates a grid below the model with a round spacing, numbered in metres, and the axes of the root frame.
     pub fn new(extents: Extents, width_m: f64) -> Self {
         let size = extents.size();
         let floor_m = extents.least.z - 0.06 * size;

@@ -100,7 +100,7 @@ fn below_the_clock(pixels: &[u8]) -> &[u8] {
     &pixels[3 * SIZE[0] as usize * 30..]
 }
 
-/// Frames of a machine that does not move are bit-identical, with a fixed or moving camera, for any previous contents of the buffer.
+/// Frames of a model that does not move are bit-identical, with a fixed or moving camera, for any previous contents of the buffer.
 #[test]
 fn a_machine_at_rest_does_not_flicker() {
     for name in ["folding_wing", "folding_wing_in_tunnel", "flying_wing"] {
@@ -125,10 +125,10 @@ fn turned(frame: &mut Frame, angle_rad: f64) {
     frame.lattice.clear();
 }
 
-/// The frames of a slowly rotating machine change only at its edges, by an amount proportional to the rotation from frame to frame.
+/// The frames of a slowly rotating model change only at its edges, by an amount proportional to the rotation from frame to frame.
 /// Coplanar or intersecting faces, such as those of lattice, body and latch, might flicker over their area at any angle. At a 25th of the
 /// angle, the number of pixels that change by more than an eighth of the range is less than a tenth, and at most 2 % of those of the
-/// machine.
+/// model.
 #[test]
 fn slow_turns_change_frames_smoothly() {
     for name in ["folding_wing_constant", "flared_wing_tip"] {
@@ -152,7 +152,7 @@ fn slow_turns_change_frames_smoothly() {
     }
 }
 
-/// A film has the number of frames for its duration at its speed; at the default speed it lasts about eight seconds.
+/// A video has the number of frames for its duration at its speed; at the default speed it lasts about eight seconds.
 #[test]
 fn films_have_the_length_of_their_run() {
     let recording = recorded(shipped("folding_wing"), 400);
@@ -176,7 +176,7 @@ fn films_have_the_length_of_their_run() {
     }
 }
 
-/// A flying machine is followed by default and stays in the frame; a fixed one is framed with its whole motion.
+/// A flying model is followed by default and stays in the frame; a fixed one is framed with its whole motion.
 #[test]
 fn flying_machines_are_followed() {
     let away = moved(recorded(shipped("flying_wing"), 1), 5, |frame, i| {

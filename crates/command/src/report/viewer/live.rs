@@ -9,7 +9,7 @@ use serde_json::Value;
 /// Beginning of the element with the description of a live simulation.
 const LIVE_BEGINS: &str = "<script type=\"application/json\" class=\"live\">";
 
-/// The page as HTML: the machine in its first frame, the signals that can be plotted (name, unit), and the additional data for `live.js`.
+/// The page as HTML: the model in its first frame, the signals that can be plotted (name, unit), and the additional data for `live.js`.
 pub fn page_of_live(scene: &Scene, first: &Frame, signals: &[(String, String)], live: &Value) -> String {
     let none = Signals::new(signals.iter().cloned(), 1);
     let run = PackedRun::of_states(scene, std::slice::from_ref(first), &none);

@@ -39,7 +39,7 @@ const SCRIPTS: [&str; 19] = [
     include_str!("page.js"),
 ];
 
-/// The end of a viewer that is started for one run after another.
+/// Script at the end of a page whose viewer is started again for each run.
 const AGAIN: &str = include_str!("again.js");
 
 /// Beginning of the element with the description of a run.
@@ -110,10 +110,10 @@ fn filled(name: &str, mut runs: String, companions: &[Companion]) -> String {
     assembled(name, [&STYLES.concat(), &LIBRARIES.concat(), &script, &runs, &beside])
 }
 
-/// The page with styles, libraries, scripts, elements of runs, and the list of the runs beside the first.
+/// The page with styles, libraries, scripts, elements of runs, and the list of the runs to compare with the first.
 fn assembled(name: &str, [style, libraries, script, runs, beside]: [&str; 5]) -> String {
     let title = name.replace('&', "&amp;").replace('<', "&lt;").replace("{{", "{&#123;");
-    // the longest last: inserted text is never searched for placeholders
+    // the longest text last: inserted text is not searched for placeholders
     PAGE.replace("{{title}}", &title)
         .replace("{{beside}}", beside)
         .replace("{{style}}", style)
@@ -173,7 +173,7 @@ mod tests {
         assert!(run_of_page("<!doctype html><html></html>").unwrap_err().contains("is not a page"));
         let older = written.replacen("\"format\":4", "\"format\":1", 1);
         assert!(run_of_page(&older).unwrap_err().contains("another version"));
-        // text that would not stay text in the page with both runs is rejected
+        // text that would not remain text in the page of both runs is rejected
         for (from, to) in [("\"name\":\"inner\"", "\"name\":\"<b>\""), ("\"name\":\"inner\"", "\"name\":\"{{runs}}\"")]
         {
             assert!(run_of_page(&written.replacen(from, to, 1)).unwrap_err().contains("is not a page"), "{to}");

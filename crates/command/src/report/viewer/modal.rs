@@ -22,7 +22,7 @@ pub struct PackedModes {
 }
 
 impl PackedModes {
-    /// Packs modes; states in the middle are left out at equal intervals, or samples of a turn, where the page would exceed its bound.
+    /// Packs modes; states in the middle are left out at equal intervals, and samples of a revolution, if the page would exceed its bound.
     /// States with a text are kept.
     pub fn new(shapes: &Shapes) -> Self {
         let kept = kept(shapes);
@@ -49,7 +49,7 @@ impl PackedModes {
             "size": size.map_or(0.0, |frame| size_m(&shapes.scene, frame)),
             "states": states, "found": shapes.states.len(),
         });
-        // a mode has no loads at an amplitude that is only drawn
+        // a mode drawn at an arbitrary amplitude has no loads
         for frame in &mut frames {
             (frame.loads, frame.edge_forces_n) = (Vec::new(), Vec::new());
         }
@@ -112,8 +112,8 @@ mod tests {
     use foldwing_engine::plant::Plant;
     use std::sync::Arc;
 
-    /// Many states are thinned to the bound of a page: both ends and those with a text are kept, in their order. Samples of a turn are
-    /// thinned at equal intervals that divide it.
+    /// Many states are thinned to the bound of a page: both ends and those with a text are kept, in their order. Samples of a revolution
+    /// are thinned at equal intervals that divide it.
     #[test]
     fn many_states_are_thinned() {
         let mut plant = Plant::new(Arc::new(shipped("folding_wing")));

@@ -61,7 +61,7 @@ const NO_CUT: Cut = Cut {
 pub struct Rotor {
     pub(super) options: RotorOptions,
     pub(super) blades: Vec<std::ops::Range<usize>>,
-    /// Number of blades of the rotor divided by the number in the machine.
+    /// Number of blades of the rotor divided by the number in the model.
     pub(super) like: f64,
     pub(super) sections: Vec<Section>,
     pub(super) splits: Vec<Option<SplitPolar>>,
@@ -90,7 +90,7 @@ pub(super) struct Disc {
 }
 
 impl Rotor {
-    /// Makes a rotor from these surfaces, one per blade.
+    /// Creates a rotor from these surfaces, one per blade.
     pub fn new(surfaces: &[Surface], options: &RotorOptions) -> Self {
         let blades = options.features.blades.unwrap_or(surfaces.len()) as f64;
         let half = 0.5 * blades;
@@ -209,7 +209,7 @@ impl Rotor {
         state.loads = disc.loads;
     }
 
-    /// Computes the line loads of all sections, into the scratch, and their present states; returns the mean axial induced velocity divided
+    /// Computes the line loads of all sections, into the scratch, and their current states; returns the mean axial induced velocity divided
     /// by the mean wind, 0 without wind. `first_s` is the time constant of the wake at the end of a step.
     fn load_sections(
         &mut self,
@@ -289,7 +289,7 @@ impl Rotor {
         }
     }
 
-    /// Mean over the blades of the present radius of their outermost sections, in m. Their maximum would not be differentiable for equal
+    /// Mean over the blades of the current radius of their outermost sections, in m. Their maximum would not be differentiable for equal
     /// blades.
     pub(super) fn rotor_radius_m(&self) -> f64 {
         let of_blade = |range: &std::ops::Range<usize>| {

@@ -74,7 +74,7 @@ impl Rotor {
         (answer, state)
     }
 
-    /// Derivative of [`Rotor::answer`] by sixth-order central differences that avoid the corners of polars, as for strips. The model has no
+    /// Derivative of [`Rotor::answer`] by sixth-order central differences that avoid the kinks of polars, as for strips. The model has no
     /// apparent mass: accelerations and rates of the wind have no effect. There is no derivative if the momentum balance jumps, see
     /// [`Rotor::jump`].
     pub fn slope(&mut self, at: &Instant, variable: Variable) -> Answer {
@@ -84,7 +84,7 @@ impl Rotor {
         let Some(step) = step else { return vec![0.0; present.len()] };
         let mut beside_m_s: Vec<Vec<[f64; 2]>> = Vec::new();
         let kinds = self.kinds(&at);
-        // on the side of the present direction of rotation; the mean of both sides if the rotor does not turn
+        // on the side of the current direction of rotation; the mean of both sides if the rotor does not turn
         let sign = |speed_rad_s: f64| if speed_rad_s == 0.0 { 0.0 } else { speed_rad_s.signum() };
         let turning = sign(state.loads.speed_rad_s);
         let ratio = present.len() - OWN + offset_of!(RotorLoads, tip_speed_ratio) / size_of::<f64>();

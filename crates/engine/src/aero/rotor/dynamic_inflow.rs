@@ -23,7 +23,7 @@ pub struct InflowState {
     pub middle_m_s: [f64; 2],
     /// Velocity after both lags in m/s, which acts at the section.
     pub acting_m_s: [f64; 2],
-    /// Present time constants of the two lags in s; 0 without lags.
+    /// Current time constants of the two lags in s; 0 without lags.
     pub lags_s: [f64; 2],
 }
 

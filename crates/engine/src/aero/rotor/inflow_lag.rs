@@ -1,6 +1,6 @@
 //! Induced velocity of annuli with one lag behind the load, eq. (B24): a simple model of dynamic inflow.
 //!
-//! Momentum theory for the present load, with Glauert's linear relation for heavily loaded annuli, and one time constant; without tip and
+//! Momentum theory for the current load, with Glauert's linear relation for heavily loaded annuli, and one time constant; without tip and
 //! hub losses and without swirl.
 
 use crate::aero::polar::Polar;
@@ -199,7 +199,7 @@ mod tests {
             max_relative = 1e-12
         );
         assert!(steady.acting_m_s[0] > 1.0, "{steady:?}");
-        // steps as long as the time constant, the longest allowed in a machine
+        // steps as long as the time constant, the longest allowed in a model
         let far = (0..40).fold(annulus.still(), |state, _| annulus.after(&state, 0.8));
         approx::assert_relative_eq!(far.acting_m_s[0], steady.acting_m_s[0], max_relative = 1e-6);
     }

@@ -17,7 +17,7 @@ pub struct RotorLoads {
     pub speed_rad_s: f64,
     /// Mean wind along the shaft over the sections of all blades, relative to them, in m/s.
     pub wind_m_s: f64,
-    /// Power divided by `½ρπR²U³`, with the mean present radius of the blades' outermost sections and the wind `U` along the shaft. This
+    /// Power divided by `½ρπR²U³`, with the mean current radius of the blades' outermost sections and the wind `U` along the shaft. This
     /// and the following coefficients are 0 if that wind is below a hundredth of the relative speed of the tips: in still air, or with the
     /// wind normal to the shaft.
     pub power_coefficient: f64,

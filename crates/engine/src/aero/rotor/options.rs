@@ -31,7 +31,7 @@ pub enum Spread {
 /// Effects included in the rotor aerodynamics: set by the builder of the machine, used unchanged by the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorFeatures {
-    /// Number of blades of the rotor, a multiple of the blades in the machine: each represents others with the same motion. `None`: all are
+    /// Number of blades of the rotor, a multiple of the blades in the model: each represents others with the same motion. `None`: all are
     /// in it.
     pub blades: Option<usize>,
     /// Whether the rotor turns about its shaft axis by the right-hand rule: clockwise when looking downwind.
@@ -90,7 +90,7 @@ impl RotorFeatures {
 /// Settings of the rotor aerodynamics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorOptions {
-    /// Index of the machine's body that rotates with the blades.
+    /// Index of the model's body that rotates with the blades.
     pub hub_body: usize,
     /// Unit vector along the shaft in the hub's frame, pointing downwind.
     pub shaft_axis: Vector3<f64>,

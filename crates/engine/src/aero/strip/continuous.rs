@@ -1,5 +1,5 @@
 //! Strips in continuous time: loads and rates of the lags at one instant, and their derivatives with respect to the motion of the
-//! sections and by the air, NOTATION eqs. (W13) and (W14).
+//! sections and to the air, NOTATION eqs. (W13) and (W14).
 //!
 //! The limit of the steps of [`Strips::solve`] as they shrink: the lag states of (W6) obey `ẋ = b (2Q/c)(w − x)`, and the apparent mass of
 //! (W8) is proportional to the accelerations of the sections at the instant.
@@ -273,7 +273,7 @@ impl Strips {
     }
 
     /// Derivative of the [`Answer`] at an instant: sixth-order central differences over the scale of the strips
-    /// concerned, eq. (W14), off the corners of polars down to steps of 2e-7 rad; exact for accelerations, in which it is linear.
+    /// concerned, eq. (W14), off the kinks of polars down to steps of 2e-7 rad; exact for accelerations, in which it is linear.
     pub fn slope(&mut self, at: &Instant, gusts: bool, variable: Variable) -> Answer {
         let strips = self.touched(at, gusts, variable);
         let scale = self.scale(at, strips.clone(), variable);

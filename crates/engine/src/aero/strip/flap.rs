@@ -69,7 +69,7 @@ impl Hinge {
     }
 }
 
-/// Control surfaces of the strips, with their present deflections.
+/// Control surfaces of the strips, with their current deflections.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Controls {
     /// Control surfaces.
@@ -153,7 +153,7 @@ struct FlapLoads {
     hinge_n: f64,
 }
 
-/// A control surface of a strip with its present deflection.
+/// A control surface of a strip with its current deflection.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StripFlap<'a> {
     /// Constants of the hinge.

@@ -166,7 +166,7 @@ impl LiftingLine {
         }
     }
 
-    /// Computes the mutual influence of the strips at their present positions, eq. (W10).
+    /// Computes the mutual influence of the strips at their current positions, eq. (W10).
     ///
     /// `turn` returns the sine and cosine of the zero-lift angle of a strip.
     pub fn look(

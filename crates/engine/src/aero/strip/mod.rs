@@ -142,7 +142,7 @@ pub struct Strips {
 }
 
 impl Strips {
-    /// Makes one strip between each pair of consecutive sections of each surface.
+    /// Creates one strip between each pair of consecutive sections of each surface.
     pub fn new(surfaces: Vec<Surface>, options: StripOptions) -> Self {
         let mut model = Self {
             options,
@@ -181,7 +181,7 @@ impl Strips {
 
     /// Sets the initial state and the circulatory loads; impulsive loads are zero.
     ///
-    /// With `steady_initial_flow` the present flow has always existed. Otherwise all downwash starts now, initially with half of the lift
+    /// With `steady_initial_flow` the current flow has always existed. Otherwise all downwash starts now, initially with half of the lift
     /// due to motion and wind and none due to gusts.
     pub fn start(
         &mut self,

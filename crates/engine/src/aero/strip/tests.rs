@@ -1,3 +1,4 @@
+use super::flap::{FlapInflow, Hinge};
 use super::*;
 use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::strip::continuous::Variable;
@@ -194,5 +195,35 @@ fn a_rate_of_the_root_s_spin_is_an_acceleration_of_all_sections() {
         for (row, (a, b)) in found.iter().zip(&expected).enumerate() {
             assert!((a - b).abs() < 1e-12 * scale, "axis {axis}, row {row}: {a} {b}");
         }
+    }
+}
+
+/// Eqs. (U16) and (U18): circulation and leading-edge singularity of a plate whose control surface is deflected and moves, by quadrature of
+/// the normal velocity over `x = cos t`: the quasi-steady circulation is that of the mean over `1 + x`, the singularity at the leading edge
+/// with this circulation is that of the mean. Thin-aerofoil theory.
+#[test]
+fn circulation_and_singularity_of_a_moving_control_surface() {
+    let (chord_m, along_m_s, angle_rad, rate_rad_s) = (0.6, 12.0, 0.07, 1.9);
+    for fraction in [0.05, 0.3, 0.5, 0.75, 0.9] {
+        let hinge = Hinge::at(fraction);
+        let flap = FlapInflow { hinge, flap: 0, angle_rad, rate_rad_s, share: 1.0, downwash_m_s: 0.0 };
+        let normal_m_s = |x: f64| along_m_s * angle_rad + (x - hinge.c) * 0.5 * chord_m * rate_rad_s;
+        // Simpson's rule over the control surface, x = cos t from the hinge to the trailing edge at t = 0
+        let (count, end) = (200, hinge.c.acos());
+        let mean = |weight: fn(f64) -> f64| {
+            let width = end / f64::from(count);
+            let value = |t: f64| weight(t.cos()) * normal_m_s(t.cos());
+            let panel = |i: i32| {
+                let t = f64::from(i) * width;
+                (value(t) + 4.0 * value(t + 0.5 * width) + value(t + width)) * width / 6.0
+            };
+            (0..count).map(panel).sum::<f64>() / PI
+        };
+        let (from_kutta_m_s, singularity_m_s, reversed_m_s) = (mean(|x| 1.0 + x), mean(|_| 1.0), mean(|x| 1.0 - x));
+        // fourth order in 1/200 of the interval
+        let near = |value: f64, wanted: f64| assert!((value - wanted).abs() < 1e-9 * along_m_s, "{value} {wanted}");
+        near(flap.circulating_m_s(chord_m, along_m_s, 1.0), from_kutta_m_s);
+        near(flap.circulating_m_s(chord_m, along_m_s, -1.0), reversed_m_s);
+        near(from_kutta_m_s - flap.edge_m_s(chord_m, along_m_s), singularity_m_s);
     }
 }

@@ -114,8 +114,8 @@ impl Joint {
     }
 
     /// A sliding joint along the axis of the beam that is its parent: the body keeps the attitude of the beam's section at the arc length
-    /// [`JointBuilder::start_position_m`], and moves along the beam from there. For a body that also turns, put a rigid body without mass
-    /// on the sliding joint and the body on a revolute or ball joint on that.
+    /// [`JointBuilder::start_position_m`], and moves along the beam from there. For a body that also rotates, attach a rigid body without
+    /// mass by the sliding joint, and the body to it by a revolute or ball joint.
     pub fn sliding(name: impl Into<String>) -> JointBuilder {
         JointBuilder { axis: Vector3::x(), ..Self::builder(name, Type::Sliding) }
     }

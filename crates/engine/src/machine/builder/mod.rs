@@ -116,7 +116,7 @@ impl MachineBuilder {
         self
     }
 
-    /// Makes the internal loads at a section outputs.
+    /// Adds the internal loads at a section to the outputs.
     pub fn internal_load(mut self, internal_load: InternalLoadBuilder) -> Self {
         self.internal_loads.push(internal_load);
         self

@@ -259,8 +259,8 @@ fn block_slopes_are_the_slope_of_the_residual() {
     }
 }
 
-/// GR-49: the slope of the residual by damping, which enters it linearly: central differences over a step of 1/8 are exact, to 1e-12 of the largest
-/// entry.
+/// GR-49: the derivative of the residual with respect to damping, which enters it linearly: central differences over a step of 1/8 are
+/// exact, to 1e-12 of the largest entry.
 #[test]
 fn damping_slopes_are_the_slope_of_the_residual() {
     use crate::multibody::block_slopes::DampingSlope;

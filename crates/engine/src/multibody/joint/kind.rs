@@ -117,7 +117,7 @@ impl JointKind {
 /// A joint with its position in `q`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
-    /// Kind.
+    /// Type of the extreme value.
     pub kind: JointKind,
     /// Index of its first coordinate in `q`.
     pub coordinate: usize,

@@ -11,7 +11,7 @@ use crate::multibody::tangent::{SingularTangent, Tangent, add};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3, Matrix3x6, Vector3};
 
-/// One closure linearised about the present poses.
+/// One closure linearised about the current poses.
 #[derive(Debug, Clone)]
 pub(super) struct ClosureTangent {
     /// Nodes that carry the points; `None` for a point on the root.

@@ -89,7 +89,7 @@ pub struct Floquet {
     pub unfound: usize,
     /// Largest magnitude of the multipliers of those modes.
     pub largest_unfound: f64,
-    /// Reason why frequencies refer to the coordinates of the machine instead of the fixed frame; `None` for frequencies in the fixed
+    /// Reason why frequencies refer to the coordinates of the model instead of the fixed frame; `None` for frequencies in the fixed
     /// frame.
     pub unseen: Option<String>,
     /// Modes of the averaged model, for machines without aerodynamics whose rotor has equal blades.
@@ -119,10 +119,10 @@ impl ModeShape {
 }
 
 impl Plant {
-    /// Finds a periodic motion of the machine prepared by [`Turn::of`], NOTATION eqs. (L32) and (L33). The search starts from the state of
+    /// Finds a periodic motion of the model prepared by [`Turn::of`], NOTATION eqs. (L32) and (L33). The search starts from the state of
     /// an initialised plant. The plant is then at the start of the revolution.
     ///
-    /// `accuracy` bounds the difference between start and end of the revolution: rotation in rad or displacement divided by the machine's
+    /// `accuracy` bounds the difference between start and end of the revolution: rotation in rad or displacement divided by the model's
     /// length, rates also divided by the shaft speed.
     ///
     /// # Errors
@@ -404,8 +404,8 @@ mod tests {
         plant.floquet(&turn, &motion, 8).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Of two blades with lead-lag springs, at 2.3 and 9.3 times the rotor speed, 144 steps per revolution resolve the first: 24 steps per
-    /// period are available up to 6 times the speed. The other mode is counted and omitted.
+    /// Two blades with lead-lag springs, at 2.3 and 9.3 times the rotor speed: 144 steps per revolution resolve the first mode, as 24 steps
+    /// per period are available up to 6 times the speed. The other mode is counted and omitted.
     #[test]
     fn motions_that_steps_do_not_follow_are_counted_only() {
         let lag = |ratio: f64| ([0.0, 0.0, 1.0], [(ratio * SPEED_RAD_S).powi(2), 0.02, 0.0]);
@@ -415,7 +415,7 @@ mod tests {
         assert!((modes[0].frequency_hz * TAU / (2.3 * SPEED_RAD_S) - 1.0).abs() < 1e-6, "{:?}", modes[0]);
     }
 
-    /// The motion of a mode over the revolution is in the coordinates of the machine: a lead-lag blade has its own exponent relative to the
+    /// The motion of a mode over the revolution is in the coordinates of the model: a lead-lag blade has its own exponent relative to the
     /// hub at any speed of the shaft, so that its periodic part times the principal exponential is a single exponential function.
     #[test]
     fn motions_are_those_of_the_own_coordinates() {

@@ -1,4 +1,4 @@
-//! Periodic motions of machines with a shaft of given speed, and their Floquet modes, NOTATION eqs. (L32) to (L36).
+//! Periodic motions of models with a shaft of given speed, and their Floquet modes, NOTATION eqs. (L32) to (L36).
 
 mod floquet;
 mod shooting;

@@ -26,7 +26,7 @@ const MAXIMUM_PRODUCTS: usize = 300;
 /// Maximum number of Newton steps, and of revolutions marched in place of a Newton step that does not converge.
 const MAXIMUM_STEPS: usize = 40;
 const MAXIMUM_TURNS: usize = 12;
-/// Largest Newton step, in rad or divided by the machine's length.
+/// Largest Newton step, in rad or divided by the model's length.
 const LONGEST: f64 = 0.5;
 /// Maximum number of halvings of a step that does not reduce the distance.
 const HALVINGS: usize = 5;
@@ -41,7 +41,7 @@ pub struct PeriodicMotion {
     pub start: Snapshot,
     /// Number of states of the search: degrees of freedom, their rates, and the aerodynamic memories.
     pub states: usize,
-    /// Difference between the ends of the revolution: rotation in rad or displacement divided by the machine's length, rates also divided
+    /// Difference between the ends of the revolution: rotation in rad or displacement divided by the model's length, rates also divided
     /// by the shaft speed.
     pub distance: f64,
     /// Number of Newton steps.
@@ -50,7 +50,7 @@ pub struct PeriodicMotion {
     pub turns: usize,
 }
 
-/// A periodic motion of a similar machine, with the products of its search: the start of the next search.
+/// A periodic motion of a similar model, with the products of its search: the start of the next search.
 #[derive(Debug, Clone)]
 pub struct NearbyMotion {
     states: DVector<f64>,
@@ -91,7 +91,7 @@ pub(super) struct Shooting<'p> {
     pub free: Vec<usize>,
     /// A state at the start of the revolution, including the parts that are not among the states of the search.
     base: State,
-    /// Scales of the states: rotation in rad, displacement divided by the machine's length; rates also divided by the shaft speed.
+    /// Scales of the states: rotation in rad, displacement divided by the model's length; rates also divided by the shaft speed.
     weights: DVector<f64>,
     begin_s: f64,
     pub turns: usize,
@@ -110,7 +110,7 @@ struct Steps {
 
 impl Steps {
     /// One step of structure and rotor aerodynamics in each sample of a revolution. Newton steps with this coarser revolution converge to
-    /// the same motion, slightly more slowly; `None` if the machine's steps are no shorter. The memories of strips are means over their
+    /// the same motion, slightly more slowly; `None` if the model's steps are no shorter. The memories of strips are means over their
     /// steps, so that longer steps would give products of other states.
     fn long(machine: &Machine, turn: &Turn) -> Option<Self> {
         let step_s = turn.period_s() / SAMPLES as f64;
@@ -127,7 +127,7 @@ impl Steps {
 }
 
 impl<'p> Shooting<'p> {
-    /// Starts from the present state of an initialised plant, at the start of the revolution.
+    /// Starts from the current state of an initialised plant, at the start of the revolution.
     pub fn new(plant: &'p mut Plant, turn: Turn) -> Self {
         let free: Vec<usize> = plant.system.freedoms().iter().map(|freedom| freedom.index).collect();
         let mut base = plant.system.state.clone();
@@ -189,7 +189,7 @@ impl<'p> Shooting<'p> {
         let (n, system) = (self.free.len(), &mut self.plant.system);
         system.state.copy_from(&self.base);
         if let (Some(history), Some(air)) = (&mut system.state.air, &system.air) {
-            // the end of the present step is the start of the revolution, for any step length
+            // the end of the current step is the start of the revolution, for any step length
             history.start_s = self.begin_s - history.steps as f64 * air.settings.step_s;
         }
         for (i, &c) in self.free.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Final motion of a machine with a spinning rotor: a state that rotates with the rotor if there is one, otherwise a periodic motion.
+//! Final motion of a model with a spinning rotor: a state that rotates with the rotor if there is one, otherwise a periodic motion.
 
 use crate::run::Plant;
 use crate::run::periodic::shooting::{NearbyMotion, PeriodicMotion, Seen, Shooting};
@@ -9,7 +9,7 @@ use crate::system::PlantError;
 /// 1e-7.
 const STEADY: f64 = 1e-6;
 
-/// Final motion of a machine whose shaft rotates at a constant speed.
+/// Final motion of a model whose shaft rotates at a constant speed.
 #[derive(Debug, Clone)]
 pub enum Settled {
     /// The plant is in a steady state, which rotates with the rotor.
@@ -19,11 +19,11 @@ pub enum Settled {
 }
 
 impl Plant {
-    /// Finds the final motion of the machine prepared by [`Turn::of`], NOTATION eqs. (L32), (L33) and (L40): an initialised plant is set to
+    /// Finds the final motion of the model prepared by [`Turn::of`], NOTATION eqs. (L32), (L33) and (L40): an initialised plant is set to
     /// the state that rotates with the rotor, if tilt, gravity and shear allow one, otherwise to the start of a periodic revolution, found
     /// from that state to `accuracy` as by [`Plant::periodic`].
     ///
-    /// The steady state is verified: at two further azimuths it must not change by more than 1e-6 of the machine's length.
+    /// The steady state is verified: at two further azimuths it must not change by more than 1e-6 of the model's length.
     ///
     /// # Errors
     /// As for [`Plant::periodic`].
@@ -31,8 +31,8 @@ impl Plant {
         self.settle_beside(turn, accuracy, &mut None, &mut |_, _| Ok(()))
     }
 
-    /// Finds the final motion like [`Plant::settle`], near a motion that was found before at another wind or pitch of the machine: if the
-    /// machine had no steady state then, none is sought, and the search starts from that motion, which is replaced by the motion found.
+    /// Finds the final motion like [`Plant::settle`], near a motion that was found before at another wind or pitch of the model: if the
+    /// model had no steady state then, none is sought, and the search starts from that motion, which is replaced by the motion found.
     /// `seen` is called for the revolutions tried, sample by sample as in [`Plant::trace`]; the last one from sample 0 is the final motion.
     /// A steady state is not marched. Work and dissipated energy of a revolution are computed only if the plant watches
     /// [`crate::system::OutputSet::ACCOUNTS`].

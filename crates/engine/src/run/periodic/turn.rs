@@ -1,4 +1,4 @@
-//! A machine prepared for revolutions of its shaft at a constant speed: the shaft is prescribed, and steps divide the revolution.
+//! A model prepared for revolutions of its shaft at a constant speed: the shaft is prescribed, and steps divide the revolution.
 
 use crate::aero::AirOptions;
 use crate::aero::rotor::wind::Source;

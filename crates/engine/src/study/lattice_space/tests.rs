@@ -119,7 +119,7 @@ impl AtRest {
     }
 }
 
-/// Change of the machine's state by an amount.
+/// Change of the model's state by an amount.
 type Change = Box<dyn Fn(&mut State, f64)>;
 
 /// Change of the machine's state that corresponds to one state or input of the linear model.

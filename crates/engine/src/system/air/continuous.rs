@@ -45,7 +45,7 @@ impl System {
         self.air.as_ref().and_then(|air| air.continuous.as_ref()).map_or(0, |continuous| continuous.lags_m_s.len())
     }
 
-    /// A lag state at the present time, in m/s, and its rate in m/s², from the internal integrator: linear over the aerodynamic step.
+    /// A lag state at the current time, in m/s, and its rate in m/s², from the internal integrator: linear over the aerodynamic step.
     pub(crate) fn own_lag(&self, lag: usize) -> [f64; 2] {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return [0.0; 2] };
         let AirCoupling { model: AirModel::Strips(strips), continuous: Some(continuous), settings, .. } = &**air else {
@@ -63,7 +63,7 @@ impl System {
         [before + (after - before) * share, (after - before) / settings.step_s]
     }
 
-    /// Takes over the lag states of the internal integrator at the present time. The state then stores the present values, for later calls,
+    /// Takes over the lag states of the internal integrator at the current time. The state then stores the current values, for later calls,
     /// instead of those at the end of an unfinished aerodynamic step.
     pub(crate) fn hand_air_over(&mut self) {
         for lag in 0..self.lag_count() {
@@ -101,7 +101,7 @@ impl System {
         }
     }
 
-    /// Solves for the present accelerations under aerodynamic loads, with these loads and the rates of the lag states: `M a + r(L) = 0` and
+    /// Solves for the current accelerations under aerodynamic loads, with these loads and the rates of the lag states: `M a + r(L) = 0` and
     /// `L = L(a)`, eq. (W15). The equations must have been updated to the prescribed motions and projected. Allocates nothing.
     pub(crate) fn settle_in_air(&mut self) -> Result<(), PlantError> {
         let Self { equations, state, scratch, air, machine, .. } = self;
@@ -205,7 +205,7 @@ impl System {
     }
 }
 
-/// Updates a history to the present time, so that the internal integrator can continue from it.
+/// Updates a history to the current time, so that the internal integrator can continue from it.
 fn remember(strips: &Strips, own: &ContinuousAir, history: &mut AirHistory) {
     for state in [&mut history.before, &mut history.after] {
         if let AirState::Strips(state) = state {

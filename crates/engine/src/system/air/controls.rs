@@ -1,4 +1,4 @@
-//! Control surfaces of the machine: their angles from the inputs, and their hinge moments for the outputs.
+//! Control surfaces of the model: their angles from the inputs, and their hinge moments for the outputs.
 
 use crate::aero::flap::{Deflection, Flap};
 use crate::machine::Air;
@@ -47,7 +47,7 @@ fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
 }
 
 impl AirCoupling {
-    /// Passes the control surface angles at a time of the present communication step to the aerodynamic model.
+    /// Passes the control surface angles at a time of the current communication step to the aerodynamic model.
     ///
     /// # Errors
     /// If an angle exceeds its limits.

@@ -14,7 +14,7 @@ use crate::system::System;
 /// Two lattices that lie close above each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceGap {
-    /// Indices into the machine's bodies.
+    /// Indices into the model's bodies.
     pub bodies: [usize; 2],
     /// Smallest distance of a control point of one lattice from the sheet of the other, divided by the local panel size.
     pub least_panels: f64,

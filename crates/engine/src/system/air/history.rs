@@ -1,4 +1,4 @@
-//! State of the aerodynamics over an aerodynamic step, as part of the machine's state.
+//! State of the aerodynamics over an aerodynamic step, as part of the model's state.
 
 use crate::aero::AirState;
 use crate::load::Wrench;
@@ -13,17 +13,17 @@ pub(crate) struct AirHistory {
     pub start_s: f64,
     /// Number of aerodynamic steps since `start_s`.
     pub steps: u64,
-    /// Aerodynamic state at the start of the present step.
+    /// Aerodynamic state at the start of the current step.
     pub before: AirState,
-    /// Aerodynamic state at the end of the present step.
+    /// Aerodynamic state at the end of the current step.
     pub after: AirState,
-    /// Motion of the sections at the start of the present step, with the averaged velocities of eq. (Q4).
+    /// Motion of the sections at the start of the current step, with the averaged velocities of eq. (Q4).
     pub begin: Vec<Sample>,
-    /// Motion of the sections at the end of the present step.
+    /// Motion of the sections at the end of the current step.
     pub end: Vec<Sample>,
-    /// Loads of the present step.
+    /// Loads of the current step.
     pub loads: StepLoads,
-    /// Circulatory loads at the start of the present step; `loads` may start later.
+    /// Circulatory loads at the start of the current step; `loads` may start later.
     pub at_begin: Vec<Wrench>,
     /// Displacement of the wind from the start of the step to that of `loads`, in m.
     pub carried_m: Vector3<f64>,
@@ -31,10 +31,10 @@ pub(crate) struct AirHistory {
     pub gain: Gain,
     /// Largest force so far, in N.
     pub scale_n: f64,
-    /// Allowed displacement error of Newton's iteration in the present aerodynamic step, in the kinematic norm, so small that it has a
+    /// Allowed displacement error of Newton's iteration in the current aerodynamic step, in the kinematic norm, so small that it has a
     /// negligible effect on the loads; eq. (Q2).
     pub motion_tolerance: f64,
-    /// Structural step within the present aerodynamic step in s: the smallest step that the error estimate required in the first trial
+    /// Structural step within the current aerodynamic step in s: the smallest step that the error estimate required in the first trial
     /// march, apart from steps bounded by `after_jump_s`. If the step changed between trials, the loads at the end would jump by the
     /// integration error within the tolerance, and the iteration would not converge.
     pub structure_step_s: f64,

@@ -1,4 +1,4 @@
-//! Evaluation at the present instant: accelerations, aerodynamic loads and rates of the lag states from the coordinates, rates, lag states
+//! Evaluation at the current instant: accelerations, aerodynamic loads and rates of the lag states from the coordinates, rates, lag states
 //! and inputs, instead of the values interpolated over the steps.
 
 use crate::aero::rotor::loads::RotorLoads;
@@ -19,7 +19,7 @@ use nalgebra::Vector3;
 use std::borrow::Cow;
 
 impl System {
-    /// Elapsed fraction of the present aerodynamic step; 1 at its end.
+    /// Elapsed fraction of the current aerodynamic step; 1 at its end.
     pub(crate) fn share_of_air_step(&self) -> f64 {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return 1.0 };
         match history.steps {
@@ -28,7 +28,7 @@ impl System {
         }
     }
 
-    /// Aerodynamic lag states at the present time in the order of linear models: linear over the aerodynamic step. `None` without lag
+    /// Aerodynamic lag states at the current time in the order of linear models: linear over the aerodynamic step. `None` without lag
     /// states, [`System::air_is_linearised`].
     pub(crate) fn present_lags(&self, gusts: bool) -> Option<Vec<f64>> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
@@ -38,9 +38,9 @@ impl System {
         Some(before?.iter().zip(after?).map(|(a, b)| a + (b - a) * share).collect())
     }
 
-    /// Solves for the present accelerations, with the corresponding loads of strips and rotors; loads of lattices are kept constant, since
+    /// Solves for the current accelerations, with the corresponding loads of strips and rotors; loads of lattices are kept constant, since
     /// lattices have no lag states. (Integrators find accelerations only to their tolerance, and interpolate aerodynamic loads linearly
-    /// over an aerodynamic step.) `lags` replaces the present lag states.
+    /// over an aerodynamic step.) `lags` replaces the current lag states.
     ///
     /// Returns the rates of the lag states in their units per s.
     ///
@@ -75,7 +75,7 @@ impl System {
         Ok(rates)
     }
 
-    /// Sets the loads of a rotor for the present motion: without apparent mass, accelerations have no effect.
+    /// Sets the loads of a rotor for the current motion: without apparent mass, accelerations have no effect.
     fn load_rotor(&mut self, lags: Option<&[f64]>) -> Vec<f64> {
         let present = self.present_lags(false).unwrap_or_default();
         let Self { equations, state, scratch, air, .. } = self;

@@ -1,4 +1,4 @@
-//! The linear vortex lattice of a machine: its derivatives at the present pose, and the names of its states.
+//! The linear vortex lattice of a model: its derivatives at the current pose, and the names of its states.
 
 use crate::aero::flow::Flow;
 use crate::aero::lattice_linear::{LatticeSlopes, NoLinearLattice};
@@ -64,7 +64,7 @@ impl System {
                 PlantError::Linearization { time_s, cause }
             }
         });
-        // the present angles of the control surfaces
+        // the current angles of the control surfaces
         air.model.deflect(&air.deflections);
         slopes.map(Some)
     }

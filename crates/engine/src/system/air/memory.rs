@@ -32,7 +32,7 @@ impl AirCoupling {
 }
 
 impl System {
-    /// Makes the aerodynamics at the present time consistent with the motion and with its [`AirCoupling::memories`], both of which may have
+    /// Makes the aerodynamics at the current time consistent with the motion and with its [`AirCoupling::memories`], both of which may have
     /// been changed: positions and attitudes of the sections, their relative velocities, and the circulatory loads at the start of the next
     /// step.
     ///
@@ -65,7 +65,7 @@ impl System {
         {
             let turned = motion.rotation.transpose();
             let now = Wrench { force_n: turned * load.force_n, moment_n_m: turned * load.moment_n_m };
-            // keeps the difference by which the prediction of the next step extrapolates the present loads
+            // keeps the difference by which the prediction of the next step extrapolates the current loads
             earlier.force_n += now.force_n - to.force_n;
             earlier.moment_n_m += now.moment_n_m - to.moment_n_m;
             *to = now;
@@ -104,7 +104,7 @@ mod tests {
         plant
     }
 
-    /// Changed values of the memories at the present time persist when the aerodynamics is made consistent with them, and affect the
+    /// Changed values of the memories at the current time persist when the aerodynamics is made consistent with them, and affect the
     /// following steps. Unchanged values have no effect.
     #[test]
     fn moved_memories_stay_and_act() {

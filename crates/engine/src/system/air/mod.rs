@@ -1,4 +1,4 @@
-//! Aerodynamics of the machine: loads over time, state and outputs.
+//! Aerodynamics of the model: loads over time, state and outputs.
 
 pub(crate) mod continuous;
 pub(crate) mod controls;
@@ -67,7 +67,7 @@ pub(crate) struct AirCoupling {
 }
 
 impl AirCoupling {
-    /// Aerodynamics of a machine; `None` if it has none.
+    /// Aerodynamics of a model; `None` if it has none.
     pub fn new(machine: &machine::Machine) -> Option<Self> {
         let settings = machine.air.clone()?;
         let mut sections = 0;

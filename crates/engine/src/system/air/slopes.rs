@@ -1,4 +1,4 @@
-//! Derivatives of the aerodynamic response to small motions of the machine, its lag states and its inputs, in continuous time: strips,
+//! Derivatives of the aerodynamic response to small motions of the model, its lag states and its inputs, in continuous time: strips,
 //! NOTATION eqs. (W13) and (W14), and rotors, eqs. (B27) and (B31).
 
 use crate::aero::near_sheets::NoCirculation;
@@ -87,7 +87,7 @@ impl System {
         self.air.as_ref().is_some_and(|air| air.settings.options.is_linearised())
     }
 
-    /// Derivatives of the aerodynamic response at the present state. `sections` holds motion and accelerations of all sections; `by` holds
+    /// Derivatives of the aerodynamic response at the current state. `sections` holds motion and accelerations of all sections; `by` holds
     /// their derivatives with respect to coordinates, rates and accelerations of the degrees of freedom, [`SECTION_VARIABLES`] rows for
     /// each section. `None` if there are no strips or rotors.
     ///
@@ -161,7 +161,7 @@ impl System {
         }))
     }
 
-    /// Names, units and values of the aerodynamic lag states at the present state, in the order of linear models.
+    /// Names, units and values of the aerodynamic lag states at the current state, in the order of linear models.
     pub fn air_lags(&self, gusts: bool) -> Vec<(String, &'static str, f64)> {
         let Some(air) = &self.air else { return Vec::new() };
         let values = self.present_lags(gusts).unwrap_or_default();

@@ -26,7 +26,7 @@ pub(crate) fn refusal(time_s: f64, cause: impl std::fmt::Display) -> PlantError 
 }
 
 impl System {
-    /// Initialises the aerodynamics at the start of the run, with the loads for the present motion. If an aerodynamic state exists since
+    /// Initialises the aerodynamics at the start of the run, with the loads for the current motion. If an aerodynamic state exists since
     /// [`System::start`], strips of a lattice continue from its circulation, eq. (U32), so that a search for an equilibrium stays on one of
     /// several branches.
     pub(crate) fn start_air(&mut self, time_s: f64) -> Result<(), PlantError> {
@@ -80,7 +80,7 @@ impl System {
         Ok(())
     }
 
-    /// Ends the effect of the previous inputs in the present step at the present time, because they change now.
+    /// Ends the effect of the previous inputs in the current step at the current time, because they change now.
     pub(crate) fn cut_step(&mut self) {
         let time_s = self.state.now.time_s;
         let Some(begin_s) = self.state.air.as_ref().map(|history| history.loads.begin_s) else { return };

@@ -262,7 +262,7 @@ impl System {
         Ok(values)
     }
 
-    /// Aerodynamic memory at the present time; rotations relative to `reference`. Empty without aerodynamics.
+    /// Aerodynamic memory at the current time; rotations relative to `reference`. Empty without aerodynamics.
     pub(crate) fn air_memory(&self, reference: &[Matrix3<f64>]) -> Vec<f64> {
         self.state.air.as_ref().map_or_else(Vec::new, |history| memory(history, reference))
     }

@@ -1,4 +1,4 @@
-//! Present lattice and wake, for reports; not used in the time step.
+//! Current lattice and wake, for reports; not used in the time step.
 
 use crate::aero::{AirModel, AirState};
 use crate::system::System;
@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 /// Lattice and wake of one surface, root frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceLattice {
-    /// Index into the machine's bodies.
+    /// Index into the model's bodies.
     pub body: usize,
     /// Corners of the bound rings in m: rows from the leading edge, columns from the inner section; the last row but one is the trailing
     /// edge, the last one the start of the wake.
@@ -24,7 +24,7 @@ pub struct SurfaceLattice {
 }
 
 impl System {
-    /// Force in N of the air at the edges of the strips, surface by surface, root frame, at the present time, as it acts on the structure.
+    /// Force in N of the air at the edges of the strips, surface by surface, root frame, at the current time, as it acts on the structure.
     /// Their sum is the total force of the air on the surfaces. Empty without aerodynamics.
     pub fn surface_forces_n(&self) -> Vec<Vec<Vector3<f64>>> {
         let Some(air) = &self.air else { return Vec::new() };
@@ -32,7 +32,7 @@ impl System {
         air.settings.surfaces.iter().map(|surface| loads.by_ref().take(surface.positions_m.len()).collect()).collect()
     }
 
-    /// End time in s of the aerodynamic step that contains the present time, with the vortex lattice at that time, surface by surface;
+    /// End time in s of the aerodynamic step that contains the current time, with the vortex lattice at that time, surface by surface;
     /// `None` without a lattice or before initialisation.
     pub fn lattice(&self) -> Option<(f64, Vec<SurfaceLattice>)> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);

@@ -20,7 +20,7 @@ impl System {
         self.equations.remember_attitudes(&ahead.q, &self.tip_bodies, last);
     }
 
-    /// Also stores the present attitudes if the rotation in the internal step is so large that the attitude at its end does not determine
+    /// Also stores the current attitudes if the rotation in the internal step is so large that the attitude at its end does not determine
     /// the sign.
     pub(crate) fn remember_far_turns(&mut self) {
         let State { start, ahead, now, spatial_rotations, tip_rotations, station_rotations, .. } = &mut self.state;
@@ -56,7 +56,7 @@ impl Equations {
 /// Rotation within one internal step, in rad, above which attitudes are stored at every communication point.
 const FAR_TURN_RAD: f64 = 1.0;
 
-/// Bound in rad on the rotation of any part of the machine between two sets of coordinates: sum of the rotations in all joints and
+/// Bound in rad on the rotation of any part of the model between two sets of coordinates: sum of the rotations in all joints and
 /// elements.
 fn turn_between(equations: &Equations, from: &[f64], to: &[f64]) -> f64 {
     let change = |c: usize| to[c] - from[c];

@@ -1,4 +1,4 @@
-//! Energies of the machine and accounts of work and dissipation.
+//! Energies of the model and accounts of work and dissipation.
 
 use crate::multibody::energy;
 use crate::system::outputs::Present;
@@ -24,7 +24,7 @@ pub struct EnergyOutputs {
     pub total: f64,
 }
 
-/// Writes the present energies, except for the accounts.
+/// Writes the current energies, except for the accounts.
 pub(crate) fn fill(output: &mut EnergyOutputs, present: &Present) {
     let (equations, motion) = (present.equations, present.motion);
     let (model, work) = (&equations.model, &equations.work);

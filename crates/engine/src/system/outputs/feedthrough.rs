@@ -11,7 +11,7 @@ use crate::system::outputs::OutputSet;
 use crate::system::state::State;
 
 impl System {
-    /// Evaluates outputs at the present time with the newly set inputs, if these differ from the inputs at the end of the last step.
+    /// Evaluates outputs at the current time with the newly set inputs, if these differ from the inputs at the end of the last step.
     /// Returns false if they do not differ, or if the result is not finite. Allocates nothing.
     pub(crate) fn evaluate_with_set_inputs(&mut self, wanted: OutputSet) -> bool {
         let state = &self.state;
@@ -40,7 +40,7 @@ impl System {
         settled
     }
 
-    /// Sets the equations to the present time with the newly set inputs, and with the parameters and switches of the last step; neutral
+    /// Sets the equations to the current time with the newly set inputs, and with the parameters and switches of the last step; neutral
     /// angles jump with their commands unless a rate limit is active.
     fn impose_set_inputs(&mut self) {
         let State { inputs, applied_inputs, applied_from_s, now, .. } = &mut self.state;
@@ -55,7 +55,7 @@ impl System {
 }
 
 impl State {
-    /// Whether the set inputs equal those at the end of the present step.
+    /// Whether the set inputs equal those at the end of the current step.
     fn has_arrived_inputs(&self) -> bool {
         let elapsed_s = self.now.time_s - self.applied_from_s;
         let applied = self.applied_inputs.values().iter().zip(self.applied_rates.values());

@@ -30,7 +30,7 @@ pub struct JointOutputs {
 }
 
 impl JointOutputs {
-    /// Adds the motor's contribution to the time derivatives of the outputs, on the present branch of its limits and slews: `motion` is
+    /// Adds the motor's contribution to the time derivatives of the outputs, on the current branch of its limits and slews: `motion` is
     /// angle, rate and acceleration, `external_n_m_s` the rate of the external torque.
     pub(crate) fn add_drive(
         &mut self,

@@ -1,4 +1,4 @@
-//! Outputs: one flat vector, with one source file per group, and their values at the present time.
+//! Outputs: one flat vector, with one source file per group, and their values at the current time.
 
 mod attitudes;
 mod energies;
@@ -50,7 +50,7 @@ impl System {
         }
     }
 
-    /// Evaluates those of `wanted` that are not up to date at the present time, with the set inputs: forces and accelerations have direct
+    /// Evaluates those of `wanted` that are not up to date at the current time, with the set inputs: forces and accelerations have direct
     /// feedthrough. Allocates nothing.
     pub fn provide(&mut self, wanted: OutputSet) {
         if self.state.initialized && !self.found.contains(wanted) {
@@ -69,12 +69,12 @@ impl System {
         }
     }
 
-    /// Whether these outputs are up to date at the present time.
+    /// Whether these outputs are up to date at the current time.
     pub fn provides(&self, wanted: OutputSet) -> bool {
         !self.state.initialized || self.found.contains(wanted)
     }
 
-    /// Evaluates all outputs from the present state and the inputs of the last step. Allocates nothing.
+    /// Evaluates all outputs from the current state and the inputs of the last step. Allocates nothing.
     pub(crate) fn evaluate(&mut self) {
         self.evaluate_only(OutputSet::ALL);
     }
@@ -85,7 +85,7 @@ impl System {
         self.evaluate_some(wanted);
     }
 
-    /// Marks all outputs as out of date, because the present state has changed.
+    /// Marks all outputs as out of date, because the current state has changed.
     pub(crate) fn forget_outputs(&mut self) {
         self.found = OutputSet::NONE;
         self.outputs.time_s = self.state.now.time_s;
@@ -148,7 +148,7 @@ impl System {
         }
     }
 
-    /// Updates the equations to the present time to the extent that some outputs require.
+    /// Updates the equations to the current time to the extent that some outputs require.
     fn sweep_for(&mut self, wanted: OutputSet) {
         let (now, equations) = (&self.state.now, &mut self.equations);
         let time_s = now.time_s;

@@ -91,7 +91,7 @@ impl BitOr for OutputSet {
     }
 }
 
-/// Extent to which the equations are evaluated at the present time; each includes the previous ones.
+/// Extent to which the equations are evaluated at the current time; each includes the previous ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Sweep {
     /// Coordinates only.

@@ -89,7 +89,7 @@ impl OutputLayout {
         groups.into_iter().find(|(range, _)| range.contains(&index)).map_or(OutputSet::ALL, |(_, group)| group)
     }
 
-    /// Layout for a machine.
+    /// Layout for a model.
     pub fn new(machine: &Machine) -> Self {
         let mut end = 0;
         let (one_freedoms, bodies) = (machine.one_freedoms().count(), machine.bodies.len());
@@ -156,7 +156,7 @@ impl Outputs {
         tips, tips_mut: [PointOutputs];
         /// Per station, in the order of [`crate::signal::Inputs::stations`].
         stations, stations_mut: [PointOutputs];
-        /// Per load station of machines with aerodynamics: aerodynamic force and moment on the part of the body that is nearest to it, at
+        /// Per load station of models with aerodynamics: aerodynamic force and moment on the part of the body that is nearest to it, at
         /// the station, root frame.
         air_stations, air_stations_mut: [Wrench];
         /// Per strip, surfaces in the order of their bodies: circulation in m²/s.
@@ -178,7 +178,7 @@ impl Outputs {
         air_total, air_total_mut: Wrench;
     }
 
-    /// Zero outputs with the sizes of a machine, before initialisation.
+    /// Zero outputs with the sizes of a model, before initialisation.
     pub(crate) fn blank(machine: &Machine) -> Self {
         let layout = OutputLayout::new(machine);
         let mut outputs = Self { time_s: 0.0, layout, values: vec![0.0; layout.end] };

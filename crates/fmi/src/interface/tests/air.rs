@@ -1,4 +1,4 @@
-//! Machines with aerodynamics: dependencies of control surfaces, derivatives of initial values.
+//! Models with aerodynamics: dependencies of control surfaces, derivatives of initial values.
 
 use super::*;
 use foldwing_engine::plant::PlantError;

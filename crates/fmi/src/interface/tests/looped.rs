@@ -6,7 +6,7 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{Closure, JointKind, JointMotion, LoopEnd, Motion, Revolute};
 use nalgebra::Vector3;
 
-/// Three branches on the root, the first of two bodies, and one that floats.
+/// Three branches on the root, the first of two bodies, and one of two bodies that floats.
 const BRANCHES: &str = r#"
 name = "Looped"
 gravity_m_s2 = [0.3, -0.4, -9.81]
@@ -23,6 +23,7 @@ b = { length_m = 0.15, section = "plate", elements = 1, load_stations = 1 }
 c = { length_m = 0.25, section = "plate", elements = 1, load_stations = 1 }
 d = { length_m = 0.2, section = "plate", elements = 1, load_stations = 1 }
 e = { length_m = 0.2, section = "plate", elements = 1, load_station_positions_m = [0.07] }
+f = { length_m = 0.2, section = "plate", elements = 1 }
 [internal_load.cut]
 body = "a"
 position_m = 0.03
@@ -65,6 +66,13 @@ parent = "root"
 child = "e"
 root_position_m = [0.1, 0.2, 0.3]
 mount_rotation_deg = [30, 10, -20]
+[joint.tail]
+type = "revolute"
+parent = "e"
+child = "f"
+axis = [0.3, 1, -0.2]
+start_angle_deg = 25
+motor = { stiffness_N_m_rad = 0.1, damping_N_m_s_rad = 0.01 }
 [mass] # not damped: without them, the damping of a body that turns about its own joint only slows it down
 c = { body = "c", position_m = 0.07, mass_kg = 0.02, offset_m = [0, 0.02, 0] }
 d = { body = "d", position_m = 0.1, mass_kg = 0.02, offset_m = [0, 0.02, 0] }
@@ -85,7 +93,7 @@ fn closure(name: &str, bodies: [usize; 2], [inertia_kg, damping_n_s_m]: [f64; 2]
     }
 }
 
-/// A loop between a body and the root; soft, as [`closure`].
+/// A loop between a body and the root, as soft as that of [`closure`].
 fn on_root(name: &str, body: usize, penalty: [f64; 2]) -> Closure {
     let mut closure = closure(name, [body; 2], penalty);
     (closure.ends[0], closure.offsets_m[0]) = (LoopEnd::Root, Vector3::new(0.2, 0.1, 0.15));
@@ -107,11 +115,14 @@ fn joined(closures: Vec<Closure>, change: impl Fn(usize, &mut Revolute)) -> Mach
 /// Loops with every term of the penalty force: between held branches, within one branch, and with a floating branch.
 pub(super) fn machines() -> Vec<(&'static str, Machine)> {
     let spinning = |_: usize, revolute: &mut Revolute| revolute.start_rate_rad_s = 0.7;
-    let prescribed = |index: usize, revolute: &mut Revolute| {
-        if index == 2 {
-            revolute.motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.3, 0.5, 1.5]));
+    let moved = |body: usize| {
+        move |index: usize, revolute: &mut Revolute| {
+            if index == body {
+                revolute.motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.3, 0.5, 1.5]));
+            }
         }
     };
+    let prescribed = moved(2);
     vec![
         ("loop of springs", joined(vec![closure("pin", [1, 2], [0.0, 0.0])], |_, _| ())),
         ("loop of springs and dampers, turning", joined(vec![closure("pin", [1, 2], [0.0, 2.0])], spinning)),
@@ -125,6 +136,8 @@ pub(super) fn machines() -> Vec<(&'static str, Machine)> {
         ("springs to the root", joined(vec![on_root("tie", 1, [0.0, 2.0])], |_, _| ())),
         ("inertia to the root, turning", joined(vec![on_root("tie", 1, [0.05, 2.0])], spinning)),
         ("springs from what floats to the root", joined(vec![on_root("tie", 4, [0.0, 2.0])], |_, _| ())),
+        ("springs from a fold of what floats to the root", joined(vec![on_root("tie", 5, [0.0, 2.0])], |_, _| ())),
+        ("springs from a prescribed fold of what floats", joined(vec![on_root("tie", 5, [0.0, 2.0])], moved(5))),
         ("inertia from what would float to the root", joined(vec![on_root("tie", 4, [0.05, 2.0])], |_, _| ())),
         ("to the root, prescribed", joined(vec![on_root("tie", 2, [0.05, 0.0])], prescribed)),
         (

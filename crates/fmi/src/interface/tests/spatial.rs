@@ -70,7 +70,7 @@ c = { body = "c", position_m = 0.02, y_m = 0.01 }
 e = { body = "e", position_m = 0.02, y_m = 0.01 }
 "#;
 
-/// The machine with every type of joint; the named ones rotate at the start, `drift` gives the free body a velocity.
+/// The model with every type of joint; the named ones rotate at the start, `drift` gives the free body a velocity.
 pub(super) fn with_spins(names: &[&str]) -> Machine {
     let mut machine = machine(SPATIAL);
     for body in &mut machine.bodies {

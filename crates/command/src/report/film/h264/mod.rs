@@ -1,7 +1,7 @@
 //! An encoder for the constrained baseline profile of H.264 (ITU-T H.264, 08/2021), which browsers, players and office programs can
 //! decode.
 //!
-//! Films of machines have static cameras and plain backgrounds. Macroblocks of 16 × 16 pixels are skipped, predicted from the previous
+//! Videos of models have static cameras and plain backgrounds. Macroblocks of 16 × 16 pixels are skipped, predicted from the previous
 //! picture, or predicted from their neighbours. There is no motion search, no deblocking filter, and one quantiser.
 
 mod bits;
@@ -67,7 +67,7 @@ struct Coded {
     chroma: [[Block; 4]; 2],
 }
 
-/// Encoder of a film.
+/// Encoder of a video.
 pub(super) struct Encoder {
     size: [u32; 2],
     /// Number of columns and rows of macroblocks.
