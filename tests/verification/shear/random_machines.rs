@@ -177,8 +177,8 @@ fn solved(beams: &[Beam], force: Vector3<f64>) -> (Place, Vector3<f64>) {
 }
 
 /// SH-39. Tip and attitude of all machines under a dead force that moves their tips by up to 0.9 of the length: fourth order in each, 8 pairs
-/// within 6e-5 (the worst, with the most compliant sections, has 4e-5; its 4 pairs have 6.5e-4). About each equilibrium the mass matrix is positive definite:
-/// scaled to a unit diagonal, its least eigenvalue is far above round-off, 1e-15.
+/// within 6e-5 (the worst has 4e-5, and 6.5e-4 with 4 pairs). About each equilibrium the mass matrix is positive definite: scaled to a unit
+/// diagonal, its least eigenvalue is far above round-off, 1e-15.
 #[test]
 fn sh39_statics_of_random_machines() {
     let (mut worst, mut least, mut moved) = (0.0f64, f64::INFINITY, 0.0f64);
@@ -256,8 +256,9 @@ fn momenta(plant: &mut Plant) -> [Vector3<f64>; 2] {
 
 const END_S: f64 = 0.1;
 
-/// SH-39. Energy, momentum and angular momentum of all machines that fly freely from a start without strain, with 2 pairs per beam at a tolerance of
-/// 5e-12: 1e-9 (1e-8 at 1e-9: the error is that of the steps alone). The machine that starts turned moves in the same way: round-off.
+/// SH-39. Energy, momentum and angular momentum of all machines that fly freely from a start without strain, with 2 pairs per beam at a
+/// tolerance of 5e-12: 1e-9 (1e-8 at a tolerance of 1e-9: the error is that of the steps alone). The machine that starts turned moves in
+/// the same way: round-off.
 #[test]
 fn sh39_motion_of_random_machines() {
     let (mut worst, mut elastic) = ([0.0f64; 4], 0.0f64);

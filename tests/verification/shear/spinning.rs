@@ -78,8 +78,8 @@ fn check(name: &str, joint: &str, reference: &str, meshes: [usize; 3], allowed: 
     }
 }
 
-/// SH-38. Clamped to a shaft that spins up to 8 rad/s, holds, and stops, with angles of up to 0.4 rad between the ends: 8 pairs within 4e-4 m
-/// of the independent program over 2 s (2.7e-4 m, of the fourth order from 3.6e-3 m with 4 pairs; the reference is within 1.5e-5 m, a twentieth of that).
+/// SH-38. Clamped to a shaft that spins up to 8 rad/s, holds, and stops: 8 pairs within 4e-4 m of the independent program over 2 s (2.7e-4 m,
+/// with 4 pairs 3.6e-3 m; the reference is within 1.5e-5 m, a twentieth of that).
 #[test]
 fn sh38_spin_up_and_down() {
     let reference = include_str!("../../reference/shear/coupled_spin.csv");
