@@ -236,10 +236,9 @@ fn momenta(plant: &mut Plant) -> [Vector3<f64>; 2] {
         let rates = JointKind::Free.parameter_rates(pose, &spin);
         let mut energy = |sign: f64| {
             let mut changed = states.clone();
-            for k in 0..7 {
-                let rate = rates[k] + if k < 3 { (velocity + spin.cross(&place))[k] } else { 0.0 };
-                changed[count + first + k] += sign * rate;
-            }
+            let shift = velocity + spin.cross(&place);
+            let rates = rates.iter().take(7).enumerate().map(|(k, rate)| rate + shift.get(k).unwrap_or(&0.0));
+            changed[count + first..].iter_mut().zip(rates).for_each(|(state, rate)| *state += sign * rate);
             system.set_exchange_states(&changed);
             system.update_exchange().expect("derivatives");
             system.provide(OutputSet::ALL);
