@@ -63,7 +63,7 @@ class SurfaceShape {
     const around = this.aerofoil ? this.aerofoil.stations.length - 1 : 0, strips = this.surface.columns - 1;
     this.mesh = quads(Math.max(strips * this.rows, 2 * around * (strips + 1)), new THREE.MeshLambertMaterial(run === main ? own : ghost));
     this.mesh.castShadow = run === main;
-    this.mesh.userData = { body: this.surface.body, describe: hit => this.describe(hit) };
+    this.mesh.userData = { run, body: this.surface.body, describe: hit => this.describe(hit) };
     this.lattice = lines(new THREE.LineBasicMaterial({ transparent: true, opacity: run === main ? 0.55 : 0.25 }));
   }
 

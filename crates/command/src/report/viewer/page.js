@@ -317,7 +317,7 @@ function listRuns() {
 
 const arrowText = set => `${set.title}, longest ${figures(set.most > 1e-9 ? set.most : 0, 3)} ${set.unit}`;
 function buildControls() {
-  get("name").textContent = about.name;
+  get("name").textContent = live ? live.machines.join(" and ") : about.name;
   get("about").textContent = about.description;
   get("time").max = main.last;
   if (!modal) for (const speed of SPEEDS) get("speed").add(new Option(`${speed} ×`));

@@ -2,7 +2,7 @@
 // ---- the stage: renderer, light and soft shadow, ground with its scale, axes -----------------------------------------
 
 if (modal) fillCycle();
-const extents = extentsOf(main);
+const extents = live ? extentsOfAll() : extentsOf(main);
 const canvas = get("view");
 const styleOf = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const WIDTH = Math.max(extents.wing, 1e-6);
