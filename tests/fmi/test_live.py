@@ -285,13 +285,13 @@ def test_controls_and_pulls_act_on_both_machines_or_one(foldwing, browser, tmp_p
 def test_machines_that_cannot_run_in_step_are_refused(foldwing, tmp_path):
     """What cannot be shown beside the first machine is refused with its name and the cure."""
     late = tmp_path / "late.toml"
-    late.write_text(WING.read_text() + "\n[experiment]\nstart_time_s = 0.5\n")
+    late.write_text(WING.read_text().replace("[simulation]\n", "[simulation]\nstart_time_s = 0.1\n"))
     state = tmp_path / "state"
     state.write_bytes(b"")
     table = tmp_path / "run.csv"
     for words, code, said in (
         (["--compare", table], 2, f"--compare {table}: must be a model file (.toml): runs and tables are compared by `simulate --view --compare`"),
-        (["--compare", late], 2, f"--compare {late}: starts at 0.5 s and the first model at 0 s, but they have one clock; set the same start_time_s in [experiment]"),
+        (["--compare", late], 2, f"--compare {late}: starts at 0.1 s and the first model at 0 s, but they have one clock; set the same start_time_s in [simulation]"),
         (["--compare", WING] * 4, 2, f"--compare {WING}: there can be at most 3 models besides the first"),
         (["--compare", WING, "--state", state], 2, "--state: 1 states cannot start 2 models; give one state for each, in their order"),
         (["--compare", tmp_path / "none.toml"], 4, "none.toml"),

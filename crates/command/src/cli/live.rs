@@ -104,7 +104,7 @@ fn machines(arguments: &Arguments) -> Result<Vec<(String, Plant, Interface)>, Fa
         {
             let (first_s, own_s) = (first.time_s(), plant.time_s());
             let cure = if arguments.states.is_empty() {
-                "set the same start_time_s in [experiment]"
+                "set the same start_time_s in [simulation]"
             } else {
                 "save states of the same time"
             };

@@ -33,7 +33,7 @@ pub(super) struct Running {
     sent_events: usize,
 }
 
-/// What a frame contains of a machine: the description in the header, and the numbers after it.
+/// Part of a frame for one machine: the description in the header, and the numbers after it.
 pub(super) struct Part {
     pub description: serde_json::Value,
     pub numbers: Vec<f32>,

@@ -309,7 +309,7 @@ impl Session {
         json!({ "kind": "connected", "values": values, "others": others, "events": events }).to_string()
     }
 
-    /// Sets an input or parameter of one machine, or of all that have it; if one of them refuses the value, none is changed.
+    /// Sets an input or parameter of one machine, or of all that have it; if it is invalid for one of them, none is changed.
     fn set(&mut self, name: &str, given: Given, machine: Option<usize>) -> Result<(), String> {
         let count = self.machines.len();
         let chosen: Vec<usize> = match machine {

@@ -328,7 +328,7 @@ fn machines_in_step_run_as_each_alone() {
     assert_eq!(sent_frame(&mut both).1, numbers);
 }
 
-/// A value is set on all machines that have its name or on one; if one of them refuses it, none is changed. Pulls belong to one machine.
+/// A value is set on all machines that have its name or on one; if it is invalid for one of them, none is changed. Pulls belong to one machine.
 #[test]
 fn orders_act_on_all_machines_or_one() {
     let mut both = pair();
@@ -359,7 +359,8 @@ fn orders_act_on_all_machines_or_one() {
     assert!(message.contains("no machine 2"), "{message}");
 }
 
-/// A value that only the second machine refuses leaves the first unchanged, and names the second. A machine that lacks a name is left out.
+/// A value that is invalid only for the second machine leaves the first unchanged, and the message has the name of the second. Machines without a name
+/// are left out.
 #[test]
 fn a_value_refused_by_one_machine_changes_none() {
     let (interface, plant) = started("folding_wing");
@@ -372,7 +373,7 @@ fn a_value_refused_by_one_machine_changes_none() {
     assert_eq!(kind, "real", "{name}");
     both.execute(&set(&name, 0.0)).unwrap();
     assert!(both.execute(&set("no.such_name", 0.0)).unwrap_err().starts_with("a: "));
-    // an input of both, which the second takes for a switch
+    // an input of both, which is a switch in the second
     let name = "fold.external_torque";
     let at = both.machines[1].controls.iter().position(|one| one.name == name).unwrap();
     both.machines[1].controls[at].kind = "switch";
@@ -380,7 +381,7 @@ fn a_value_refused_by_one_machine_changes_none() {
     let message = both.execute(&set(name, 0.02)).unwrap_err();
     assert_eq!(message, format!("b: {name} cannot be 0.02: it must be true or false"));
     assert_eq!(both.values(), before);
-    // outputs of one machine are plotted, those of none are refused
+    // outputs of one machine are plotted, those of none are errors
     let watch = |name: &str| Order::Watch { names: vec!["fold.angle".to_owned(), name.to_owned()] };
     both.execute(&watch("aero.force.z")).unwrap();
     assert_eq!(both.machines.iter().map(|one| one.watched.len()).collect::<Vec<_>>(), [1, 2]);
