@@ -12,9 +12,12 @@ import threading
 import webbrowser
 from pathlib import Path
 from types import TracebackType
-from typing import IO, List, Optional, Type
+from typing import IO, List, Optional, Sequence, Tuple, Type
 
 from .errors import FilesError, UsageError
+
+Machine = Tuple[str, bytes]
+"""Text of a model, and the bytes of a state of this model."""
 
 
 class Live:
@@ -27,14 +30,18 @@ class Live:
 
     address: str
 
-    def __init__(self, text: str, state: bytes, port: int, speed: float) -> None:
-        """Start the server with the text of a model and the bytes of a state of this model."""
+    def __init__(self, machines: Sequence[Machine], port: int, speed: float) -> None:
+        """Start the server with the machines: the text of the model and the bytes of a state of each."""
         self._folder = Path(tempfile.mkdtemp(prefix="foldwing-live-"))
         self._notes: List[str] = []
-        model, start = self._folder / "model.toml", self._folder / "state"
-        model.write_bytes(text.encode())
-        start.write_bytes(state)
-        command = [sys.executable, "-m", "foldwing", "live", str(model), "--state", str(start), "--no-browser", "--port", str(port), "--speed", repr(speed)]
+        command = [sys.executable, "-m", "foldwing", "live", "--no-browser", "--port", str(port), "--speed", repr(speed)]
+        for number, (text, state) in enumerate(machines, 1):
+            # files of one name: the legend numbers machines with equal names
+            model, start = self._folder / str(number) / "model.toml", self._folder / str(number) / "state"
+            model.parent.mkdir()
+            model.write_bytes(text.encode())
+            start.write_bytes(state)
+            command += [*(["--compare"] if number > 1 else []), str(model), "--state", str(start)]
         # Ctrl-C at the prompt interrupts what runs there, not the server
         self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
         assert self._process.stdout is not None and self._process.stderr is not None
@@ -106,13 +113,13 @@ class Live:
         return f"<foldwing.Live at {self.address}{'' if self.running else ', ended'}>"
 
 
-def start(text: str, state: bytes, port: int, speed: float, show: bool) -> Live:
-    """Start a live simulation and show its page, unless `show` is false."""
+def start(machines: Sequence[Machine], port: int, speed: float, show: bool) -> Live:
+    """Start a live simulation of machines in step and show its page, unless `show` is false."""
     if not 0 <= port <= 65535:
         raise UsageError(f"port={port}: must be from 0 to 65535; 0 selects any free port")
     if not 1e-3 <= speed <= 100.0:
         raise UsageError(f"speed={speed}: must be from 0.001 to 100 simulated seconds per second")
-    live = Live(text, state, port, speed)
+    live = Live(machines, port, speed)
     if show and not webbrowser.open(live.address):
         print(f"open {live.address} in a browser of this computer", file=sys.stderr)
     return live

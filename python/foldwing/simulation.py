@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from typing import TYPE_CHECKING, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, List, Optional, Sequence, Tuple, Union
 
 from . import _native, live
 from .errors import UsageError
@@ -68,10 +68,10 @@ class Simulation(_native.Simulation):
         if left_s > 0.0:
             clock.sleep(left_s)
 
-    def view(self, *, port: int = 0, speed: float = 1.0, show: bool = True) -> live.Live:
-        """Show the simulation live in the browser, from the current state on, in wall-clock time; on the page one can start and stop
+    def view(self, *, compare: Union[Simulation, Sequence[Simulation]] = (), port: int = 0, speed: float = 1.0, show: bool = True) -> live.Live:
+        """Show the machine live in the browser, from its present state on: it runs on the wall clock; in the page one can start and stop
         it, go back in time, set inputs and parameters, and pull on it with a spring. The command `foldwing live` serves the page in a
-        separate process: this simulation is not changed.
+        separate process: this simulation is not changed. Other simulations run in step with it: one clock, drawn together, shared sliders.
 
         >>> import foldwing as fw
         >>> sim = fw.load("examples/models/folding_wing.toml").start()
@@ -83,6 +83,7 @@ class Simulation(_native.Simulation):
         False
 
         Args:
+            compare: other simulations at the same time in s, at most three.
             port: port of this computer's loopback address; 0 takes any free one.
             speed: simulated seconds per second of wall-clock time; the page can change it.
             show: if false, start no browser; `Live.address` is the address of the page.
@@ -92,8 +93,15 @@ class Simulation(_native.Simulation):
 
         Raises:
             FilesError: if the port is in use.
+            UsageError: if another simulation has another time, or there are too many.
         """
-        return live.start(self.model.text, self.save().to_bytes(), port, speed, show)
+        others = [compare] if isinstance(compare, Simulation) else list(compare)
+        if len(others) > 3:
+            raise UsageError(f"compare: {len(others)} simulations; at most 3 can be shown besides this one")
+        for number, other in enumerate(others):
+            if other.time != self.time:
+                raise UsageError(f"compare[{number}]: is at {other.time} s and this simulation at {self.time} s, but they have one clock: step to one time")
+        return live.start([(one.model.text, one.save().to_bytes()) for one in (self, *others)], port, speed, show)
 
     def __repr__(self) -> str:
         return f"<foldwing.Simulation of {self.model.name} at {self.time:g} s>"

@@ -189,6 +189,117 @@ def test_the_end_of_the_process_is_told_to_the_page(foldwing, browser):
         leave(browser)
 
 
+def damped(folder, name="DampedWing", factor=5):
+    """The folding wing with another name and a larger damping of the joint."""
+    text = WING.read_text().replace('name = "FoldingWing"', f'name = "{name}"')
+    changed = text.replace("damping_N_m_s_rad = 0.0008", f"damping_N_m_s_rad = {0.0008 * factor:g}")
+    assert changed != text != WING.read_text()
+    path = folder / f"damped_{factor}.toml"
+    path.write_text(changed)
+    return path
+
+
+def latch_time(foldwing, model):
+    """Time of the first latch of a run of a model."""
+    run = json.loads(subprocess.run([foldwing, "simulate", model, "--json", "--stop", "1"], check=True, capture_output=True, text=True).stdout)
+    return run["joints"][0]["latch_time_s"]
+
+
+@pytest.mark.parametrize("dark, width", [(False, 1400), (True, 390)])
+def test_two_machines_run_in_step(foldwing, browser, tmp_path, dark, width):
+    """Two wings share clock, step and rollback, each latches when it does alone; both are drawn, with a legend and curves for both."""
+    other = damped(tmp_path)
+    with live(foldwing, WING, "--compare", other, "--speed", "0.5") as (address, _):
+        opened(browser, address, dark=dark, width=width)
+        both = "runs.map(run => run.timeOf(run.last))"
+        assert browser.value("runs.map(run => run.label)") == ["FoldingWing", "DampedWing"]
+        assert browser.value("[get('runs').hidden, ...[...get('runs').children].map(label => label.textContent)]") == [False, "FoldingWing", "DampedWing – – –"]
+        assert browser.value(UNLABELLED) == 0
+        assert browser.value("document.documentElement.scrollWidth <= innerWidth")
+        press(browser, " ", "Space")
+        awaited(browser, "about.events.filter(event => event.kind === 'latch').length === 2", "they do not both latch")
+        press(browser, " ", "Space")
+        awaited(browser, "!link.running", "it does not pause")
+        times = dict(browser.value("about.events.filter(event => event.kind === 'latch').map(event => [event.text.split(':')[0], event.t])"))
+        for name, model in (("FoldingWing", WING), ("DampedWing", other)):
+            assert abs(times[name] - latch_time(foldwing, model)) < 5e-5, (name, times)
+        assert times["DampedWing"] > times["FoldingWing"] + 0.01
+        one, two = browser.value(both)
+        assert one == two > times["DampedWing"]
+        # both have curves with the same times; single precision
+        assert browser.value("charts[0].plot.series.slice(1).map(series => series.label)") == ["fold.angle", "fold.angle (DampedWing)"]
+        assert browser.value("runs[1].times.length === main.times.length && runs[1].times.every((time, i) => time === main.times[i])")
+        gap = browser.value("Math.max(...main.samples.get('fold.angle').map((angle, i) => Math.abs(angle - runs[1].samples.get('fold.angle')[i])))")
+        assert gap > 0.1, "the curves are the same"
+        press(browser, "ArrowRight")
+        awaited(browser, f"main.timeOf(main.last) > {one} + 1e-5", "no step")
+        assert browser.value(both) == [pytest.approx(one + 5e-4, abs=1e-7)] * 2
+        browser.value("rollBack(main.positionAt(0.05))")
+        awaited(browser, "main.timeOf(main.last) < 0.06 && runs[1].timeOf(runs[1].last) < 0.06", "it does not go back")
+        back = browser.value(both)
+        assert back[0] == back[1] and browser.value("about.events.length") == 0
+        # the curves end there too
+        assert browser.value(f"runs.every(run => run.times[run.times.length - 1] <= {back[0]} + 1e-6)")
+        # the second can be hidden
+        browser.value("get('runs').children[1].querySelector('input').click()")
+        settled(browser)
+        assert browser.value("[shapes.filter(shape => shape.run !== main && shape.mesh.visible).length, charts[0].plot.series.length]") == [0, 2]
+        assert browser.complaints() == []
+        leave(browser)
+
+
+def test_controls_and_pulls_act_on_both_machines_or_one(foldwing, browser, tmp_path):
+    """A slider moves both machines, or the one that is chosen; where they differ, it says so. A pull acts on the same stations of both."""
+    with live(foldwing, WING, "--compare", damped(tmp_path)) as (address, _):
+        opened(browser, address)
+        row = lambda name: f"controls.find(one => one.control.name === '{name}')"  # noqa: E731
+        assert browser.value(f"[{row('fold.motor_damping')}.values.map(value => +value.toPrecision(6)), {row('fold.motor_damping')}.note.textContent]") \
+            == [[0.0008, 0.004], "FoldingWing: 0.0008 N.m.s/rad, DampedWing: 0.004 N.m.s/rad"]
+        move = "(name => value => { const field = document.querySelector(`[data-name=\"${name}\"] input[type=number]`); field.value = value; field.dispatchEvent(new Event('change')); })"
+        browser.value(f"{move}('fold.external_torque')(0.01)")
+        awaited(browser, f"{row('fold.external_torque')}.values.every(value => value === 0.01)", "the slider does not move both")
+        choose = lambda value: browser.value(f"(get('acts-on').value = '{value}', get('acts-on').dispatchEvent(new Event('change')))")  # noqa: E731
+        choose("1")
+        browser.value(f"{move}('fold.external_torque')(0.02)")
+        awaited(browser, f"{row('fold.external_torque')}.values[1] === 0.02", "the slider does not move the second")
+        assert browser.value(f"{row('fold.external_torque')}.values[0]") == 0.01
+        browser.value("document.querySelector('#switches [data-name=\"fold.latch_enable\"]').click()")
+        awaited(browser, f"{row('fold.latch_enable')}.note?.textContent === 'FoldingWing: on, DampedWing: off'", "the switch acts on the wrong machine")
+        # pulls: the machines coincide at the start
+        browser.value("get('stiffness').value = 1")
+        for chosen, pulled in (("", [True, True]), ("0", [True, False])):
+            choose(chosen)
+            settled(browser)
+            x, y = browser.value(f"{ON_PAGE}(stationPlace(7))")
+            mouse(browser, "mousePressed", x, y, button="left", clickCount=1)
+            assert browser.value("spring.held.run.label") == "FoldingWing"
+            for part in range(1, 5):
+                mouse(browser, "mouseMoved", x, y - 5 * part, button="left", buttons=1)
+            awaited(browser, f"JSON.stringify(link.pulls.map(Boolean)) === '{json.dumps(pulled, separators=(',', ':'))}'", "the spring pulls at the wrong machine")
+            mouse(browser, "mouseReleased", x, y - 20, button="left", clickCount=1)
+            awaited(browser, "link.pulls.every(pull => !pull)", "the spring still pulls")
+        assert browser.complaints() == []
+        leave(browser)
+
+
+def test_machines_that_cannot_run_in_step_are_refused(foldwing, tmp_path):
+    """What cannot be shown beside the first machine is refused with its name and the cure."""
+    late = tmp_path / "late.toml"
+    late.write_text(WING.read_text().replace("[simulation]\n", "[simulation]\nstart_time_s = 0.1\n"))
+    state = tmp_path / "state"
+    state.write_bytes(b"")
+    table = tmp_path / "run.csv"
+    for words, code, said in (
+        (["--compare", table], 2, f"--compare {table}: must be a model file (.toml): runs and tables are compared by `simulate --view --compare`"),
+        (["--compare", late], 2, f"--compare {late}: starts at 0.1 s and the first model at 0 s, but they have one clock; set the same start_time_s in [simulation]"),
+        (["--compare", WING] * 4, 2, f"--compare {WING}: there can be at most 3 models besides the first"),
+        (["--compare", WING, "--state", state], 2, "--state: 1 states cannot start 2 models; give one state for each, in their order"),
+        (["--compare", tmp_path / "none.toml"], 4, "none.toml"),
+    ):
+        done = subprocess.run([foldwing, "live", WING, "--no-browser", *words], capture_output=True, text=True, timeout=PATIENCE_S)
+        assert done.returncode == code and said in done.stderr and not done.stdout, (words, done)
+
+
 # Machine and speed relative to real time. In `make validate`, alone on the computer, no time may be lost. The lattice wing takes 1.3 s of
 # processor time per second (docs/BENCHMARKS.md): at a quarter of real time it must keep up, at real time it must report if it does not.
 PACED = [(WING, 1.0), (TURBINE, 1.0), (TUNNEL, 0.25), (TUNNEL, 1.0)]

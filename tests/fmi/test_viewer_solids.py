@@ -42,9 +42,12 @@ stop_time_s = 0.1
 step_s = 0.01
 """
 
-# Vertices of the aerofoil of surface 0 as [x along the chord, height over it, height of the normal], for the edges of strip 2.
+# From nearby, where all positions along the chord are drawn: vertices of the aerofoil of surface 0 as [x along the chord, height over it, height of the normal], for the edges of strip 2.
 AEROFOIL = """(() => {
-  const shape = shapes.find(one => one instanceof SurfaceShape), { position, normal } = shape.mesh.geometry.attributes;
+  const shape = shapes.find(one => one instanceof SurfaceShape), { position, normal } = shape.mesh.geometry.attributes, { distance } = camera;
+  camera.distance = 1e-4 * distance;
+  shape.update();
+  camera.distance = distance;
   const intervals = about.aerofoils[0].stations.length - 1, strip = 2, found = [[], []];
   const nose = shape.corner(strip, 0), chord = plus(shape.corner(strip, 1), nose, -1), span = plus(shape.corner(strip + 1, 0), nose, -1);
   const length = Math.hypot(...chord), up = unit(cross(chord, span));
@@ -162,6 +165,81 @@ def test_f386_a_turbine_has_tower_nacelle_and_hub(browser, pages):
     opened(browser, pages / "nrel_5mw_wind.html")
     root = browser.value("about.aerofoils[0].upper.map((upper, c) => Math.max(...upper.map((height, k) => height - about.aerofoils[0].lower[c][k])))")
     assert root[0] == pytest.approx(1.0, abs=0.01) and root[-1] == pytest.approx(0.18, rel=0.02)
+    assert browser.complaints() == []
+
+
+# For all surfaces: quadrilaterals, largest distance in pixels of the outlines at the edges of the strips from what is drawn of them, largest
+# distance of a face from the strip to which it is said to belong, as a part of its span.
+DETAIL = """(() => {
+  let quads = 0, gap = 0, off = 0;
+  for (const shape of shapes.filter(one => one instanceof SurfaceShape)) {
+    const { aerofoil: { stations, sides }, surface: { columns } } = shape, { array } = shape.mesh.geometry.attributes.position;
+    shape.update();
+    quads += shape.begins[columns - 1];
+    for (let c = 0; c + 1 < columns; c++) {
+      const drawn = shape.levelOf(c);
+      for (const edge of [c, c + 1]) for (const side of sides) {
+        const { heights } = side[edge], chord = Math.hypot(...plus(shape.corner(edge, 1), shape.corner(edge, 0), -1));
+        stations.forEach((x, k) => {
+          const j = drawn.findIndex(other => stations[other] >= x), [a, b] = [drawn[Math.max(0, j - 1)], drawn[j]];
+          const line = b === a ? heights[b] : heights[a] + (heights[b] - heights[a]) * (x - stations[a]) / (stations[b] - stations[a]);
+          gap = Math.max(gap, Math.abs(heights[k] - line) * chord * pixelsPerMetre());
+        });
+      }
+    }
+    for (let q = 0; q < shape.mesh.geometry.drawRange.count / 6; q++) {
+      const c = shape.stripOf(2 * q), nose = shape.corner(c, 0), span = plus(shape.corner(c + 1, 0), nose, -1);
+      const across = plus(shape.corner(c, 1), nose, -1), way = plus(span, across, -dot(span, across) / dot(across, across));
+      const middle = [0, 1, 2, 3].reduce((sum, k) => plus(sum, vector(array, 12 * q + 3 * k), 0.25), [0, 0, 0]);
+      const part = dot(plus(middle, nose, -1), way) / dot(way, way);
+      off = Math.max(off, -part, part - 1);
+    }
+  }
+  return [quads, gap, off];
+})()"""
+# Channels of pixels that differ if the shade covers the whole ground, by more than 4 of 255: positions in the shadow map have round-off.
+SHADE = """(() => {
+  const gl = renderer.getContext(), picture = () => {
+    const found = new Uint8Array(4 * canvas.width * canvas.height);
+    render();
+    gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, found);
+    return found;
+  };
+  const clipped = picture(), own = clipShade, size = shade.scale.x * shade.scale.y;
+  clipShade = () => {
+    shade.visible = true;
+    shade.position.set((grounds[0][0] + grounds[0][1]) / 2, (grounds[1][0] + grounds[1][1]) / 2, shade.position.z);
+    shade.scale.set(grounds[0][1] - grounds[0][0], grounds[1][1] - grounds[1][0], 1);
+  };
+  const whole = picture(), part = size / (shade.scale.x * shade.scale.y);
+  sun.castShadow = false;
+  get('shadow').checked = false;
+  const without = picture();
+  get('shadow').checked = true;
+  clipShade = own;
+  const differ = (a, b) => a.reduce((sum, value, i) => sum + (Math.abs(value - b[i]) > 4 ? 1 : 0), 0);
+  return [differ(clipped, whole), differ(without, whole), part];
+})()"""
+
+
+def test_f388_detail_follows_the_distance(browser, pages):
+    """F-388. From afar, strips are drawn with fewer positions along the chord, at most 0.2 pixels from the outline; from nearby with all of
+    them. Faces belong to their strips in both cases. The shade is drawn only where shadows fall, with the same picture."""
+    opened(browser, pages / "nrel_5mw_wind.html")
+    settled(browser)
+    far, gap, off = browser.value(DETAIL)
+    assert 1e-3 < gap <= 0.2 and off < 0.05, (far, gap, off)
+    browser.value("camera.distance *= 1e-3")
+    near, gap, off = browser.value(DETAIL)
+    assert gap < 1e-9 and off < 0.05, (near, gap, off)
+    assert near == browser.value("about.surfaces.reduce((sum, surface, i) => sum + 2 * (surface.columns - 1) * (about.aerofoils[i].stations.length - 1), 0)")
+    print(f"quadrilaterals of the strips: {far} of {near}")
+    assert far < 0.7 * near
+    browser.value("camera.distance *= 1e3")
+    for at in ("0", "0.5 * main.last", "main.last"):
+        browser.value(f"(main.goTo({at}), 1)")
+        clipped, shaded, part = browser.value(SHADE)
+        assert clipped == 0 and shaded > 1000 and part < 0.7, (at, clipped, shaded, part)
     assert browser.complaints() == []
 
 

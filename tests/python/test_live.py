@@ -1,8 +1,11 @@
 """A live simulation from Python: the page starts from the state of the simulation, in a process that ends with the block."""
 
+import base64
 import json
+import math
 import re
 import socket
+import struct
 import urllib.error
 import urllib.request
 
@@ -56,3 +59,25 @@ def test_wrong_arguments_are_refused(wing):
         port = taken.getsockname()[1]
         with pytest.raises(fw.FilesError, match=f"--port {port}: cannot be opened on 127.0.0.1"):
             sim.view(show=False, port=port)
+
+
+def test_simulations_are_shown_in_step(wing):
+    """Two simulations of one model begin at their present states on one page, with numbers in the legend; other times are refused."""
+    one, two = wing.start(), wing.start()
+    two["fold.external_torque"] = 0.02
+    one.step(0.05)
+    with pytest.raises(fw.UsageError, match=r"compare\[0\]: is at 0.0 s and this simulation at 0.05 s, but they have one clock"):
+        one.view(compare=two, show=False)
+    with pytest.raises(fw.UsageError, match="compare: 4 simulations; at most 3"):
+        one.view(compare=[one] * 4, show=False)
+    two.step(0.05)
+    with one.view(compare=two, show=False) as shown:
+        text = page(shown.address)
+    live = json.loads(re.search(r'class="live">(.*?)</script', text)[1])
+    assert live["machines"] == [f"{wing.name} 1", f"{wing.name} 2"]
+    assert [name["name"] for name in live["controls"]] == [name["name"] for name in live["others"][0]]
+    # the numbers of a page: time, then the angle in degrees
+    starts = [struct.unpack("<2f", base64.b64decode(numbers)[:8]) for numbers in re.findall(r'class="numbers">(.*?)</script', text)]
+    for (time, angle), sim in zip(starts, (one, two), strict=True):
+        assert abs(time - 0.05) < 1e-8 and abs(angle - math.degrees(sim["fold.angle"])) < 1e-4
+    assert abs(starts[0][1] - starts[1][1]) > 0.1

@@ -121,6 +121,7 @@ pub(super) const LIVE: &str = "\
 Examples:
   foldwing live wing.toml
   foldwing live wing.toml --speed 0.1 --set fold.start_angle=\"90 deg\"
+  foldwing live wing.toml --compare stiffer.toml
   foldwing live wing.toml --no-browser --port 8000";
 
 pub(super) const RENDER: &str = "\

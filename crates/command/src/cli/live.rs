@@ -2,9 +2,9 @@
 
 use crate::cli::settings::plant_with;
 use crate::cli::{Failure, read_model, tell};
-use crate::live::{Ended, Server, Session, Summary};
+use crate::live::{Ended, MOST_MACHINES, Server, Session, Summary};
 use clap::builder::NonEmptyStringValueParser;
-use foldwing_engine::plant::{Plant, Snapshot};
+use foldwing_engine::plant::{Plant, PlantError, Snapshot};
 use foldwing_fmi::interface::{Interface, guid};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,12 +24,15 @@ pub struct Arguments {
     /// Simulated seconds per second; the page can change it
     #[arg(long, default_value_t = 1.0, value_name = "X", value_parser = speed, allow_negative_numbers = true)]
     speed: f64,
-    /// Start value of an input or parameter; may be repeated
+    /// Second model, simulated in step with the first: one clock, drawn together, shared sliders; may be repeated
+    #[arg(long = "compare", value_name = "MODEL")]
+    others: Vec<PathBuf>,
+    /// Start value of an input or parameter of the first model; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = NonEmptyStringValueParser::new())]
     settings: Vec<String>,
-    /// File with the state to start from: the bytes of `State.to_bytes` of the Python package
-    #[arg(long, value_name = "FILE", conflicts_with = "settings")]
-    state: Option<PathBuf>,
+    /// File with the state to start from: the bytes of `State.to_bytes` of the Python package; with --compare once per model, in order
+    #[arg(long = "state", value_name = "FILE", conflicts_with = "settings")]
+    states: Vec<PathBuf>,
 }
 
 /// Parses a speed within the limits of the page.
@@ -41,17 +44,7 @@ fn speed(text: &str) -> Result<f64, String> {
 
 /// Serves the page until it is closed.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let (machine, text) = read_model(&arguments.model)?;
-    let interface = Interface::new(&machine);
-    let plant = match &arguments.state {
-        None => {
-            let mut plant = plant_with(machine, &interface, &arguments.settings)?;
-            let start_s = plant.machine().experiment.start_time_s;
-            plant.initialize(start_s).map_err(|error| Failure::Simulation(error.to_string()))?;
-            plant
-        }
-        Some(state) => restored(Plant::new(Arc::new(machine)), &interface, &text, state)?,
-    };
+    let machines = machines(arguments)?;
     let interrupted = Arc::new(AtomicBool::new(false));
     heed_signals(&interrupted);
     let port = arguments.port;
@@ -60,13 +53,83 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "--port {port}: cannot be opened on 127.0.0.1: {error}; choose another port, or 0 for any free port"
         ))
     })?;
-    let mut session = Session::new(plant, interface, arguments.speed);
+    let mut session = Session::of_machines(machines, arguments.speed);
     announce(&server, &session, arguments.no_browser)?;
     let ended = server
         .run(&mut session, &interrupted)
         .map_err(|error| Failure::Files(format!("the server failed: {error}")))?;
     tell::note(&summary_text(ended, &session.summary()));
     Ok(())
+}
+
+/// Reads the models and starts them, with their names in the legend.
+fn machines(arguments: &Arguments) -> Result<Vec<(String, Plant, Interface)>, Failure> {
+    let paths: Vec<&PathBuf> = [&arguments.model].into_iter().chain(&arguments.others).collect();
+    let refused = |path: &Path, cause: String| Failure::Usage(format!("--compare {}: {cause}", path.display()));
+    for path in &arguments.others {
+        if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+            let cause = "must be a model file (.toml): runs and tables are compared by `simulate --view --compare`";
+            return Err(refused(path, cause.to_owned()));
+        }
+    }
+    if let Some(path) = paths.get(MOST_MACHINES) {
+        return Err(refused(path, format!("there can be at most {} models besides the first", MOST_MACHINES - 1)));
+    }
+    if !arguments.states.is_empty() && arguments.states.len() != paths.len() {
+        let (states, models) = (arguments.states.len(), paths.len());
+        return Err(Failure::Usage(format!(
+            "--state: {states} states cannot start {models} models; give one state for each, in their order"
+        )));
+    }
+    let mut found: Vec<(String, Plant, Interface)> = Vec::new();
+    for (i, path) in paths.iter().enumerate() {
+        let (machine, text) = read_model(path)?;
+        let (interface, name) = (Interface::new(&machine), machine.name.clone());
+        let plant = match arguments.states.get(i) {
+            None => {
+                let settings = if i == 0 { arguments.settings.as_slice() } else { &[] };
+                let mut plant = plant_with(machine, &interface, settings)?;
+                let start_s = plant.machine().experiment.start_time_s;
+                let failed = |error: PlantError| match i {
+                    0 => error.to_string(),
+                    _ => format!("--compare {}: {error}", path.display()),
+                };
+                plant.initialize(start_s).map_err(|error| Failure::Simulation(failed(error)))?;
+                plant
+            }
+            Some(state) => restored(Plant::new(Arc::new(machine)), &interface, &text, state)?,
+        };
+        if let Some((_, first, _)) = found.first()
+            && first.time_s() != plant.time_s()
+        {
+            let (first_s, own_s) = (first.time_s(), plant.time_s());
+            let cure = if arguments.states.is_empty() {
+                "set the same start_time_s in [simulation]"
+            } else {
+                "save states of the same time"
+            };
+            return Err(refused(
+                path,
+                format!("starts at {own_s} s and the first model at {first_s} s, but they have one clock; {cure}"),
+            ));
+        }
+        found.push((name, plant, interface));
+    }
+    let labels = labels(&found.iter().map(|(name, ..)| name.as_str()).collect::<Vec<_>>(), &paths);
+    Ok(found.into_iter().zip(labels).map(|((_, plant, interface), label)| (label, plant, interface)).collect())
+}
+
+/// Names for the legend: those of the machines, or of the files where these are equal, or else numbered.
+fn labels(names: &[&str], paths: &[&PathBuf]) -> Vec<String> {
+    let files: Vec<_> = paths.iter().map(|path| path.file_name().unwrap_or_default().to_string_lossy()).collect();
+    let alone = |list: &[&str], one: &str| list.iter().filter(|other| **other == one).count() == 1;
+    let of_files: Vec<&str> = files.iter().map(AsRef::as_ref).collect();
+    let label = |(i, (name, file)): (usize, (&&str, &&str))| match (alone(names, name), alone(&of_files, file)) {
+        (true, _) => (*name).to_owned(),
+        (false, true) => (*file).to_owned(),
+        (false, false) => format!("{name} {}", i + 1),
+    };
+    names.iter().zip(&of_files).enumerate().map(label).collect()
 }
 
 /// Restores a plant from a saved state of its model.

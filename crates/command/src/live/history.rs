@@ -13,15 +13,22 @@ const MOST_BYTES: usize = 256 << 20;
 /// Number of states between two measurements of their size, which grows with the wakes.
 const BETWEEN_SIZES: usize = 128;
 
-/// Stored state of a simulation at one time.
+/// Stored state of a machine.
 #[derive(Clone)]
-pub(super) struct Moment {
-    /// Time in s.
-    pub time_s: f64,
+pub(super) struct State {
     /// State of the plant.
     pub snapshot: Snapshot,
     /// Station and its force without the pull, if a pull was active.
     pub held: Option<Held>,
+}
+
+/// Stored states of all machines of a simulation at one time.
+#[derive(Clone)]
+pub(super) struct Moment {
+    /// Time in s.
+    pub time_s: f64,
+    /// States in the order of the machines.
+    pub states: Vec<State>,
 }
 
 /// Stored states in order of time.
@@ -43,7 +50,8 @@ impl History {
     /// Adds the current state and removes the oldest ones beyond the limit; a state of the same time is replaced.
     pub fn push(&mut self, moment: Moment) {
         if self.until_size == 0 {
-            let bytes = postcard::to_stdvec(&moment.snapshot).map_or(1, |bytes| bytes.len());
+            let size = |state: &State| postcard::to_stdvec(&state.snapshot).map_or(1, |bytes| bytes.len());
+            let bytes: usize = moment.states.iter().map(size).sum();
             self.most = (MOST_BYTES / bytes.max(1)).clamp(2, MOST);
             self.until_size = BETWEEN_SIZES;
         }
@@ -81,7 +89,7 @@ mod tests {
     use foldwing_engine::plant::Plant;
 
     fn moment(plant: &Plant, time_s: f64) -> Moment {
-        Moment { time_s, snapshot: plant.snapshot(), held: None }
+        Moment { time_s, states: vec![State { snapshot: plant.snapshot(), held: None }] }
     }
 
     /// The buffer is bounded; rolling back finds the last state up to a time and removes later ones.

@@ -1,6 +1,6 @@
 //! Interactive simulation in real time on a page in the browser.
 //!
-//! [`Session`] contains the plant, its clock, a bounded history and the spring; it is independent of the network. [`Server`] passes
+//! [`Session`] contains the machines, their clock, a bounded history and the springs; it is independent of the network. [`Server`] passes
 //! [`Order`]s of the pages to the session, and frames of the session to the pages. Rules: `docs/decisions/0063-live-view.md`.
 
 mod clients;
@@ -10,6 +10,7 @@ mod http;
 mod order;
 mod pace;
 mod pull;
+mod running;
 mod server;
 #[cfg(test)]
 mod server_tests;
@@ -23,5 +24,5 @@ mod tests;
 pub use controls::{Control, controls};
 pub use order::{Order, SPEEDS};
 pub use server::{Ended, Server};
-pub use session::Session;
+pub use session::{MOST_MACHINES, Session};
 pub use summary::Summary;

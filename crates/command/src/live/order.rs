@@ -52,13 +52,16 @@ pub enum Order {
         name: String,
         /// Its value in the variable's unit.
         value: Given,
+        /// Index of the machine [default: all machines that have this name].
+        #[serde(default)]
+        machine: Option<usize>,
     },
     /// Send the values of further outputs over time.
     Watch {
         /// Their names.
         names: Vec<String>,
     },
-    /// Attach a spring to a load station.
+    /// Attach a spring to a load station of a machine.
     Pull {
         /// Index of the station, over all bodies.
         station: usize,
@@ -66,8 +69,11 @@ pub enum Order {
         target_m: [f64; 3],
         /// Stiffness in N/m.
         stiffness_n_m: f64,
+        /// Index of the machine.
+        #[serde(default)]
+        machine: usize,
     },
-    /// Remove the spring.
+    /// Remove the springs.
     Release {},
 }
 
@@ -113,7 +119,7 @@ mod tests {
     #[test]
     fn orders_are_read_or_refused_with_what_is_allowed() {
         assert_eq!(Order::read(r#"{"do":"run"}"#), Ok(Order::Run {}));
-        let set = Order::Set { name: "a".to_owned(), value: Given::Switch(true) };
+        let set = Order::Set { name: "a".to_owned(), value: Given::Switch(true), machine: None };
         assert_eq!(Order::read(r#"{"do":"set","name":"a","value":true}"#), Ok(set));
         for (text, needed) in [
             ("", "a message is not a command"),
@@ -128,6 +134,7 @@ mod tests {
             (r#"{"do":"rollback","time_s":1e300}"#, "the rollback time cannot be"),
             (r#"{"do":"pull","station":0,"target_m":[0,0,2e6],"stiffness_n_m":1}"#, "the end of the spring cannot be"),
             (r#"{"do":"pull","station":0,"target_m":[0,0,0],"stiffness_n_m":-1}"#, "from 0.000000001 to"),
+            (r#"{"do":"set","name":"a","value":1,"machine":-1}"#, "a message is not a command"),
             (r#"{"do":"pull","station":-1,"target_m":[0,0,0],"stiffness_n_m":1}"#, "a message is not a command"),
         ] {
             let message = Order::read(text).unwrap_err();

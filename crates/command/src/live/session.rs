@@ -1,22 +1,19 @@
-//! The simulation of the page: its plant, clock and history, and the messages to the page.
+//! The simulation of the page: its machines, clock and history, and the messages to the page.
 
-use crate::live::controls::{Control, controls};
 use crate::live::history::{History, Moment};
-use crate::live::order::{Given, MOST_WATCHED, Order};
+use crate::live::order::{Given, Order};
 use crate::live::pace::Pace;
-use crate::live::pull::{Held, Pull};
+use crate::live::running::{Part, Running};
 use crate::live::summary::Summary;
-use crate::report::acting::Watch;
-use crate::report::number;
-use crate::report::recording::{Frame, Scene};
-use crate::report::viewer::{numbers_of_frame, page_of_live};
-use foldwing_engine::machine::{Machine, Parent};
-use foldwing_engine::plant::{OutputSet, Plant, Snapshot};
-use foldwing_fmi::interface::{AccessError, Causality, Interface, Stage, Value};
-use foldwing_study::names::NameError;
+use crate::report::viewer::{LiveMachine, page_of_live};
+use foldwing_engine::plant::Plant;
+use foldwing_fmi::interface::Interface;
 use nalgebra::Vector3;
 use serde_json::json;
 use std::time::{Duration, Instant};
+
+/// Largest number of machines of a simulation.
+pub const MOST_MACHINES: usize = 4;
 
 /// Frames per second of wall time.
 pub(super) const FRAMES_1_S: f64 = 30.0;
@@ -30,13 +27,10 @@ const TURN_S: f64 = 0.02;
 /// Samples of the plotted outputs per second of wall time.
 const SAMPLES_1_S: f64 = 250.0;
 
-/// Simulation paced by the wall clock.
+/// Simulation paced by the wall clock: one machine, or several in step.
 pub struct Session {
-    pub(super) plant: Plant,
-    interface: Interface,
-    pub(super) controls: Vec<Control>,
-    scene: Scene,
-    watch: Watch,
+    /// The machines; the first is that of the fields and values of the page.
+    pub(super) machines: Vec<Running>,
     /// Communication step in s; start time and number of steps since the last jump in time.
     step_s: f64,
     origin_s: f64,
@@ -44,15 +38,8 @@ pub struct Session {
     pace: Pace,
     /// Instant from which wall times are measured.
     started: Instant,
-    first: Snapshot,
     history: History,
-    pub(super) pull: Option<Pull>,
-    /// Value references of the plotted outputs, and the samples since the last frame, row by row after their times.
-    pub(super) watched: Vec<u32>,
-    samples: Vec<f32>,
     next_sample_s: f64,
-    /// Number of events sent so far.
-    sent_events: usize,
     /// Error of the last step, if any.
     failure: Option<String>,
     /// Whether anything has changed since the last frame was sent to the pages.
@@ -61,62 +48,66 @@ pub struct Session {
 }
 
 impl Session {
-    /// Creates a simulation, with its clock stopped, from the current state of an initialised plant.
-    pub fn new(mut plant: Plant, interface: Interface, speed: f64) -> Self {
-        plant.watch(OutputSet::NONE);
-        plant.provide(OutputSet::ALL);
+    /// Creates a simulation of one machine, with its clock stopped, from the current state of an initialised plant.
+    #[cfg(test)]
+    pub fn new(plant: Plant, interface: Interface, speed: f64) -> Self {
+        Self::of_machines([(plant.machine().name.clone(), plant, interface)], speed)
+    }
+
+    /// Creates a simulation of machines that step together, from the current states of initialised plants with the same time; each has
+    /// a name for the legend. The communication step is the shortest of the machines.
+    pub fn of_machines(machines: impl IntoIterator<Item = (String, Plant, Interface)>, speed: f64) -> Self {
         let [shortest_s, longest_s] = STEPS_S;
-        let step_s = plant.machine().experiment.step_s.clamp(shortest_s, longest_s).min(plant.longest_step_s());
-        let first = plant.snapshot();
-        let now_s = plant.time_s();
-        let watch = Watch::new(plant.machine());
-        let mut session = Self {
-            controls: controls(&interface, &plant),
-            scene: Scene::of(&plant),
-            sent_events: 0,
-            watch,
+        let machines: Vec<Running> =
+            machines.into_iter().map(|(label, plant, interface)| Running::new(label, plant, interface)).collect();
+        let step_s = machines.iter().map(|one| &one.plant).fold(longest_s, |least_s, plant| {
+            let own_s = plant.machine().experiment.step_s.clamp(shortest_s, longest_s);
+            least_s.min(own_s).min(plant.longest_step_s())
+        });
+        let now_s = machines.first().map_or(0.0, |one| one.plant.time_s());
+        let first = Moment { time_s: now_s, states: machines.iter().map(Running::first).collect() };
+        Self {
+            machines,
             step_s,
             origin_s: now_s,
             taken: 0,
             pace: Pace::new(speed),
             started: Instant::now(),
-            history: History::new(Moment { time_s: now_s, snapshot: first.clone(), held: None }),
-            first,
-            pull: None,
-            watched: Vec::new(),
-            samples: Vec::new(),
+            history: History::new(first),
             next_sample_s: now_s,
             failure: None,
             changed: true,
             summary: Summary::default(),
-            plant,
-            interface,
-        };
-        session.watch.include(&session.plant, &session.scene.joints);
-        session
+        }
     }
 
     /// Page that shows the simulation, as HTML.
     pub fn page(&mut self) -> String {
-        self.plant.provide(OutputSet::ALL);
-        let frame = Frame::of(&self.scene, &self.plant);
-        let outputs = self.interface.variables().iter().filter(|row| row.causality == Causality::Output);
-        let outputs = outputs.filter(|row| matches!(row.value, Value::Real(_)));
-        let signals: Vec<_> = outputs.map(|row| (row.name.clone(), row.unit().to_owned())).collect();
-        let reach_m = reach_m(self.plant.machine());
+        let reach_m = self.machines.iter().map(Running::reach_m).fold(0.0, f64::max);
+        let names: Vec<String> = self.machines.iter().map(|one| one.label.clone()).collect();
+        let controls: Vec<_> = self.machines.iter().map(|one| json!(one.controls)).collect();
+        let (first, others) =
+            controls.split_first().map_or((json!([]), Vec::new()), |(one, rest)| (one.clone(), rest.to_vec()));
         let live = json!({
-            "controls": self.controls,
+            "controls": first,
+            "others": others,
+            "machines": names,
             "step_s": self.step_s,
             "speed": self.pace.speed(),
             "reach_m": reach_m,
-            "weight_n": 9.81 * self.plant.mass_kg(),
+            "weight_n": 9.81 * self.machines.first().map_or(0.0, |one| one.plant.mass_kg()),
         });
-        page_of_live(&self.scene, &frame, &signals, &live)
+        let shown = self.machines.iter_mut().map(|one| {
+            let label = one.label.clone();
+            let (scene, first, signals) = one.shown();
+            LiveMachine { label, scene, first, signals }
+        });
+        page_of_live(&shown.collect::<Vec<_>>(), &live)
     }
 
-    /// Name of the model.
-    pub fn name(&self) -> &str {
-        &self.scene.name
+    /// Names of the machines.
+    pub fn name(&self) -> String {
+        self.machines.iter().map(|one| one.label.as_str()).collect::<Vec<_>>().join(" and ")
     }
 
     /// Communication step in s.
@@ -126,7 +117,7 @@ impl Session {
 
     /// Current time in s.
     pub fn time_s(&self) -> f64 {
-        self.plant.time_s()
+        self.machines.first().map_or(0.0, |one| one.plant.time_s())
     }
 
     /// Returns whether the clock runs.
@@ -174,8 +165,8 @@ impl Session {
                 Ok(None)
             }
             Order::Restart {} => {
-                let first = Moment { time_s: f64::NEG_INFINITY, snapshot: self.first.clone(), held: None };
-                self.go_back(&first)?;
+                let states = self.machines.iter().map(Running::first).collect();
+                self.go_back(&Moment { time_s: f64::NEG_INFINITY, states })?;
                 self.history = History::new(self.moment());
                 Ok(Some(self.rolled_back_message()))
             }
@@ -189,10 +180,12 @@ impl Session {
                 self.pace.set_speed(*value, wall, now_s);
                 Ok(None)
             }
-            Order::Set { name, value } => self.set(name, *value).map(|()| Some(self.values())),
+            Order::Set { name, value, machine } => self.set(name, *value, *machine).map(|()| Some(self.values())),
             Order::Watch { names } => self.add_watched(names).map(|()| None),
-            Order::Pull { station, target_m, stiffness_n_m } => {
-                self.set_pull(*station, Vector3::from(*target_m), *stiffness_n_m).map(|()| None)
+            Order::Pull { station, target_m, stiffness_n_m, machine } => {
+                let (count, target_m) = (self.machines.len(), Vector3::from(*target_m));
+                let one = self.machines.get_mut(*machine).ok_or_else(|| no_machine(*machine, count))?;
+                one.set_pull(*station, target_m, *stiffness_n_m).map(|()| None)
             }
             Order::Release {} => {
                 self.release_pull();
@@ -235,253 +228,185 @@ impl Session {
         self.pace.catch_up(wall, reached_s, step_s);
     }
 
-    /// Performs one communication step; after an error the simulation stops at the last valid time.
+    /// Performs one communication step of all machines; after an error the simulation stops at the last valid time.
     fn advance_one(&mut self) {
         let (before_s, next_s, begun) = (self.time_s(), self.next_s(), Instant::now());
-        if let Some(pull) = &mut self.pull {
-            pull.apply(&mut self.plant, self.step_s);
-        }
-        let outcome = self.plant.step(next_s);
+        let (step_s, several) = (self.step_s, self.machines.len() > 1);
         self.taken += 1;
         self.changed = true;
-        self.watch.include(&self.plant, &self.scene.joints);
+        for one in &mut self.machines {
+            if let Err(error) = one.step_to(next_s, step_s) {
+                self.pace.stop();
+                self.failure = Some(if several { format!("{}: {error}", one.label) } else { error });
+                break;
+            }
+        }
         self.sample();
         self.summary.steps += 1;
         self.summary.simulated_s += self.time_s() - before_s;
         self.summary.slowest_s = self.summary.slowest_s.max(begun.elapsed().as_secs_f64());
-        if let Err(error) = outcome {
-            self.pace.stop();
-            self.failure = Some(error.to_string());
-        }
     }
 
-    /// Adds a sample of the plotted signals.
+    /// Adds a sample of the plotted signals, of all machines at the same times.
     fn sample(&mut self) {
         let now_s = self.time_s();
-        if self.watched.is_empty() || now_s < self.next_sample_s - 1e-9 * self.step_s {
+        if self.failure.is_some() || now_s < self.next_sample_s - 1e-9 * self.step_s {
+            return;
+        }
+        if self.machines.iter().all(|one| one.watched.is_empty()) {
             return;
         }
         self.next_sample_s = now_s + self.pace.speed() / SAMPLES_1_S;
-        self.plant.provide(self.interface.needs(self.watched.as_slice()));
-        self.samples.push(now_s as f32);
-        for reference in &self.watched {
-            let value = self.interface.get(&self.plant, self.plant.outputs(), *reference);
-            self.samples.push(value.map_or(f32::NAN, |value| number(&value) as f32));
-        }
+        self.machines.iter_mut().for_each(Running::sample);
     }
 
     fn moment(&self) -> Moment {
-        Moment {
-            time_s: self.time_s(),
-            snapshot: self.plant.snapshot(),
-            held: self.pull.as_ref().map(|pull| pull.held),
-        }
+        Moment { time_s: self.time_s(), states: self.machines.iter().map(Running::state).collect() }
     }
 
     fn go_back(&mut self, moment: &Moment) -> Result<(), String> {
-        self.plant.restore(&moment.snapshot).map_err(|error| error.to_string())?;
-        if let Some(held) = moment.held {
-            held.release(&mut self.plant);
+        for (one, state) in self.machines.iter_mut().zip(&moment.states) {
+            one.go_back(state)?;
         }
         self.pace.stop();
-        self.pull = None;
         self.failure = None;
         (self.origin_s, self.taken) = (self.time_s(), 0);
         self.next_sample_s = self.origin_s;
-        self.samples.clear();
-        let (now_s, mut watch) = (self.origin_s, Watch::new(self.plant.machine()));
-        watch.events = std::mem::take(&mut self.watch.events);
-        watch.events.retain(|event| event.time_s <= now_s || event.kind == "gust");
-        watch.include(&self.plant, &self.scene.joints);
-        self.sent_events = watch.events.len();
-        self.watch = watch;
         Ok(())
+    }
+
+    /// Names of the machines in texts, if there are several.
+    fn label(&self, machine: usize) -> Option<String> {
+        (self.machines.len() > 1).then(|| self.machines[machine].label.clone())
+    }
+
+    /// Values of the controls of the first machine, and those of the others.
+    fn value_lists(&mut self) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let mut all: Vec<_> = self.machines.iter_mut().map(Running::values).collect();
+        let others = all.split_off(all.len().min(1));
+        (all.pop().unwrap_or_default(), others)
     }
 
     /// Message after a rollback: the time and the values of the controls.
     fn rolled_back_message(&mut self) -> String {
-        json!({ "kind": "rolled_back", "time": self.time_s(), "values": self.value_list() }).to_string()
+        let (values, others) = self.value_lists();
+        json!({ "kind": "rolled_back", "time": self.time_s(), "values": values, "others": others }).to_string()
     }
 
     /// Message with the values of all controls.
     pub fn values(&mut self) -> String {
-        json!({ "kind": "values", "values": self.value_list() }).to_string()
+        let (values, others) = self.value_lists();
+        json!({ "kind": "values", "values": values, "others": others }).to_string()
     }
 
     /// First message to a page: values of the controls, and the events so far.
     pub fn connected_message(&mut self) -> String {
         self.changed = true;
-        let events: Vec<_> = self.watch.events.iter().map(event).collect();
-        json!({ "kind": "connected", "values": self.value_list(), "events": events }).to_string()
+        let labels: Vec<_> = (0..self.machines.len()).map(|machine| self.label(machine)).collect();
+        let events: Vec<_> =
+            self.machines.iter().zip(&labels).flat_map(|(one, label)| one.events(label.as_deref())).collect();
+        let (values, others) = self.value_lists();
+        json!({ "kind": "connected", "values": values, "others": others, "events": events }).to_string()
     }
 
-    /// Values of the controls in their order, without the load of a pull.
-    fn value_list(&mut self) -> Vec<f64> {
-        let values = |session: &mut Self| {
-            let Self { controls, interface, plant, .. } = session;
-            let value = |one: &Control| interface.get(plant, plant.outputs(), one.reference);
-            controls.iter().map(|one| value(one).map_or(f64::NAN, |value| number(&value))).collect()
-        };
-        self.without_pull(values)
-    }
-
-    /// Calls a function while the inputs have the values without the pull.
-    fn without_pull<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        let held = self.pull.as_ref().map(|pull| pull.held);
-        let with_pull = held.and_then(|held| Some(self.plant.inputs().stations().get(held.station)?.force_n));
-        if let Some(held) = held {
-            held.release(&mut self.plant);
-        }
-        let result = act(self);
-        if let (Some(pull), Some(with_n)) = (&mut self.pull, with_pull)
-            && let Some(load) = self.plant.inputs_mut().stations_mut().get_mut(pull.held.station)
-        {
-            // the function may have changed the force
-            let set_n = load.force_n;
-            load.force_n = with_n + set_n - pull.held.base_n;
-            pull.held.base_n = set_n;
-        }
-        result
-    }
-
-    fn set(&mut self, name: &str, given: Given) -> Result<(), String> {
-        let known = || self.controls.iter().map(|one| one.name.as_str());
-        let Some(one) = self.controls.iter().find(|one| one.name == name) else {
-            return Err(match self.interface.find(name) {
-                Some(_) => format!("{name} cannot be set during a run: only inputs and tunable parameters can"),
-                None => NameError::unknown(name, "input or tunable parameter", known()).to_string(),
-            });
-        };
-        let (reference, kind) = (one.reference, one.kind);
-        self.without_pull(|session| {
-            let (plant, row) = (&mut session.plant, &[reference][..]);
-            let outcome: Result<(), AccessError> = match (kind, given) {
-                ("switch", Given::Switch(value)) => session.interface.set_all(plant, row, &[value], Stage::Running),
-                ("real", Given::Number(value)) => session.interface.set_all(plant, row, &[value], Stage::Running),
-                ("integer", Given::Number(value)) if value.fract() == 0.0 && value.abs() < f64::from(i32::MAX) => {
-                    session.interface.set_all(plant, row, &[value as i32], Stage::Running)
-                }
-                (_, Given::Switch(_)) => return Err(format!("{name} cannot be true or false: it must be a number")),
-                ("switch", Given::Number(value)) => {
-                    return Err(format!("{name} cannot be {value}: it must be true or false"));
-                }
-                (_, Given::Number(value)) => {
-                    return Err(format!("{name} cannot be {value}: it must be a whole number"));
-                }
-            };
-            outcome.map_err(|error| error.to_string())
-        })
-    }
-
-    fn add_watched(&mut self, names: &[String]) -> Result<(), String> {
-        let mut added = Vec::new();
-        for name in names {
-            let row = self.interface.find(name).filter(|row| row.causality == Causality::Output);
-            let outputs = self.interface.variables().iter().filter(|row| row.causality == Causality::Output);
-            let unknown = || NameError::unknown(name, "output", outputs.map(|row| row.name.as_str())).to_string();
-            added.push(row.ok_or_else(unknown)?.value_reference);
-        }
-        let before = self.watched.clone();
-        self.watched.retain(|reference| !added.contains(reference));
-        self.watched.extend(added);
-        let too_many = self.watched.len().saturating_sub(MOST_WATCHED);
-        self.watched.drain(..too_many);
-        if self.watched != before {
-            // all rows of a frame have the same width
-            self.samples.clear();
-        }
-        Ok(())
-    }
-
-    fn set_pull(&mut self, station: usize, target_m: Vector3<f64>, stiffness_n_m: f64) -> Result<(), String> {
-        if self.pull.as_ref().is_some_and(|pull| pull.held.station != station) {
-            self.release_pull();
-        }
-        match &mut self.pull {
-            Some(pull) => {
-                pull.target_m = target_m;
-                pull.stiffness_n_m = stiffness_n_m;
-            }
+    /// Sets an input or parameter of one machine, or of all that have it; if it is invalid for one of them, none is changed.
+    fn set(&mut self, name: &str, given: Given, machine: Option<usize>) -> Result<(), String> {
+        let count = self.machines.len();
+        let chosen: Vec<usize> = match machine {
+            Some(machine) if machine >= count => return Err(no_machine(machine, count)),
+            Some(machine) => vec![machine],
             None => {
-                let stations = self.plant.inputs().stations().len();
-                let pull = Pull::new(&self.plant, station, target_m, stiffness_n_m);
-                self.pull = Some(pull.ok_or_else(|| match stations {
-                    0 => "there is no load station to pull on: the model has none".to_owned(),
-                    _ => format!("there is no load station {station}: they are numbered from 0 to {}", stations - 1),
-                })?);
+                let having: Vec<_> = (0..count).filter(|i| self.machines[*i].has_control(name)).collect();
+                // the message of the first machine if none has the name
+                if having.is_empty() { vec![0] } else { having }
             }
+        };
+        let mut before: Vec<(usize, Given)> = Vec::new();
+        for machine in chosen {
+            let one = &mut self.machines[machine];
+            let old = one.value(name);
+            if let Err(reason) = one.set(name, given) {
+                let reason = self.label(machine).map_or(reason.clone(), |label| format!("{label}: {reason}"));
+                for (machine, old) in before {
+                    self.machines[machine].set(name, old)?;
+                }
+                return Err(reason);
+            }
+            before.extend(old.map(|old| (machine, old)));
         }
         Ok(())
     }
 
-    /// Removes the spring.
-    pub fn release_pull(&mut self) {
-        if let Some(Pull { held, .. }) = self.pull.take() {
-            Held::release(held, &mut self.plant);
+    /// Adds outputs to those plotted, of every machine that has them.
+    fn add_watched(&mut self, names: &[String]) -> Result<(), String> {
+        let nowhere = |name: &&String| !self.machines.iter().any(|one| one.has_output(name));
+        let unknown: Vec<&String> = names.iter().filter(nowhere).collect();
+        if let (Some(first), false) = (self.machines.first_mut(), unknown.is_empty()) {
+            // its message names similar outputs
+            return first.add_watched(&unknown).map(drop);
         }
+        let mut any = false;
+        for one in &mut self.machines {
+            let own: Vec<&String> = names.iter().filter(|name| one.has_output(name)).collect();
+            any |= one.add_watched(&own)?;
+        }
+        if any {
+            // all rows of a frame have the same width, and the machines the same times
+            self.machines.iter_mut().for_each(Running::forget_samples);
+        }
+        Ok(())
+    }
+
+    /// Removes the springs.
+    pub fn release_pull(&mut self) {
+        self.machines.iter_mut().for_each(Running::release_pull);
     }
 
     /// The current frame, if anything has changed: a header in JSON, then numbers in single precision, little-endian.
     ///
-    /// The first four bytes are the length of the header, which is padded with spaces to a multiple of four. The numbers are the
-    /// samples (time and the values of `names`, row by row), followed by the state in the format of `run.js`.
+    /// The first four bytes are the length of the header, which is padded with spaces to a multiple of four. The numbers are, for each
+    /// machine, those of [`Running::next_part`]; the header describes the first machine, and in `others` the others.
     pub fn next_frame(&mut self) -> Option<Vec<u8>> {
         if !std::mem::take(&mut self.changed) {
             return None;
         }
         self.summary.frames += 1;
-        self.plant.provide(OutputSet::ALL);
         if self.failure.is_none() {
             // do not replace a valid state by that of a failed step
             self.history.push(self.moment());
         }
-        let frame = Frame::of(&self.scene, &self.plant);
-        let (rows, numbers) = numbers_of_frame(&self.scene, &frame);
-        let names = self.watched.iter().map(|row| self.interface.variables()[*row as usize].name.as_str());
-        let names: Vec<&str> = names.collect();
-        let events: Vec<_> =
-            self.watch.events[self.sent_events.min(self.watch.events.len())..].iter().map(event).collect();
-        let samples = self.samples.len() / (self.watched.len() + 1);
+        let labels: Vec<_> = (0..self.machines.len()).map(|machine| self.label(machine)).collect();
+        let parts: Vec<Part> =
+            self.machines.iter_mut().zip(&labels).map(|(one, label)| one.next_part(label.as_deref())).collect();
+        let events: Vec<_> = parts.iter().flat_map(|part| part.events.iter()).collect();
+        let others: Vec<_> = parts.iter().skip(1).map(|part| &part.description).collect();
         let mut header = json!({
-            "time": frame.time_s,
+            "time": self.time_s(),
             "oldest": self.history.oldest_s(),
             "running": self.pace.runs(),
             "speed": self.pace.speed(),
             "factor": self.pace.factor(),
             "lost": self.pace.lost_s(),
             "failure": self.failure,
-            "pull": self.pull.as_ref().map(Pull::shown),
             "events": events,
-            "names": names,
-            "samples": samples,
-            "rows": rows,
-        })
-        .to_string()
-        .into_bytes();
-        self.sent_events = self.watch.events.len();
+            "others": others,
+        });
+        if let (Some(all), Some(own)) =
+            (header.as_object_mut(), parts.first().and_then(|part| part.description.as_object()))
+        {
+            all.extend(own.clone());
+        }
+        let mut header = header.to_string().into_bytes();
         while !header.len().is_multiple_of(4) {
             header.push(b' ');
         }
         let mut bytes = u32::try_from(header.len()).unwrap_or(0).to_le_bytes().to_vec();
         bytes.extend(header);
-        bytes.extend(self.samples.drain(..).chain(numbers).flat_map(f32::to_le_bytes));
+        bytes.extend(parts.iter().flat_map(|part| &part.numbers).copied().flat_map(f32::to_le_bytes));
         Some(bytes)
     }
 }
 
-/// Length in m of the longest chain of bodies from the root.
-fn reach_m(machine: &Machine) -> f64 {
-    // parent bodies precede their children
-    let mut begins_m: Vec<f64> = Vec::new();
-    for body in &machine.bodies {
-        begins_m.push(match body.joint.parent {
-            Parent::Root { .. } => 0.0,
-            Parent::Body { index, position_m } => begins_m.get(index).copied().unwrap_or(0.0) + position_m,
-        });
-    }
-    begins_m.iter().zip(&machine.bodies).map(|(begin_m, body)| begin_m + body.length_m).fold(0.0, f64::max)
-}
-
-fn event(event: &crate::report::acting::Event) -> serde_json::Value {
-    json!({ "t": event.time_s, "text": event.text, "kind": event.kind })
+fn no_machine(machine: usize, count: usize) -> String {
+    format!("there is no machine {machine}: they are numbered from 0 to {}", count.saturating_sub(1))
 }

@@ -17,7 +17,7 @@ fn step(session: &mut Session, steps: usize) {
 }
 
 fn set(name: &str, value: f64) -> Order {
-    Order::Set { name: name.to_owned(), value: Given::Number(value) }
+    Order::Set { name: name.to_owned(), value: Given::Number(value), machine: None }
 }
 
 /// Splits a frame into header and numbers.
@@ -108,12 +108,12 @@ fn rolling_back_repeats_the_run() {
     let latches = |header: &Value| header["events"].as_array().unwrap().len();
     assert_eq!((latches(&before), latches(&after)), (0, 1), "the wing latches at 0.1222 s");
     session.execute(&set("fold.external_torque", 0.01)).unwrap();
-    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.1], stiffness_n_m: 5.0 }).unwrap();
+    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.1], stiffness_n_m: 5.0, machine: 0 }).unwrap();
     step(&mut session, 20);
     let rolled: Value =
         serde_json::from_str(&session.execute(&Order::Rollback { time_s: 0.1099 }).unwrap().unwrap()).unwrap();
     assert_eq!((rolled["kind"].as_str(), rolled["time"].as_f64()), (Some("rolled_back"), Some(0.1)));
-    let torque = session.controls.iter().position(|one| one.name == "fold.external_torque").unwrap();
+    let torque = session.machines[0].controls.iter().position(|one| one.name == "fold.external_torque").unwrap();
     assert_eq!(rolled["values"][torque], 0.0);
     step(&mut session, 60);
     let (again, repeated) = sent_frame(&mut session);
@@ -132,7 +132,7 @@ fn rolling_back_repeats_the_run() {
 fn a_rollback_into_a_pull_has_no_spring() {
     let mut session = session("folding_wing");
     session.execute(&set("load.outer[4].force.z", 0.25)).unwrap();
-    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0 }).unwrap();
+    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0, machine: 0 }).unwrap();
     step(&mut session, 10);
     let (header, _) = sent_frame(&mut session);
     assert!(header["pull"]["force"][2].as_f64().unwrap().abs() > 0.1, "{header}");
@@ -143,12 +143,12 @@ fn a_rollback_into_a_pull_has_no_spring() {
     session.next_frame().unwrap();
     step(&mut session, 10);
     session.execute(&Order::Rollback { time_s: at_s }).unwrap();
-    assert_eq!(session.plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
-    assert!(session.pull.is_none());
-    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0 }).unwrap();
+    assert_eq!(session.machines[0].plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
+    assert!(session.machines[0].pull.is_none());
+    session.execute(&Order::Pull { station: 7, target_m: [0.3, 0.0, 0.2], stiffness_n_m: 5.0, machine: 0 }).unwrap();
     step(&mut session, 1);
     session.execute(&Order::Release {}).unwrap();
-    assert_eq!(session.plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
+    assert_eq!(session.machines[0].plant.inputs().stations()[7].force_n.as_slice(), [0.0, 0.0, 0.5]);
 }
 
 /// The latched wing, pulled by a spring, settles at the static equilibrium under the force of the spring; with eight times its damping,
@@ -160,11 +160,13 @@ fn a_pull_at_rest_is_a_static_load() {
         session.execute(&set(damping, 20.0)).unwrap();
     }
     step(&mut session, 400);
-    session.execute(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.03], stiffness_n_m: 10.0 }).unwrap();
+    session
+        .execute(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.03], stiffness_n_m: 10.0, machine: 0 })
+        .unwrap();
     step(&mut session, 8000);
     let (header, _) = sent_frame(&mut session);
     let force: [f64; 3] = serde_json::from_value(header["pull"]["force"].clone()).unwrap();
-    let tip_m = session.plant.outputs().tips()[0].position_m;
+    let tip_m = session.machines[0].plant.outputs().tips()[0].position_m;
     assert!(force[2] > 0.05, "{force:?}");
     let (_, mut still) = started("folding_wing");
     still.inputs_mut().stations_mut()[7].force_n = force.into();
@@ -181,10 +183,12 @@ fn a_spring_pulls_alike_in_both_load_frames() {
         let (interface, plant) =
             changed("folding_wing", "[body.outer]\n", &format!("[body.outer]\nload_frame = \"{frame}\"\n"));
         let mut session = Session::new(plant, interface, 1.0);
-        session.execute(&Order::Pull { station: 7, target_m: [0.2, 0.05, 0.1], stiffness_n_m: 1.0 }).unwrap();
+        session
+            .execute(&Order::Pull { station: 7, target_m: [0.2, 0.05, 0.1], stiffness_n_m: 1.0, machine: 0 })
+            .unwrap();
         step(&mut session, 100);
-        session.plant.provide(foldwing_engine::plant::OutputSet::ALL);
-        session.plant.outputs().tips()[0].position_m
+        session.machines[0].plant.provide(foldwing_engine::plant::OutputSet::ALL);
+        session.machines[0].plant.outputs().tips()[0].position_m
     });
     // over a step, the force is constant in its load frame, which rotates by 0.02 rad meanwhile
     assert!((forces[0] - forces[1]).norm() < 1e-4, "{forces:?}");
@@ -198,16 +202,18 @@ fn a_stiff_spring_does_not_feed_the_oscillation() {
         session.execute(&set(damping, 0.0)).unwrap();
     }
     step(&mut session, 400);
-    session.execute(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.0], stiffness_n_m: 200.0 }).unwrap();
+    session
+        .execute(&Order::Pull { station: 7, target_m: [0.28125, 0.0, 0.0], stiffness_n_m: 200.0, machine: 0 })
+        .unwrap();
     let mut energies = Vec::new();
     for _ in 0..2 {
         let mut most = 0.0_f64;
         for _ in 0..1000 {
             step(&mut session, 1);
             session.next_frame().unwrap();
-            let energy = session.plant.outputs().energy();
-            let stretch_m =
-                session.plant.outputs().stations()[7].position_m - nalgebra::Vector3::new(0.28125, 0.0, 0.0);
+            let energy = session.machines[0].plant.outputs().energy();
+            let stretch_m = session.machines[0].plant.outputs().stations()[7].position_m
+                - nalgebra::Vector3::new(0.28125, 0.0, 0.0);
             most = most.max(energy.kinetic + energy.elastic + 100.0 * stretch_m.norm_squared());
         }
         energies.push(most);
@@ -221,7 +227,7 @@ fn a_stiff_spring_does_not_feed_the_oscillation() {
 fn wrong_orders_are_refused_with_what_is_allowed() {
     let mut session = session("folding_wing");
     let before = session.values();
-    let switch = |name: &str| Order::Set { name: name.to_owned(), value: Given::Switch(true) };
+    let switch = |name: &str| Order::Set { name: name.to_owned(), value: Given::Switch(true), machine: None };
     for (order, needed) in [
         (set("fold.angel_command", 0.0), "did you mean `fold.angle_command`?"),
         (set("fold.angle", 0.0), "fold.angle cannot be set during a run: only inputs and tunable parameters can"),
@@ -232,7 +238,7 @@ fn wrong_orders_are_refused_with_what_is_allowed() {
         (Order::Watch { names: vec!["fold.angel".to_owned()] }, "did you mean `fold.angle`?"),
         (Order::Watch { names: vec!["fold.release".to_owned()] }, "output"),
         (
-            Order::Pull { station: 8, target_m: [0.0; 3], stiffness_n_m: 1.0 },
+            Order::Pull { station: 8, target_m: [0.0; 3], stiffness_n_m: 1.0, machine: 0 },
             "there is no load station 8: they are numbered from 0 to 7",
         ),
     ] {
@@ -240,7 +246,7 @@ fn wrong_orders_are_refused_with_what_is_allowed() {
         assert!(message.contains(needed), "{order:?}: {message}");
     }
     assert_eq!(session.values(), before);
-    assert!(session.pull.is_none() && session.watched.is_empty());
+    assert!(session.machines[0].pull.is_none() && session.machines[0].watched.is_empty());
 }
 
 /// A failed step stops the simulation and reports the reason; after a rollback the simulation can continue.
@@ -257,7 +263,7 @@ fn a_failure_stops_the_time_until_it_is_rolled_back() {
     let message = session.execute(&Order::Run {}).unwrap_err();
     assert!(message.contains(&failure) && message.contains("roll back on the time bar"), "{message}");
     session.execute(&Order::Rollback { time_s: good_s }).unwrap();
-    assert_eq!(session.plant.inputs().stations()[7].force_n.z, 0.0);
+    assert_eq!(session.machines[0].plant.inputs().stations()[7].force_n.z, 0.0);
     step(&mut session, 5);
     let (header, _) = sent_frame(&mut session);
     assert!(header["failure"].is_null() && session.time_s() > good_s);
@@ -270,8 +276,133 @@ fn the_page_holds_the_machine_and_its_controls() {
     let page = session.page();
     let begin = page.find("class=\"live\">").unwrap() + "class=\"live\">".len();
     let live: Value = serde_json::from_str(&page[begin..begin + page[begin..].find("</script").unwrap()]).unwrap();
-    assert_eq!(live["controls"].as_array().unwrap().len(), session.controls.len());
+    assert_eq!(live["controls"].as_array().unwrap().len(), session.machines[0].controls.len());
     // the inner body is 0.15 m long, and the outer one, of 0.15 m, is attached to its end
     assert!((live["reach_m"].as_f64().unwrap() - 0.3).abs() < 1e-12 && live["step_s"] == 5e-4);
     assert!((live["weight_n"].as_f64().unwrap() - 9.81 * 0.06305).abs() < 1e-9);
+}
+
+/// Two machines of one session, the second with another damper of the joint.
+fn pair() -> Session {
+    let (interface, plant) = started("folding_wing");
+    let (other_interface, other) = changed("folding_wing", "damping_N_m_s_rad = 0.0008", "damping_N_m_s_rad = 0.002");
+    assert_ne!(plant.machine(), other.machine(), "the model file has no such damping");
+    Session::of_machines([("a".to_owned(), plant, interface), ("b".to_owned(), other, other_interface)], 1.0)
+}
+
+/// Two machines step together, each as it does alone: the numbers of a frame are those of two sessions of one machine, bit for bit, also
+/// after a rollback.
+#[test]
+fn machines_in_step_run_as_each_alone() {
+    let mut both = pair();
+    let single = |machine: &str| {
+        let (interface, plant) = match machine {
+            "a" => started("folding_wing"),
+            _ => changed("folding_wing", "damping_N_m_s_rad = 0.0008", "damping_N_m_s_rad = 0.002"),
+        };
+        let mut alone = Session::new(plant, interface, 1.0);
+        alone.execute(&Order::Watch { names: vec!["fold.angle".to_owned()] }).unwrap();
+        step(&mut alone, 300);
+        sent_frame(&mut alone).1
+    };
+    let (a, b) = (single("a"), single("b"));
+    assert_ne!(a, b);
+    both.execute(&Order::Watch { names: vec!["fold.angle".to_owned()] }).unwrap();
+    sent_frame(&mut both);
+    step(&mut both, 300);
+    let (header, numbers) = sent_frame(&mut both);
+    assert_eq!(numbers, [a, b.clone()].concat());
+    let other = &header["others"][0];
+    let width =
+        |part: &Value| part["numbers"].as_u64().unwrap() as usize + 2 * part["samples"].as_u64().unwrap() as usize;
+    assert_eq!((width(&header) + width(other), width(other)), (numbers.len(), b.len()));
+    let events: Vec<&str> =
+        header["events"].as_array().unwrap().iter().map(|event| event["text"].as_str().unwrap()).collect();
+    assert!(
+        events[0].starts_with("a: ") && events.iter().all(|text| text.starts_with("a: ") || text.starts_with("b: "))
+    );
+    // back to the first frame, and again
+    both.execute(&Order::Rollback { time_s: 0.0 }).unwrap();
+    assert!(both.machines.iter().all(|one| one.plant.time_s() == 0.0));
+    step(&mut both, 300);
+    assert_eq!(sent_frame(&mut both).1, numbers);
+}
+
+/// A value is set on all machines that have its name or on one; if it is invalid for one of them, none is changed. Pulls belong to one machine.
+#[test]
+fn orders_act_on_all_machines_or_one() {
+    let mut both = pair();
+    let on = |name: &str, value: f64, machine: Option<usize>| Order::Set {
+        name: name.to_owned(),
+        value: Given::Number(value),
+        machine,
+    };
+    let torques = |both: &mut Session| {
+        both.machines.iter_mut().map(|one| one.value("fold.external_torque").unwrap()).collect::<Vec<_>>()
+    };
+    both.execute(&on("fold.external_torque", 0.02, None)).unwrap();
+    assert_eq!(torques(&mut both), [Given::Number(0.02); 2]);
+    both.execute(&on("fold.external_torque", 0.03, Some(1))).unwrap();
+    assert_eq!(torques(&mut both), [Given::Number(0.02), Given::Number(0.03)]);
+    let message = both.execute(&on("fold.external_torque", 0.03, Some(2))).unwrap_err();
+    assert_eq!(message, "there is no machine 2: they are numbered from 0 to 1");
+    let message = both.execute(&on("fold.motor_damping", -1.0, Some(1))).unwrap_err();
+    assert!(message.starts_with("b: variable fold.motor_damping cannot be -1"), "{message}");
+    let target_m = [0.3, 0.0, 0.1];
+    both.execute(&Order::Pull { station: 7, target_m, stiffness_n_m: 5.0, machine: 1 }).unwrap();
+    step(&mut both, 5);
+    let (header, _) = sent_frame(&mut both);
+    assert!(header["pull"].is_null() && header["others"][0]["pull"]["station"] == 7, "{header}");
+    both.execute(&Order::Release {}).unwrap();
+    assert!(both.machines.iter().all(|one| one.pull.is_none()));
+    let message = both.execute(&Order::Pull { station: 7, target_m, stiffness_n_m: 5.0, machine: 2 }).unwrap_err();
+    assert!(message.contains("no machine 2"), "{message}");
+}
+
+/// A value that is invalid only for the second machine leaves the first unchanged, and the message has the name of the second. Machines without a name
+/// are left out.
+#[test]
+fn a_value_refused_by_one_machine_changes_none() {
+    let (interface, plant) = started("folding_wing");
+    let (other_interface, other) = started("folding_wing_in_tunnel");
+    let mut both =
+        Session::of_machines([("a".to_owned(), plant, interface), ("b".to_owned(), other, other_interface)], 1.0);
+    // the name of the tunnel's wind is unknown to the first machine
+    let only = both.machines[1].controls.iter().find(|one| !both.machines[0].has_control(&one.name)).unwrap();
+    let (name, kind) = (only.name.clone(), only.kind);
+    assert_eq!(kind, "real", "{name}");
+    both.execute(&set(&name, 0.0)).unwrap();
+    assert!(both.execute(&set("no.such_name", 0.0)).unwrap_err().starts_with("a: "));
+    // an input of both, which is a switch in the second
+    let name = "fold.external_torque";
+    let at = both.machines[1].controls.iter().position(|one| one.name == name).unwrap();
+    both.machines[1].controls[at].kind = "switch";
+    let before = both.values();
+    let message = both.execute(&set(name, 0.02)).unwrap_err();
+    assert_eq!(message, format!("b: {name} cannot be 0.02: it must be true or false"));
+    assert_eq!(both.values(), before);
+    // outputs of one machine are plotted, those of none are errors
+    let watch = |name: &str| Order::Watch { names: vec!["fold.angle".to_owned(), name.to_owned()] };
+    both.execute(&watch("aero.force.z")).unwrap();
+    assert_eq!(both.machines.iter().map(|one| one.watched.len()).collect::<Vec<_>>(), [1, 2]);
+    let message = both.execute(&watch("fold.angel")).unwrap_err();
+    assert!(message.contains("did you mean `fold.angle`?"), "{message}");
+}
+
+/// A machine that fails stops all machines, and the message names it; after a rollback both continue.
+#[test]
+fn a_failure_of_one_machine_stops_all() {
+    let mut both = pair();
+    step(&mut both, 10);
+    both.next_frame().unwrap();
+    let good_s = both.time_s();
+    let name = "load.outer[4].force.z".to_owned();
+    both.execute(&Order::Set { name, value: Given::Number(1e28), machine: Some(1) }).unwrap();
+    step(&mut both, 1);
+    let (header, _) = sent_frame(&mut both);
+    assert!(header["failure"].as_str().unwrap().starts_with("b: "), "{header}");
+    both.execute(&Order::Rollback { time_s: good_s }).unwrap();
+    step(&mut both, 5);
+    let times: Vec<f64> = both.machines.iter().map(|one| one.plant.time_s()).collect();
+    assert!(times[0] == times[1] && times[0] > good_s, "{times:?}");
 }

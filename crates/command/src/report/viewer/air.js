@@ -48,6 +48,29 @@ function aerofoilOf(run, index) {
   return { ...own, sides: [own.upper, own.lower].map(side => side.map(heights => ({ heights, slopes: slopes(heights) }))) };
 }
 
+// Selections of the positions along the chord for a strip, from all to few, each with the largest distance of its outline from that with all
+// positions, as a part of the chord: those positions are left out first where the outline is straightest. Panels need all of them, since their
+// edges are positions.
+function levelsOf({ stations, sides }, strip, panels) {
+  const edges = sides.flatMap(side => [side[strip].heights, side[strip + 1].heights]);
+  const gap = (a, b) => {
+    let most = 0;
+    for (const heights of edges) for (let k = a + 1; k < b; k++) {
+      most = Math.max(most, Math.abs(heights[k] - heights[a] - (heights[b] - heights[a]) * (stations[k] - stations[a]) / (stations[b] - stations[a])));
+    }
+    return most;
+  };
+  const found = [{ level: stations.map((_, k) => k), error: 0 }];
+  while (panels <= 1 && found[found.length - 1].level.length > 3) {
+    const { level, error } = found[found.length - 1];
+    const gaps = level.map((_, j) => (j && j < level.length - 1 ? gap(level[j - 1], level[j + 1]) : Infinity)), least = Math.min(...gaps), out = gaps.indexOf(least);
+    found.push({ level: level.filter((_, j) => j !== out), error: Math.max(error, least) });
+  }
+  return found;
+}
+// Largest distance in pixels between an aerofoil and what is drawn of it.
+const UNSEEN_PIXELS = 0.2;
+
 class SurfaceShape {
   constructor(run, index) {
     this.run = run;
@@ -55,6 +78,7 @@ class SurfaceShape {
     this.surface = run.about.surfaces[index];
     this.firstStrip = firstStripOf(run, index);
     this.aerofoil = aerofoilOf(run, index);
+    this.levels = this.aerofoil && Array.from({ length: this.surface.columns - 1 }, (_, strip) => levelsOf(this.aerofoil, strip, this.surface.panels));
     // panels are painted one by one where their pressures are known
     this.rows = run === main && about.panelForces ? Math.max(1, this.surface.panels) : 1;
     const ghost = { color: runInk(run), transparent: true, opacity: 0.3, depthWrite: false, side: THREE.DoubleSide };
@@ -63,7 +87,7 @@ class SurfaceShape {
     const around = this.aerofoil ? this.aerofoil.stations.length - 1 : 0, strips = this.surface.columns - 1;
     this.mesh = quads(Math.max(strips * this.rows, 2 * around * (strips + 1)), new THREE.MeshLambertMaterial(run === main ? own : ghost));
     this.mesh.castShadow = run === main;
-    this.mesh.userData = { body: this.surface.body, describe: hit => this.describe(hit) };
+    this.mesh.userData = { run, body: this.surface.body, describe: hit => this.describe(hit) };
     this.lattice = lines(new THREE.LineBasicMaterial({ transparent: true, opacity: run === main ? 0.55 : 0.25 }));
   }
 
@@ -87,6 +111,9 @@ class SurfaceShape {
     if (this.isSolid) this.updateSolid(colours); else this.updateSheet(colours);
     if (run === main) {
       const glass = get("glass").checked, { material } = this.mesh;
+      // of a closed surface only the outside can be seen, through glass also the inside
+      const side = this.isSolid && !glass ? THREE.FrontSide : THREE.DoubleSide;
+      if (material.side !== side) Object.assign(material, { side, needsUpdate: true });
       if (material.transparent !== glass) {
         Object.assign(material, { transparent: glass, opacity: glass ? 0.35 : 1, depthWrite: !glass, needsUpdate: true });
       }
@@ -115,6 +142,13 @@ class SurfaceShape {
       }
     }
     setPoints(this.lattice, points);
+  }
+
+  // Positions along the chord with which a strip looks as with all of them at the present distance of the camera.
+  levelOf(strip) {
+    const chord = Math.max(...[strip, strip + 1].map(c => Math.hypot(...plus(this.corner(c, 1), this.corner(c, 0), -1))));
+    const pixels = chord * pixelsPerMetre() * Math.min(window.devicePixelRatio || 1, 2);
+    return this.levels[strip].findLast(({ error }) => error * pixels <= UNSEEN_PIXELS).level;
   }
 
   // Points and normals of the aerofoil at an edge of the strips, per side, as flat lists: shapes change in every picture.
@@ -154,15 +188,21 @@ class SurfaceShape {
       }
       next += 3;
     };
-    for (let c = 0; c < strips; c++) for (let side = 0; side < 2; side++) for (let k = 0; k + 1 < count; k++) {
-      // counter-clockwise from outside, since the renderer reverses the normals of faces that are seen from behind
-      const [i, j] = side ? [c, c + 1] : [c + 1, c], [a, b] = [edges[i][side], edges[j][side]];
-      const [one, other] = fades ? [tones[i], tones[j]] : [tones[c][rowOf(k)], tones[c][rowOf(k)]];
-      corner(a, k, one);
-      corner(b, k, other);
-      corner(b, k + 1, other);
-      corner(a, k + 1, one);
+    this.begins = []; // of the quadrilaterals of the strips
+    for (let c = 0; c < strips; c++) {
+      const level = this.levelOf(c);
+      this.begins.push(next / 12);
+      for (let side = 0; side < 2; side++) for (let n = 0; n + 1 < level.length; n++) {
+        // counter-clockwise from outside, since the renderer reverses the normals of faces that are seen from behind
+        const [i, j] = side ? [c, c + 1] : [c + 1, c], [a, b] = [edges[i][side], edges[j][side]], [k, l] = [level[n], level[n + 1]];
+        const [one, other] = fades ? [tones[i], tones[j]] : [tones[c][rowOf(k)], tones[c][rowOf(k)]];
+        corner(a, k, one);
+        corner(b, k, other);
+        corner(b, l, other);
+        corner(a, l, one);
+      }
     }
+    this.begins.push(next / 12);
     // flat ends
     for (const [c, strip, way] of [[0, 0, -1], [strips, strips - 1, 1]]) for (let k = 0; k + 1 < count; k++) {
       const [upper, lower] = edges[c], rgb = fades ? tones[c] : tones[strip][rowOf(k)];
@@ -190,10 +230,10 @@ class SurfaceShape {
 
   // Strip of a face of the mesh.
   stripOf(face) {
-    const { surface, rows, aerofoil } = this, quad = Math.floor(face / 2), strips = surface.columns - 1;
+    const { surface, rows, begins } = this, quad = Math.floor(face / 2), strips = surface.columns - 1;
     if (!this.isSolid) return Math.floor(quad / rows);
-    const intervals = aerofoil.stations.length - 1, strip = Math.floor(quad / (2 * intervals));
-    return strip < strips ? strip : quad < intervals * (2 * strips + 1) ? 0 : strips - 1;
+    const ends = quad - begins[strips], strip = begins.findLastIndex(begin => begin <= quad);
+    return ends < 0 ? strip : ends < this.aerofoil.stations.length - 1 ? 0 : strips - 1;
   }
 
   describe(hit) {

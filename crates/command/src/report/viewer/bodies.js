@@ -39,7 +39,7 @@ class BodyShape {
     this.mesh.frustumCulled = false;
     this.mesh.castShadow = run === main;
     this.mesh.receiveShadow = run === main;
-    this.mesh.userData = { body: index, describe: hit => this.describe(hit) };
+    this.mesh.userData = { run, body: index, describe: hit => this.describe(hit) };
   }
 
   update() {

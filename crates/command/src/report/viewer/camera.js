@@ -55,14 +55,17 @@ function frameAll(points) {
   aim();
 }
 
-// Points of the machine at the present time.
+// Points of the machine at the present time, of a live simulation those of all machines that are drawn.
 function machinePoints() {
+  return (live ? runs.filter(run => run.shown || run === main) : [main]).flatMap(pointsOf);
+}
+function pointsOf(run) {
   const points = [];
-  about.bodies.forEach((body, b) => body.rims.forEach((rim, i) => rim.forEach(p => points.push(pointOf(main.section(b, i), p)))));
-  about.surfaces.forEach((surface, i) => {
-    for (let c = 0; c < 2 * surface.columns; c++) points.push(vector(main.present, main.layout.surfaces[i] + 3 * c));
+  run.about.bodies.forEach((body, b) => body.rims.forEach((rim, i) => rim.forEach(p => points.push(pointOf(run.section(b, i), p)))));
+  run.about.surfaces.forEach((surface, i) => {
+    for (let c = 0; c < 2 * surface.columns; c++) points.push(vector(run.present, run.layout.surfaces[i] + 3 * c));
   });
-  for (const mass of about.masses) points.push(massPlace(main, mass));
+  for (const mass of run.about.masses) points.push(massPlace(run, mass));
   return points;
 }
 

@@ -1,7 +1,34 @@
 
 // ---- sliders and switches of a live simulation ------------------------------------------------------------------------
 
-const controls = []; // { control, set(value) } in the order of `live.controls`
+const controls = []; // { control, machines: [index of its value per machine], set(value) }: those of all machines, once for each name
+// Index of the machine on which the controls act, or `null` for all.
+const actsOn = () => (get("acts-on").value === "" ? null : Number(get("acts-on").value));
+
+// Controls of all machines: the same name, kind and unit make one.
+function controlsOfAll() {
+  const found = new Map();
+  [live.controls, ...live.others].forEach((list, machine) => list.forEach((control, index) => {
+    const key = `${control.name} ${control.kind} ${control.unit}`;
+    if (!found.has(key)) found.set(key, { control, machines: runs.map(() => null), values: [], starts: [] });
+    found.get(key).machines[machine] = index;
+  }));
+  return [...found.values()];
+}
+function buildActsOn() {
+  const list = get("acts-on");
+  list.add(new Option(live.machines.length > 2 ? "all machines" : "both machines", ""));
+  live.machines.forEach((name, machine) => list.add(new Option(name, String(machine))));
+  get("acts-on-label").hidden = live.machines.length < 2;
+  list.addEventListener("change", showControls);
+}
+// The machine whose value a control shows: the one on which the controls act, otherwise the first that has it.
+const shownMachine = ({ machines }) => (actsOn() === null ? machines.findIndex(index => index !== null) : actsOn());
+// Sets a value of one machine, or of all that have it.
+function sendValue(one, value, now) {
+  const machine = actsOn(), { name } = one.control, order = { do: "set", name, value, ...(machine === null ? {} : { machine }) };
+  if (now) send(order); else sendSoon(name, order);
+}
 
 // Groups that are closed at the start: they have many rows and are rarely used.
 const FOLDED = /^(load|gravity|root|body|solver)\b/;
@@ -10,11 +37,13 @@ const groupOf = name => (/^(load|body|failure|section)\./.test(name) ? name.spli
 function buildLive() {
   get("live").hidden = false;
   const groups = new Map();
-  for (const control of live.controls) {
-    const name = groupOf(control.name);
-    if (control.kind === "switch") { controls.push(switchOf(control)); continue; }
+  buildActsOn();
+  for (const one of controlsOfAll()) {
+    const name = groupOf(one.control.name);
+    controls.push(one);
+    if (one.control.kind === "switch") { switchOf(one); continue; }
     if (!groups.has(name)) groups.set(name, groupBox(name));
-    controls.push(sliderOf(control, name, groups.get(name)));
+    sliderOf(one, name, groups.get(name));
   }
   get("switches").hidden = !get("switches").children.length;
   const filter = get("filter");
@@ -50,19 +79,19 @@ function groupBox(name) {
 }
 
 // A toggle button for a Boolean value.
-function switchOf(control) {
-  const button = document.createElement("button");
+function switchOf(one) {
+  const { control } = one, button = document.createElement("button");
   Object.assign(button, { type: "button", textContent: control.name, title: control.description });
   button.dataset.name = control.name;
   button.classList.toggle("failure", control.name.startsWith("failure."));
-  const set = value => button.setAttribute("aria-pressed", String(value > 0.5));
-  button.addEventListener("click", () => send({ do: "set", name: control.name, value: button.getAttribute("aria-pressed") !== "true" }));
+  one.set = value => button.setAttribute("aria-pressed", String(value > 0.5));
+  one.row = button;
+  button.addEventListener("click", () => sendValue(one, button.getAttribute("aria-pressed") !== "true", true));
   get("switches").append(button);
-  return { control, set };
 }
 
-function sliderOf(control, group, box) {
-  const row = document.createElement("label"), name = document.createElement("span"), range = document.createElement("input"), field = document.createElement("input"), unit = document.createElement("span");
+function sliderOf(one, group, box) {
+  const { control } = one, row = document.createElement("label"), name = document.createElement("span"), range = document.createElement("input"), field = document.createElement("input"), unit = document.createElement("span");
   row.className = "control";
   row.dataset.name = control.name.toLowerCase();
   row.title = `${control.name}: ${control.description}${allowedText(control)}`;
@@ -76,21 +105,20 @@ function sliderOf(control, group, box) {
   unit.textContent = control.unit;
   unit.className = "unit";
   const whole = control.kind === "integer" ? Math.round : value => value;
-  const send = value => sendSoon(control.name, { do: "set", name: control.name, value: whole(value) / control.factor });
-  range.addEventListener("input", () => { field.value = shortNumber(whole(Number(range.value))); send(Number(range.value)); });
+  const sendShown = value => sendValue(one, whole(value) / control.factor);
+  range.addEventListener("input", () => { field.value = shortNumber(whole(Number(range.value))); sendShown(Number(range.value)); });
   // restored when it is clicked again
-  range.addEventListener("dblclick", () => send(control.start));
-  field.addEventListener("change", () => { if (field.value.trim() !== "") send(Number(field.value)); });
-  const set = value => {
+  range.addEventListener("dblclick", () => sendShown(control.factor * one.starts[shownMachine(one)]));
+  field.addEventListener("change", () => { if (field.value.trim() !== "") sendShown(Number(field.value)); });
+  one.row = row;
+  one.set = value => {
     const shown = control.factor * value;
-    if (control.start === undefined) control.start = shown;
     if (document.activeElement !== range || !range.matches(":active")) range.value = shown;
     if (document.activeElement !== field) field.value = Math.abs(value) >= 1e30 ? "" : shortNumber(shown);
     field.placeholder = Math.abs(value) >= 1e30 ? "none" : "";
   };
   row.append(name, range, field, unit);
   box.append(row);
-  return { control, set };
 }
 // short enough for the field, and valid as its input
 const shortNumber = value => (Math.abs(value) >= 1e6 ? String(+value.toPrecision(5)).length > 7 ? value.toExponential().replace(/(\.\d{0,4})\d*/, "$1").replace("e+", "e") : String(+value.toPrecision(5)) : String(Number(value.toPrecision(5))));
@@ -99,6 +127,29 @@ function allowedText({ allowed: [least, most], unit, slider }) {
   const bounds = least !== null && most !== null ? `allowed from ${of(least)} to ${of(most)}` : least !== null ? `at least ${of(least)}` : most !== null ? `at most ${of(most)}` : "";
   return ` (slider from ${of(slider[0])} to ${of(slider[1])}${bounds ? `, ${bounds}` : ""})`;
 }
-function setControls(values) {
-  controls.forEach((one, i) => one.set(values[i]));
+// Values of every machine, in the order of its controls.
+function setControls(lists) {
+  for (const one of controls) {
+    one.values = one.machines.map((index, machine) => (index === null ? null : lists[machine][index]));
+    one.starts = one.values.map((value, machine) => one.starts[machine] ?? value);
+  }
+  showControls();
+}
+// Controls that the chosen machine lacks are hidden; where the machines differ, a mark names their values.
+function showControls() {
+  for (const one of controls) {
+    const value = one.values[shownMachine(one)] ?? null, { control, row } = one;
+    row.classList.toggle("absent", value === null);
+    if (value !== null) one.set(value);
+    const having = one.values.map((other, machine) => [machine, other]).filter(([, other]) => other !== null);
+    const differs = having.some(([, other]) => other !== having[0][1]), missing = having.length < runs.length;
+    row.classList.toggle("differs", differs);
+    const text = other => (control.kind === "switch" ? (other > 0.5 ? "on" : "off") : `${shortNumber(control.factor * other)} ${control.unit}`.trim());
+    const mark = differs ? having.map(([machine, other]) => `${live.machines[machine]}: ${text(other)}`).join(", ")
+      : missing ? `only ${having.map(([machine]) => live.machines[machine]).join(", ")}` : "";
+    if (mark === (one.mark ?? "")) continue;
+    one.mark = mark;
+    one.note ??= row.appendChild(Object.assign(document.createElement("small"), { className: "machines" }));
+    one.note.textContent = mark;
+  }
 }

@@ -2,7 +2,7 @@
 // ---- a live simulation: socket, commands, frames, time bar -----------------------------------------------------------------
 
 const link = live && {
-  socket: null, running: false, looking: false, dragging: false, watched: new Set(), pull: null, ended: false, plotted: 0, scaled: 0, waiting: new Map(), factor: null,
+  socket: null, running: false, looking: false, dragging: false, watched: new Set(), pull: null, pulls: [], ended: false, plotted: 0, scaled: 0, waiting: new Map(), factor: null,
 };
 
 // Sends a command to the simulation.
@@ -30,11 +30,11 @@ function connect() {
 }
 
 function receive(message) {
-  if (message.values) setControls(message.values);
+  if (message.values) setControls([message.values, ...message.others]);
   if (message.kind === "refused") say(message.message);
   if (message.kind === "connected") about.events = message.events;
   if (message.kind === "rolled_back") {
-    main.forgetAfter(message.time);
+    for (const run of runs) run.forgetAfter(message.time);
     link.looking = false;
     main.goTo(main.last);
     say("");
@@ -42,22 +42,24 @@ function receive(message) {
   if (message.kind === "connected" || message.kind === "rolled_back") listEvents();
 }
 
-// A message has a header in JSON, samples of the plots and a frame, in the format of `Session::next_frame`.
+// A message has a header in JSON, then for each machine the samples of its plots and its frame, in the format of `Session::next_frame`.
 function takeFrame(data) {
   const length = new DataView(data).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
-  const numbers = new Float32Array(data, 4 + length), samples = header.samples * (header.names.length + 1);
-  if (samples) main.addSamples(header.names, numbers.subarray(0, samples));
-  const time = header.time;
-  if (time > main.timeOf(main.last) + 1e-7) main.append(header.rows, numbers.subarray(samples));
-  else if (main.timeOf(main.last) <= time + 1e-7) replaceLast(header.rows, numbers.subarray(samples));
-  main.forgetBefore(header.oldest);
-  // the page contains the first frame of the simulation; a page that connects later discards it
-  if (link.fresh && time > main.timeOf(0) + 1e-6) main.forget(main.last);
+  const numbers = new Float32Array(data, 4 + length), { time } = header, parts = [header, ...header.others];
+  let next = 0;
+  runs.forEach((run, i) => {
+    const part = parts[i], samples = part.samples * (part.names.length + 1);
+    if (samples) run.addSamples(part.names, numbers.subarray(next, next + samples));
+    next += samples;
+    takeState(run, header, part.rows, numbers.subarray(next, next + part.numbers));
+    next += part.numbers;
+  });
   link.fresh = false;
   if (header.events.length) { about.events.push(...header.events); listEvents(); }
   if (header.failure) say(`the simulation failed: ${header.failure}`);
-  Object.assign(link, { running: header.running, pull: header.pull, factor: header.factor, lost: header.lost, speed: header.speed });
+  const pulls = parts.map(({ pull }) => pull);
+  Object.assign(link, { running: header.running, pull: pulls[0], pulls, factor: header.factor, lost: header.lost, speed: header.speed });
   get("time").max = main.last;
   if (!link.looking && !link.dragging) main.goTo(main.last);
   growScales();
@@ -65,11 +67,18 @@ function takeFrame(data) {
   showRunning();
   changed();
 }
+function takeState(run, { time, oldest }, rows, frame) {
+  if (time > run.timeOf(run.last) + 1e-7) run.append(rows, frame);
+  else if (run.timeOf(run.last) <= time + 1e-7) replaceLast(run, rows, frame);
+  run.forgetBefore(oldest);
+  // the page contains the first frame of the simulation; a page that connects later discards it
+  if (link.fresh && time > run.timeOf(0) + 1e-6) run.forget(run.last);
+}
 // A frame of the same time, for example after a value was changed during a pause.
-function replaceLast(rows, frame) {
-  main.end = about.begins.pop();
-  about.rows.pop();
-  main.append(rows, frame);
+function replaceLast(run, rows, frame) {
+  run.end = run.about.begins.pop();
+  run.about.rows.pop();
+  run.append(rows, frame);
 }
 
 function showRunning() {
@@ -150,19 +159,21 @@ function listenLive() {
 
 // ---- pulling: a spring between a load station and the pointer ---------------------------------------------------------
 
-const spring = live && { line: lines(new THREE.LineBasicMaterial({ depthTest: false })), held: null, dots: [] };
-const stationPlace = i => vector(main.present, main.layout.stations + PER_STATION * i);
+const spring = live && { lines: runs.map(() => lines(new THREE.LineBasicMaterial({ depthTest: false }))), held: null, dots: [] };
+const stationPlace = (i, run = main) => vector(run.present, run.layout.stations + PER_STATION * i);
 
 function buildPull() {
-  spring.line.renderOrder = 8;
-  spring.line.frustumCulled = false;
-  scene.add(spring.line);
-  about.stations.forEach((station, i) => {
-    const dot = new THREE.Mesh(new THREE.SphereGeometry(0.006 * WIDTH, 12, 8), new THREE.MeshLambertMaterial({ color: "#c2410c" }));
-    dot.userData = { station: i, body: station.body, describe: () => ({
-      title: station.name,
-      rows: () => [["at", `${three(stationPlace(i))} m`], ["force", `${three(vector(main.present, main.layout.stations + PER_STATION * i + 3))} N`]],
-      place: () => stationPlace(i),
+  for (const line of spring.lines) {
+    line.renderOrder = 8;
+    line.frustumCulled = false;
+    scene.add(line);
+  }
+  for (const run of runs) run.about.stations.forEach((station, i) => {
+    const dot = new THREE.Mesh(new THREE.SphereGeometry(0.006 * WIDTH, 12, 8), new THREE.MeshLambertMaterial({ color: run === main ? "#c2410c" : runInk(run) }));
+    dot.userData = { run, station: i, body: station.body, describe: () => ({
+      title: run === main ? station.name : `${station.name} (${run.label})`,
+      rows: () => [["at", `${three(stationPlace(i, run))} m`], ["force", `${three(vector(run.present, run.layout.stations + PER_STATION * i + 3))} N`]],
+      place: () => stationPlace(i, run),
     }) };
     spring.dots.push(dot);
     marks.add(dot);
@@ -170,13 +181,22 @@ function buildPull() {
   });
 }
 function updatePull() {
-  spring.dots.forEach((dot, i) => dot.position.set(...stationPlace(i)));
-  const { pull } = link;
-  spring.line.visible = Boolean(pull);
-  get("pulling").textContent = pull ? `${about.stations[pull.station].name}: ${figures(Math.hypot(...pull.force), 4)} N (${three(pull.force)})` : "";
-  if (!pull) return;
-  setPoints(spring.line, [stationPlace(pull.station), pull.target]);
-  spring.line.material.color.set(inks.accent);
+  for (const dot of spring.dots) {
+    const { run, station } = dot.userData;
+    dot.visible = run.shown;
+    dot.position.set(...stationPlace(station, run));
+  }
+  const texts = [];
+  runs.forEach((run, k) => {
+    const pull = link.pulls[k], line = spring.lines[k];
+    line.visible = Boolean(pull) && run.shown;
+    if (!pull) return;
+    const place = run === main ? run.about.stations[pull.station].name : run.label;
+    texts.push(`${place}: ${figures(Math.hypot(...pull.force), 4)} N (${three(pull.force)})`);
+    setPoints(line, [stationPlace(pull.station, run), pull.target]);
+    line.material.color.set(run === main ? inks.accent : runInk(run));
+  });
+  get("pulling").textContent = texts.join("; ");
 }
 
 // Point under the pointer on the plane through a position that is normal to the view.
@@ -195,27 +215,32 @@ function startPull(x, y) {
   const hits = ray.intersectObjects(pickables.filter(mesh => mesh.visible), false);
   const hit = hits.find(one => one.object.userData.station !== undefined && one.distance - hits[0].distance < 0.03 * WIDTH) || hits[0];
   if (!hit || hit.object.userData.body === undefined) return null;
-  const { body, station } = hit.object.userData, at = hit.point.toArray();
-  const away = i => Math.hypot(...plus(stationPlace(i), at, -1));
-  const own = station === undefined ? about.stations.map((_, i) => i).filter(i => about.stations[i].body === body) : [station];
+  const { body, station } = hit.object.userData, run = hit.object.userData.run || main, { stations, bodies } = run.about, at = hit.point.toArray();
+  const away = i => Math.hypot(...plus(stationPlace(i, run), at, -1));
+  const own = station === undefined ? stations.map((_, i) => i).filter(i => stations[i].body === body) : [station];
   if (!own.length) {
-    const others = [...new Set(about.stations.map(one => about.bodies[one.body].name))];
-    say(`${about.bodies[body].name} has no load station to pull on${others.length ? `; bodies with load stations: ${others.join(", ")}` : ""}`);
+    const others = [...new Set(stations.map(one => bodies[one.body].name))];
+    say(`${bodies[body].name} has no load station to pull on${others.length ? `; bodies with load stations: ${others.join(", ")}` : ""}`);
     return null;
   }
-  const nearest = own.reduce((best, i) => (away(i) < away(best) ? i : best));
-  const begin = stationPlace(nearest), from = onPlane(x, y, begin);
+  const nearest = own.reduce((best, i) => (away(i) < away(best) ? i : best)), begin = stationPlace(nearest, run), from = onPlane(x, y, begin);
+  // the same stations of the other machines are pulled in the same way if the controls act on all of them
+  const held = runs.map((other, k) => ({ run: other, machine: k, station: other === run ? nearest : actsOn() !== null ? -1 : other.about.stations.findIndex(({ name }) => name === stations[nearest].name) }))
+    .filter(one => one.station >= 0).map(one => ({ ...one, begin: stationPlace(one.station, one.run) }));
   // the spring is unstretched at the start, so that a click has no effect
-  return spring.held = { station: nearest, place: (px, py) => plus(plus(begin, onPlane(px, py, begin)), from, -1) };
+  return spring.held = { run, station: nearest, held, moved: (px, py) => plus(onPlane(px, py, begin), from, -1) };
 }
 function pullTo(x, y) {
   if (!spring.held) return;
-  const target_m = spring.held.place(x, y), stiffness_n_m = Number(get("stiffness").value);
-  if (stiffness_n_m > 0) sendSoon("pull", { do: "pull", station: spring.held.station, target_m, stiffness_n_m });
+  const moved = spring.held.moved(x, y), stiffness_n_m = Number(get("stiffness").value);
+  if (!(stiffness_n_m > 0)) return;
+  for (const { machine, station, begin } of spring.held.held) {
+    sendSoon(`pull ${machine}`, { do: "pull", machine, station, target_m: plus(begin, moved), stiffness_n_m });
+  }
 }
 function releasePull() {
   if (!spring || !spring.held) return;
   spring.held = null;
-  link.waiting.delete("pull");
+  runs.forEach((_, machine) => link.waiting.delete(`pull ${machine}`));
   send({ do: "release" });
 }

@@ -56,7 +56,7 @@ const microstrain = strain => compact(strain * 1e6, digitsFor(largest(FIELDS.str
 const massMarks = about.masses.map(mass => {
   // as a ball of steel, within limits of visibility
   const radius = Math.max(0.006 * WIDTH, Math.min(0.03 * WIDTH, Math.cbrt(mass.kg / (7800 * 4.19))));
-  return markMesh(new THREE.SphereGeometry(radius, 24, 16), "#9a7b4f", () => ({
+  return markMesh(new THREE.SphereGeometry(radius, 20, 12), "#9a7b4f", () => ({
     title: `mass ${mass.name}`,
     key: `mass:${mass.name}`,
     rows: () => [["mass", `${figures(mass.kg)} kg`], ["at", `${massPlace(main, mass).map(c => compact(c, digitsFor(extents.size, 5))).join(", ")} m`]],

@@ -8,7 +8,7 @@ mod modal;
 
 pub use beside::{Companion, Table, run_of_page};
 pub use foldwing_recording::packed::PackedRun;
-pub use live::{numbers_of_frame, page_of_live};
+pub use live::{LiveMachine, numbers_of_frame, page_of_live};
 pub use modal::PackedModes;
 
 use foldwing_recording::packed::in_script;

@@ -103,7 +103,9 @@ function render() {
   updateWake();
   aim();
   const middle = followed || extents.least.map((c, i) => (c + extents.most[i]) / 2);
-  aimSun(middle, (followed ? 0.7 * extents.wing : 0.6 * extents.size) || 1);
+  const radius = (followed ? 0.7 * extents.wing : 0.6 * extents.size) || 1;
+  aimSun(middle, radius);
+  clipShade(radius);
   for (const label of signs) {
     const away = camera.flat ? camera.distance : Math.max(1e-9, dot(plus(lens().position.toArray(), label.position.toArray(), -1), camera.axes[2]));
     const metres = label.userData.pixels * away / (camera.distance * pixelsPerMetre());
@@ -317,7 +319,7 @@ function listRuns() {
 
 const arrowText = set => `${set.title}, longest ${figures(set.most > 1e-9 ? set.most : 0, 3)} ${set.unit}`;
 function buildControls() {
-  get("name").textContent = about.name;
+  get("name").textContent = live ? live.machines.join(" and ") : about.name;
   get("about").textContent = about.description;
   get("time").max = main.last;
   if (!modal) for (const speed of SPEEDS) get("speed").add(new Option(`${speed} ×`));

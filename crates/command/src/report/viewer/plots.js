@@ -94,6 +94,7 @@ class Chart {
     const found = this.names.flatMap((name, n) => sourcesOf(name).map(source => ({ ...source, name, ink: seriesInk(n) })));
     const bands = this.names.flatMap((name, n) => bandsOf(name).map(band => ({ ...band, ink: seriesInk(n) })));
     const units = [...new Set(this.names.map(name => signals.get(name).unit))];
+    this.found = found;
     const data = live ? this.recent() : found.length ? uPlot.join([...found, ...bands].map(source => [source.time, source.values])) : [[]];
     const text = inks.text, faint = inks.faint;
     const axis = { stroke: faint, grid: { stroke: inks.grid, width: 1 }, ticks: { stroke: inks.grid, width: 1 }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 18 };
@@ -135,12 +136,12 @@ class Chart {
     watchCharts();
   }
 
-  // Samples of a live simulation within the window of time and a margin.
-  recent() {
+  // Samples of a live simulation within the window of time and a margin, of the curves of `found`. All machines have the same times.
+  recent(found = this.found) {
     const [low, high] = zoomed || plotWindow(), { times } = main;
     const from = Math.max(0, indexAt(times, low) - 1), to = Math.min(times.length, indexAt(times, high) + 2);
-    return [times.slice(from, to), ...this.names.map(name => {
-      const { factor } = signals.get(name), values = (main.samples.get(name) || []).slice(from, to);
+    return [times.slice(from, to), ...found.map(({ run, name }) => {
+      const { factor } = signals.get(name), values = (run.samples.get(name) || []).slice(from, to);
       return Array.from({ length: to - from }, (_, i) => (values[i] === null || values[i] === undefined ? null : factor * values[i]));
     })];
   }

@@ -233,6 +233,7 @@ if (modal) {
   // the state is drawn as a ghost
   runs.push(Object.assign(still, { label: "state", index: 1, ink: "#8b98a5" }));
 }
+if (live) live.machines.forEach((name, machine) => { runs[machine].label = name; });
 const main = runs[0], about = main.about;
 
 // Tables over time: measurements, or runs as CSV.
@@ -278,6 +279,13 @@ function extentsOf(run) {
   }
   const size = Math.max(Math.hypot(...most.map((c, i) => c - least[i])), 1e-6);
   return { least, most, points, size, wing: Math.max(wing, 1e-6) };
+}
+
+// Extents of all machines of a live simulation; sizes of symbols are those of the first.
+function extentsOfAll() {
+  const all = runs.map(extentsOf), end = (name, choose) => [0, 1, 2].map(i => choose(...all.map(one => one[name][i])));
+  const least = end("least", Math.min), most = end("most", Math.max), size = Math.max(Math.hypot(...most.map((c, i) => c - least[i])), 1e-6);
+  return { least, most, points: all.flatMap(({ points }) => points), size, wing: all[0].wing };
 }
 
 // Position of a mass at the present time or at a frame.

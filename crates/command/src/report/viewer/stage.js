@@ -2,7 +2,7 @@
 // ---- the stage: renderer, light and soft shadow, ground with its scale, axes -----------------------------------------
 
 if (modal) fillCycle();
-const extents = extentsOf(main);
+const extents = live ? extentsOfAll() : extentsOf(main);
 const canvas = get("view");
 const styleOf = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const WIDTH = Math.max(extents.wing, 1e-6);
@@ -31,6 +31,7 @@ const ground = new THREE.Group();
 const floorZ = extents.least[2] - 0.06 * extents.size;
 const gridLines = lines(new THREE.LineBasicMaterial({ transparent: true, opacity: 0.9 }));
 const shade = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.ShadowMaterial({ depthWrite: false }));
+let grounds = null; // ends of the grid along x and y
 const gridLabels = [];
 
 // Line segments; `setPoints` sets their points.
@@ -105,6 +106,7 @@ function buildGround() {
   }
   setPoints(gridLines, points);
   signs.push(...gridLabels);
+  grounds = [0, 1].map(i => [from[i], to[i]]);
   shade.position.set((from[0] + to[0]) / 2, (from[1] + to[1]) / 2, floorZ - 1e-4 * extents.size);
   shade.scale.set(to[0] - from[0], to[1] - from[1], 1);
   shade.receiveShadow = true;
@@ -153,6 +155,19 @@ function aimSun(middle, radius) {
   Object.assign(eye, { left: -1.3 * radius, right: 1.3 * radius, top: 1.3 * radius, bottom: -1.3 * radius, near: 0.05 * radius, far: 2.6 * radius + depth });
   sun.shadow.normalBias = 0.004 * radius;
   eye.updateProjectionMatrix();
+}
+
+// Draws the shade only where shadows can fall: elsewhere its pixels would be transparent, and each of them costs a look into the shadow map.
+function clipShade(radius) {
+  const points = machinePoints(), way = plus(sun.target.position.toArray(), sun.position.toArray(), -1), margin = 0.05 * radius;
+  const fallen = points.map(p => plus(p, way, (floorZ - p[2]) / way[2]));
+  const ends = [0, 1].map(i => {
+    const own = fallen.map(p => p[i]);
+    return [Math.max(grounds[i][0], Math.min(...own) - margin), Math.min(grounds[i][1], Math.max(...own) + margin)];
+  });
+  shade.visible = ends.every(([low, high]) => low < high);
+  shade.position.set((ends[0][0] + ends[0][1]) / 2, (ends[1][0] + ends[1][1]) / 2, shade.position.z);
+  shade.scale.set(ends[0][1] - ends[0][0], ends[1][1] - ends[1][0], 1);
 }
 
 // Colours of the page's theme.
