@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures of three example models: the roll fold, the flared wing tip in its gust, the slender wing in flight.
+"""Pictures of four example models: the roll fold, the flared wing tip in its gust, the slender wing in flight, the crane.
 
 Usage: plot_models.py --foldwing target/release/foldwing --output docs/pictures
 """
@@ -145,14 +145,50 @@ def slender_wing(foldwing, text):
     return figure
 
 
+def jib_crane(foldwing, text):
+    """Draws the crane while its trolley moves out, and positions, swing and the moment at the mast over time."""
+    run = simulate(foldwing, text)
+    figure, axes = plt.subplot_mosaic([["shapes", "travel"], ["shapes", "swing"], ["shapes", "mast"]], figsize=(12, 5.6),
+                                      gridspec_kw={"width_ratios": (1.35, 1)})
+    figure.subplots_adjust(left=0.06, right=0.97, top=0.93, bottom=0.1, wspace=0.2, hspace=0.62)
+    left = axes["shapes"]
+    times_s = [0.0, 1.0, 1.6, 2.4, 8.0]
+    for color, time_s in zip(plt.cm.YlGnBu(np.linspace(0.35, 0.98, len(times_s))), times_s):
+        row = row_at(run, time_s)
+        left.plot(*shape(run, ("jib",), row), color=color, linewidth=2.2, solid_capstyle="round")
+        x, z = (run[f"station.trolley[1].position.{axis}"][row] for axis in "xz")
+        hook = [run[f"station.load[1].position.{axis}"][row] for axis in "xz"]
+        turn = 2.0 * np.arctan2(run["station.load[1].rotation.y"][row], run["station.load[1].rotation.w"][row])
+        end = [hook[0] - np.sin(turn), hook[1] - np.cos(turn)]
+        left.plot([x, hook[0], end[0]], [z, hook[1], end[1]], color=color, linewidth=1.2)
+        left.plot(x, z, "s", color=color, markersize=6)
+        left.plot(*end, "o", color=color, markersize=11)
+        left.annotate(f"{time_s:.1f} s", end, xytext=(0, -15), textcoords="offset points", ha="center", va="center", fontsize=SMALL)
+    left.set(title="From the side", xlabel="x (m)", ylabel="z (m)", aspect="equal", xlim=(-0.1, 3.1), ylim=(0.6, 2.15))
+    for name, values, title, label in (
+        ("travel", run["travel.position"], "Trolley", "position (m)"),
+        ("swing", np.degrees(run["rope.angle"]), "Rope against the trolley", "angle (°)"),
+        ("mast", 1e-3 * run["internal_load.foot.moment.y"], "Bending at the mast", "moment (kN·m)"),
+    ):
+        axes[name].plot(run["time"], values, color=BLUE)
+        axes[name].set(title=title, ylabel=label, xlim=(0.0, run["time"][-1]))
+        if name != "mast":
+            axes[name].set_xticklabels([])
+    axes["mast"].set_xlabel("time (s)")
+    axes["travel"].axhline(2.6, color=FAINT, linewidth=0.8)
+    axes["travel"].annotate("command", (0.1, 2.6), xytext=(0, 3), textcoords="offset points", fontsize=SMALL, color=FAINT)
+    axes["travel"].set_ylim(0.5, 3.0)
+    return figure
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--foldwing", type=Path, required=True)
     parser.add_argument("--output", type=Path, required=True)
     arguments = parser.parse_args()
     use()
-    for draw in (roll_fold, flared_wing_tip, slender_wing):
-        text = (MODELS / f"{draw.__name__}.toml").read_text(encoding="utf-8")
+    for draw, folder in ((roll_fold, MODELS), (flared_wing_tip, MODELS), (slender_wing, MODELS), (jib_crane, ROOT / "examples/sliding")):
+        text = (folder / f"{draw.__name__}.toml").read_text(encoding="utf-8")
         figure = draw(arguments.foldwing.resolve(), text)
         save(figure, arguments.output / f"{draw.__name__}.png")
 

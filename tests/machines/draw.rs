@@ -2,6 +2,7 @@
 
 use crate::machines::course::{Action, Doing};
 use crate::machines::model::{Form, Model, Table, Value};
+use crate::machines::sliding::{self, SLIDING};
 use crate::machines::view::Frame;
 use crate::machines::{air, rotor, shaped};
 use nalgebra::Vector3;
@@ -103,9 +104,31 @@ impl Draft {
     }
 }
 
-/// A machine from a seed, reproducible.
+/// A machine from a seed, reproducible; of seeds from [`SLIDING`] on with a sliding joint.
 pub fn draw(seed: u64) -> Model {
+    if seed >= SLIDING {
+        return sliding::draw(seed);
+    }
     let mut dice = Dice(fastrand::Rng::with_seed(seed));
+    let mut draft = begin(&mut dice);
+    match dice.whole(0, 9) {
+        0..=2 => rotor::draw(&mut dice, &mut draft),
+        3 => linkage(&mut dice, &mut draft),
+        _ => {
+            tree(&mut dice, &mut draft);
+            match dice.whole(0, 3) {
+                0 => air::strips(&mut dice, &mut draft),
+                1 => air::lattice(&mut dice, &mut draft),
+                _ if dice.once_in(8) => draft.add(Table::new("aerodynamics").with("model", "none")),
+                _ => {}
+            }
+        }
+    }
+    end(&mut dice, draft, seed)
+}
+
+/// A machine without bodies.
+pub fn begin(dice: &mut Dice) -> Draft {
     let step_s = 2e-3;
     let mut draft = Draft {
         tables: vec![Table::new("").with("name", "m")],
@@ -123,22 +146,14 @@ pub fn draw(seed: u64) -> Model {
     }
     let gravity = dice.vector(9.0);
     draft.top().set("gravity_m_s2", Value::Polar(gravity, Frame::Root));
-    match dice.whole(0, 9) {
-        0..=2 => rotor::draw(&mut dice, &mut draft),
-        3 => linkage(&mut dice, &mut draft),
-        _ => {
-            tree(&mut dice, &mut draft);
-            match dice.whole(0, 3) {
-                0 => air::strips(&mut dice, &mut draft),
-                1 => air::lattice(&mut dice, &mut draft),
-                _ if dice.once_in(8) => draft.add(Table::new("aerodynamics").with("model", "none")),
-                _ => {}
-            }
-        }
-    }
-    carry(&mut dice, &mut draft);
-    failures(&mut dice, &mut draft);
-    solver(&mut dice, &mut draft);
+    draft
+}
+
+/// What a machine carries, its failures, its solver, its experiment, and the actions on it.
+pub fn end(dice: &mut Dice, mut draft: Draft, seed: u64) -> Model {
+    carry(dice, &mut draft);
+    failures(dice, &mut draft);
+    solver(dice, &mut draft);
     let (start_s, end_s) = (draft.start_s, draft.end_s);
     let mut experiment =
         Table::new("simulation").with("step_s", end_s / STEPS as f64).with("stop_time_s", start_s + end_s);
@@ -152,7 +167,7 @@ pub fn draw(seed: u64) -> Model {
         experiment.set("start", if starts_moving || dice.once_in(2) { "unstrained" } else { "equilibrium" });
     }
     draft.add(experiment);
-    let actions = actions(&mut dice);
+    let actions = actions(dice);
     Model { seed, tables: draft.tables, actions }
 }
 
@@ -617,7 +632,7 @@ fn coupling_key(i: usize, j: usize) -> &'static str {
 }
 
 /// The joint of the last body.
-fn joint(dice: &mut Dice, draft: &mut Draft, parent: Option<usize>) {
+pub fn joint(dice: &mut Dice, draft: &mut Draft, parent: Option<usize>) {
     let index = draft.members.len() - 1;
     let name = format!("j{index}");
     let frame = if parent.is_some() { Frame::Body } else { Frame::Root };

@@ -12,17 +12,27 @@ mod model;
 mod rotor;
 mod shaped;
 mod shrink;
+mod sliding;
 mod view;
 
 pub use course::Doing;
 pub use draw::{STEPS, draw};
 pub use model::{Model, Value};
 pub use shrink::shrink;
+pub use sliding::SLIDING;
 pub use view::{Frame, View};
 
 /// Number of machines, from the environment; `make validate` uses more than `make test`.
 pub fn count(usual: u64) -> u64 {
     std::env::var("FOLDWING_MACHINES").ok().map_or(usual, |text| text.parse().expect("FOLDWING_MACHINES is a number"))
+}
+
+/// Seeds of machines with sliding joints: a third as many as others.
+pub fn sliding_seeds(usual: u64) -> Vec<u64> {
+    match std::env::var_os("FOLDWING_SEED") {
+        Some(_) => Vec::new(),
+        None => (SLIDING..SLIDING + count(usual).div_ceil(3)).collect(),
+    }
 }
 
 /// Seeds: only `FOLDWING_SEED`, or the first `usual` ones.

@@ -165,6 +165,14 @@ impl Table {
         self.keys.iter().any(|(own, value)| *own == key && *value == Value::from(word))
     }
 
+    /// The number of a key, or zero without the key.
+    pub fn number(&self, key: &str) -> f64 {
+        match self.keys.iter().find(|(own, _)| *own == key) {
+            Some((_, Value::Plain(text))) => text.parse().expect("a number"),
+            _ => 0.0,
+        }
+    }
+
     fn short_name(&self) -> Option<&str> {
         self.name.rsplit_once('.').map(|(_, short)| short)
     }

@@ -88,7 +88,7 @@ const MODES: usize = 10;
 
 /// Deflection of the tip of a cantilever of 0.5 kg/m and 2 N·m² every 0.02 s, under a force of 0.05 · 0.0981 N and a mass that move from the
 /// root to the tip at 1 m/s: modal equations with the inertia of the mass, `M (ẅ + 2 v ẇ' + v² w'')`, by Runge–Kutta steps of 0.1 ms.
-fn modal_tip_m(mass_kg: f64) -> Vec<f64> {
+pub fn modal_tip_m(mass_kg: f64) -> Vec<f64> {
     let roots: [f64; MODES] = std::array::from_fn(|n| {
         let characteristic = |b: f64| b.cos() + 1.0 / b.cosh();
         let middle = (n as f64 + 0.5) * std::f64::consts::PI;
@@ -308,14 +308,19 @@ fn sj11_steps_across_borders_allocate_nothing() {
 }
 
 /// A carriage without mass on a cantilever, with a pendulum on a hinge: a body that slides and turns.
-fn crane(change: impl Fn(JointBuilder) -> JointBuilder) -> Machine {
+pub fn crane(change: impl Fn(JointBuilder) -> JointBuilder) -> Machine {
+    crane_with(Joint::revolute("pin", [0.0, 1.0, 0.0]), [4.0, 0.0, -9.0], change)
+}
+
+/// The same with another joint of the pendulum, and another gravity in m/s².
+pub fn crane_with(pin: JointBuilder, gravity_m_s2: [f64; 3], change: impl Fn(JointBuilder) -> JointBuilder) -> Machine {
     let beam = body("beam", 1.0, &slender(1e4, 2.0, 1e-6), ElementKind::Linear, 4);
     let bob = Body::rigid("bob").inertia(0.2, [0.0, 0.0, -0.2], Matrix3::from_diagonal_element(1e-4));
     let built = Machine::builder("crane")
-        .gravity_m_s2([4.0, 0.0, -9.0])
+        .gravity_m_s2(gravity_m_s2)
         .body(beam, clamped())
         .body(Body::rigid("carriage"), change(Joint::sliding("slide").on("beam")))
-        .body(bob, Joint::revolute("pin", [0.0, 1.0, 0.0]).on("carriage"))
+        .body(bob, pin.on("carriage"))
         .solver(solver(Method::Esdirk4, 1e-8))
         .build();
     built.unwrap_or_else(|refused| panic!("{refused}"))
@@ -411,8 +416,7 @@ fn sj08_refusals_name_the_joint() {
     let rest = plant.study().equilibrium(0.0, foldwing::plant::Holding::AsReleased).map(|_| ());
     let rest = rest.err().map(|error| error.to_string()).unwrap_or_default();
     assert!(rest.contains("no static equilibrium") && rest.contains("slide"), "{rest}");
-    let exchange = start(with(slide()).build().unwrap_or_else(|refused| panic!("{refused}")));
-    let mut exchange = exchange;
+    let mut exchange = start(with(slide()).build().unwrap_or_else(|refused| panic!("{refused}")));
     let text = exchange.hybrid().map(|_| ()).err().map(|error| error.to_string()).unwrap_or_default();
     assert!(text.contains("sliding joint"), "{text}");
     let mut leaving = start(with(slide().start_rate_m_s(2.0)).build().unwrap_or_else(|refused| panic!("{refused}")));

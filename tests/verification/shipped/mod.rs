@@ -6,6 +6,7 @@ mod braced_wing;
 mod flared_tip;
 mod roll_fold;
 mod slender_wing;
+mod sliding;
 
 use foldwing::config;
 use foldwing::machine::Machine;

@@ -1,0 +1,215 @@
+//! Machines with bodies that slide along a beam.
+//!
+//! They have seeds of their own, so that the machines of all other seeds remain as they are.
+
+use crate::machines::draw::{Dice, Draft, Kind, Member, begin, body, end, joint, one_freedom};
+use crate::machines::model::{Model, Table, Value};
+use crate::machines::view::Frame;
+
+/// Machines of this seed and above have sliding joints.
+pub const SLIDING: u64 = 1_000_000;
+
+/// A machine of a beam, free or on a joint, and one or two bodies that slide along it.
+pub fn draw(seed: u64) -> Model {
+    let mut dice = Dice(fastrand::Rng::with_seed(seed));
+    let mut draft = begin(&mut dice);
+    let carrier = dice.once_in(4).then(|| {
+        body(&mut dice, &mut draft, Kind::Rigid, None, None);
+        joint(&mut dice, &mut draft, None);
+        0
+    });
+    let beam = draft.members.len();
+    body(&mut dice, &mut draft, Kind::Beam, None, None);
+    let elements = dice.whole(2, 5);
+    let is_constant = dice.once_in(3);
+    let table = draft.tables.last_mut().expect("the beam");
+    table.keys.retain(|(key, _)| !matches!(*key, "elements" | "element"));
+    table.set("elements", elements);
+    table.set("element", if is_constant { "constant" } else { "linear" });
+    joint(&mut dice, &mut draft, carrier);
+    if dice.once_in(4) {
+        body(&mut dice, &mut draft, Kind::Rigid, None, None);
+        joint(&mut dice, &mut draft, Some(beam));
+    }
+    for _ in 0..dice.whole(1, 2) {
+        rider(&mut dice, &mut draft, (beam, elements));
+    }
+    let mut model = end(&mut dice, draft, seed);
+    allowed(&mut model, if is_constant { None } else { Some(beam) });
+    model
+}
+
+/// A body on a sliding joint: a point mass, a rigid body, a beam, or a carriage without mass with a body on a joint.
+fn rider(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize)) {
+    let index = draft.members.len();
+    let name = format!("b{index}");
+    let kind = dice.whole(0, 5);
+    let mut member = Member {
+        name: name.clone(),
+        kind: Kind::Rigid,
+        length_m: 0.0,
+        width_m: 0.0,
+        stations: 0,
+        copied: false,
+        outlined: false,
+        by_shape: false,
+    };
+    match kind {
+        0..=2 => body(dice, draft, Kind::Rigid, None, None),
+        3 | 4 => {
+            draft.add(Table::new(format!("rigid_body.{name}")));
+            draft.members.push(member);
+        }
+        _ => {
+            // without shear: its slopes have velocities of their own, for which no impulse is known
+            let section = format!("s{index}");
+            draft.add(
+                Table::new(format!("section.{section}"))
+                    .with("shape", "rectangle")
+                    .with("width_m", dice.number(0.02, 0.04))
+                    .with("height_m", dice.number(0.003, 0.006))
+                    .with("density_kg_m3", 2000.0)
+                    .with("youngs_modulus_Pa", dice.size(3e9, 7e10))
+                    .with("poisson_ratio", 0.3),
+            );
+            member.length_m = dice.number(0.1, 0.2);
+            let table = Table::new(format!("body.{name}"))
+                .with("length_m", member.length_m)
+                .with("section", section)
+                .with("elements", dice.whole(1, 2))
+                .with("load_stations", 1_usize)
+                .with("stiffness_damping_s", dice.size(1e-4, 1e-3));
+            draft.add(table);
+            (member.kind, member.stations) = (Kind::Beam, 1);
+            draft.members.push(member);
+        }
+    }
+    if kind == 3 {
+        let offset = dice.vector(0.03);
+        draft.add(
+            Table::new(format!("mass.m{index}"))
+                .with("body", name.as_str())
+                .with("position_m", 0.0)
+                .with("mass_kg", dice.number(0.05, 0.3))
+                .with("offset_m", Value::Polar(offset, Frame::Body)),
+        );
+    }
+    slide(dice, draft, (beam, elements), &name);
+    if kind == 4 {
+        body(dice, draft, Kind::Rigid, None, None);
+        joint(dice, draft, Some(index));
+    }
+}
+
+/// The sliding joint of a body: that of a prismatic joint, with all its positions moved to a place near a border.
+fn slide(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize), child: &str) {
+    let (length_m, parent) = (draft.members[beam].length_m, draft.members[beam].name.clone());
+    let name = format!("joint.j{}", child.trim_start_matches('b'));
+    let mut table = Table::new(name.as_str()).with("type", "sliding").with("parent", parent).with("child", child);
+    if dice.once_in(3) {
+        let arm = dice.vector(0.05);
+        table.set("parent_offset_m", Value::Polar(arm, Frame::Body));
+    }
+    if dice.once_in(2) {
+        let mount = dice.vector(40.0);
+        table.set("mount_rotation_deg", Value::TurnDeg(mount, Frame::Body));
+    }
+    one_freedom(dice, draft, table, true);
+    // from one side of a border towards the other
+    let border = dice.whole(1, elements - 1) as f64;
+    let side = if dice.once_in(2) { 1.0 } else { -1.0 };
+    let [from, to] = [border - side * dice.number(0.02, 0.5), border + side * dice.number(0.2, 1.2)]
+        .map(|place| (place / elements as f64).clamp(0.05, 0.95));
+    // one digit fewer than the product has, so that the file is easy to read
+    let digits = |x: f64| (x * 1e3).round() / 1e3;
+    let (start_m, rate_m_s) = (digits(from * length_m), digits((to - from) * length_m / draft.end_s));
+    let has_stopper =
+        draft.tables.iter().any(|own| own.name == name && (own.has("release") || own.is("motion", "locked")));
+    let own = |table: &&mut Table| table.name == name || table.name.starts_with(&format!("{name}."));
+    let drawn_m =
+        draft.tables.iter().find(|table| table.name == name).map_or(0.0, |table| table.number("start_position_m"));
+    for table in draft.tables.iter_mut().filter(own) {
+        let moves = table.has("start_rate_m_s");
+        move_along(table, start_m - drawn_m);
+        if let Some((_, Value::List(law))) = table.keys.iter_mut().find(|(key, _)| *key == "polynomial_m") {
+            law[1] = rate_m_s.into();
+        }
+        if table.name.ends_with(".motor") && !table.has("command_m") {
+            // instead of the inner end
+            table.set("command_m", digits(to * length_m));
+        }
+        if table.name == name && !has_stopper && !table.is("motion", "prescribed") {
+            // most of them move over a border; a latch that is closed at the start permits no motion
+            table.keys.retain(|(key, _)| *key != "start_rate_m_s");
+            if moves || !dice.once_in(4) {
+                table.set("start_rate_m_s", rate_m_s);
+            }
+        }
+    }
+    let is_held = draft.tables.iter().any(|table| table.name == format!("{name}.latch") && table.is("kind", "rigid"));
+    if is_held {
+        let joint = draft.tables.iter_mut().find(|table| table.name == name).expect("the joint");
+        joint.keys.retain(|(key, _)| *key != "start_rate_m_s");
+    }
+}
+
+/// Keys of positions along the beam, in tables of a joint and of failures.
+const POSITIONS: [&str; 9] = [
+    "start_position_m",
+    "command_m",
+    "rest_position_m",
+    "position_m",
+    "upper_m",
+    "lower_m",
+    "to_m",
+    "position_above_m",
+    "position_below_m",
+];
+
+/// Adds a length to all positions of a table.
+fn move_along(table: &mut Table, by_m: f64) {
+    let moved = |value: &Value| match value {
+        Value::Plain(text) => Value::from(((text.parse::<f64>().expect("a number") + by_m) * 1e6).round() / 1e6),
+        other => unreachable!("{other:?} is no position"),
+    };
+    for (key, value) in &mut table.keys {
+        match (*key, value) {
+            (key, value) if POSITIONS.contains(&key) => *value = moved(value),
+            ("polynomial_m", Value::List(coefficients)) => coefficients[0] = moved(&coefficients[0]),
+            ("table_s_m", Value::List(rows)) => {
+                for row in rows {
+                    if let Value::List(row) = row {
+                        row[1] = moved(&row[1]);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Removes what machines with sliding joints exclude: damped modes, starts in equilibrium, and gauges on the beam if its elements are linear;
+/// moves the bounds of failures to the places of the joints.
+fn allowed(model: &mut Model, beam_of_pairs: Option<usize>) {
+    let starts: Vec<(String, f64)> = (model.tables.iter())
+        .filter(|table| table.is("type", "sliding"))
+        .map(|table| {
+            let start_m = table.number("start_position_m");
+            (table.name.trim_start_matches("joint.").to_owned(), start_m)
+        })
+        .collect();
+    let beam = beam_of_pairs.map(|beam| format!("b{beam}"));
+    model.tables.retain(|table| {
+        !(table.name.starts_with("gauge.") && beam.as_ref().is_some_and(|beam| table.is("body", beam)))
+    });
+    for table in &mut model.tables {
+        table.keys.retain(|(key, value)| {
+            *key != "modal_damping_ratios" && !(*key == "start" && *value == Value::from("equilibrium"))
+        });
+        if let Some((_, start_m)) =
+            starts.iter().find(|(name, _)| table.name.starts_with("failure.") && table.is("joint", name))
+        {
+            move_along(table, *start_m);
+        }
+    }
+}

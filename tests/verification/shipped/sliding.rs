@@ -1,0 +1,82 @@
+//! The shipped models with sliding joints, of `examples/sliding`.
+
+use super::{machine, run, start};
+use crate::plant::sliding::modal_tip_m;
+use foldwing::machine::Machine;
+use foldwing::plant::Plant;
+
+const CRANE: &str = include_str!("../../../examples/sliding/jib_crane.toml");
+const MASS: &str = include_str!("../../../examples/sliding/moving_mass.toml");
+/// Mass of trolley and load, kg.
+const CARRIED_KG: f64 = 38.0;
+
+fn balance_j(plant: &Plant) -> f64 {
+    let energy = plant.outputs().energy();
+    energy.total - energy.work + energy.dissipated
+}
+
+/// The crane with a command, over a given time.
+fn crane(command_m: f64, stop_s: f64) -> Machine {
+    let changes = [
+        ("command_m = 2.6", format!("command_m = {command_m}")),
+        ("stop_time_s = 8.0", format!("stop_time_s = {stop_s:?}")),
+    ];
+    machine(CRANE, &changes.each_ref().map(|(old, new)| (*old, new.as_str())))
+}
+
+/// SJ-12. The crane of `examples/sliding`: the trolley stops where its drive balances the weight of trolley and load along the jib's
+/// slope, which the load at the trolley causes by `F x² / 2 EI` and the jib's weight by `w (L³ − (L − x)³) / 6 EI`; the mast carries the
+/// moments of the weights. The account of energy closes over the crossings, and a command beyond the end of the jib is held by its stop.
+#[test]
+fn sj12_a_trolley_carries_a_load_along_a_jib() {
+    let mut begin_j = None;
+    let (mut drift_j, mut swing_rad) = (0.0f64, 0.0f64);
+    let plant = run(crane(2.6, 20.0), |plant| {
+        let start_j = *begin_j.get_or_insert_with(|| balance_j(plant));
+        drift_j = drift_j.max((balance_j(plant) - start_j).abs());
+        swing_rad = swing_rad.max(plant.outputs().joints()[1].angle_rad.abs());
+    });
+    let [travel, rope] = [0, 1].map(|joint| plant.outputs().joints()[joint]);
+    let (reach_m, jib) = (travel.angle_rad, &plant.machine().bodies[0]);
+    let bending_n_m2 = jib.section.at(0.0).stiffness[(2, 2)];
+    let (weight_n, own_n_m) = (CARRIED_KG * 9.81, 9.81 * jib.section.mass_kg(jib.length_m) / jib.length_m);
+    let own = jib.length_m.powi(3) - (jib.length_m - reach_m).powi(3);
+    // the weights hang below the axis, in the frame of the section, which the slope turns inward
+    let below_n_m = 9.81 * (8.0 * 0.06 + 30.0 * 0.1);
+    let slope = (weight_n * reach_m.powi(2) / 2.0 + own_n_m * own / 6.0) / (bending_n_m2 + below_n_m * reach_m);
+    let due_m = 2.6 + weight_n * slope.sin() / 150.0;
+    let moment_n_m = weight_n * reach_m - below_n_m * slope + own_n_m * jib.length_m.powi(2) / 2.0;
+    let foot = plant.outputs().internal_loads()[0].moment_n_m.y;
+    println!(
+        "SJ-12 rest at {reach_m:.6} m of {due_m:.6} m, slope {slope:.5}, rope {:.5} rad, swing {:.2} deg; foot {foot:.3} N·m of \
+         {moment_n_m:.3}; drift {drift_j:.1e} J; {} events",
+        rope.angle_rad,
+        swing_rad.to_degrees(),
+        plant.statistics().events
+    );
+    // squares of the slope are neglected, by which the lever arms of the weights are shorter
+    let share = 2.0 * slope * slope;
+    assert!((reach_m - due_m).abs() < share * (due_m - 2.6), "{reach_m} m for {due_m} m");
+    assert!((rope.angle_rad + slope).abs() < share * slope, "{} rad for the slope {slope}", rope.angle_rad);
+    assert!((foot.abs() / moment_n_m - 1.0).abs() < share, "{foot} N·m for {moment_n_m}");
+    assert!(swing_rad > 0.1 && plant.statistics().events >= 4);
+    assert!(drift_j < 1e-2, "{drift_j:e} J");
+    let held = run(crane(3.5, 20.0), |_| {});
+    let stopped = held.outputs().joints()[0];
+    println!("SJ-12 a command of 3.5 m: {:.5} m, {:.1e} m/s", stopped.angle_rad, stopped.rate_rad_s);
+    assert!(stopped.angle_rad > 2.8 && stopped.angle_rad < 2.802 && stopped.rate_rad_s.abs() < 1e-3);
+}
+
+/// SJ-13. The shipped model of a moving mass, against the modal solution of SJ-02.
+#[test]
+fn sj13_the_shipped_moving_mass() {
+    let mut plant = start(machine(MASS, &[]));
+    let (mut off_m, mut size_m) = (0.0f64, 0.0f64);
+    for (i, due_m) in modal_tip_m(0.05).into_iter().enumerate() {
+        plant.step(0.02 * (i + 1) as f64).unwrap_or_else(|error| panic!("{error}"));
+        off_m = off_m.max((plant.outputs().tips()[0].position_m.z - due_m).abs());
+        size_m = size_m.max(due_m.abs());
+    }
+    println!("SJ-13 {off_m:.1e} m of {size_m:.1e} m, {} events", plant.statistics().events);
+    assert!(off_m < 2e-4 * size_m && plant.statistics().events >= 7, "{off_m:e} m of {size_m:e} m");
+}
