@@ -10,6 +10,7 @@ use crate::math::strain::{LINEAR, SHEARED, STRAINS, Strain, StrainMatrix};
 use crate::multibody::carried::Carried;
 use crate::multibody::cholesky::{back, cholesky, forward};
 use crate::multibody::closure;
+use crate::multibody::rigid_loop;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
 use crate::multibody::norm::{NormSquared, displaced};
@@ -68,10 +69,13 @@ pub fn factorize(
     tangents: &[FreedomTangent],
 ) -> Result<(), BadPivot> {
     factorize_tree(model, work, weights, damping, tangents)?;
-    if !model.is_bordered() {
-        return Ok(());
+    if model.is_bordered() {
+        closure::factorize(model, work, weights).ok_or(BadPivot { coordinate: 0 })?;
     }
-    closure::factorize(model, work, weights).ok_or(BadPivot { coordinate: 0 })
+    if !model.rigid_loops.is_empty() {
+        rigid_loop::factorize(model, work);
+    }
+    Ok(())
 }
 
 fn factorize_tree(
@@ -325,6 +329,12 @@ fn moves_only(strains: usize, strain: usize) -> bool {
 /// Returns the kinematic norm of the solution: the largest rotation in rad, or node displacement divided by the reference length, caused by
 /// `x`. Not finite if an entry is not finite. Allocates nothing.
 pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
+    let norm = solve_bordered(model, work, x);
+    if model.rigid_loops.is_empty() { norm } else { rigid_loop::correct(model, work, x) }
+}
+
+/// [`solve`] without rigid loops; the displacements of the nodes stay in `bias`.
+pub(crate) fn solve_bordered(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let norm = solve_tree(model, work, x);
     if model.is_bordered() { closure::correct(model, work, x) } else { norm }
 }

@@ -18,6 +18,7 @@ pub mod modal;
 pub mod mode_damping;
 pub mod model;
 pub mod norm;
+pub(crate) mod rigid_loop;
 pub mod slide;
 pub(crate) mod slope;
 pub mod station;

@@ -10,6 +10,7 @@
 
 mod block;
 mod closure;
+mod rigid;
 mod factor;
 mod inertia;
 mod joint;
@@ -29,6 +30,7 @@ use crate::multibody::station;
 use crate::multibody::workspace::{Pair, Workspace};
 use block::{Cross, SHEARED_UNKNOWNS, UNKNOWNS};
 use closure::{ClosureTangent, Coupling};
+use rigid::RigidTangent;
 use factor::{Factor, twist};
 use joint::JointBlock;
 use links::{Links, link_tangent};
@@ -74,6 +76,7 @@ pub struct Tangent {
     modal_factors: Vec<Option<Factor>>,
     closures: Vec<ClosureTangent>,
     coupling: Option<Coupling>,
+    rigid: Option<RigidTangent>,
     displaced: Vec<Pair>,
     wrenches: Vec<Pair>,
 }
@@ -93,6 +96,7 @@ impl Tangent {
             modal_factors: vec![None; bodies],
             closures: Vec::new(),
             coupling: None,
+            rigid: None,
             displaced: vec![Pair::ZERO; nodes],
             wrenches: vec![Pair::ZERO; nodes],
         }
