@@ -197,7 +197,10 @@ const NOT_DRAWN: [(&str, &str); 14] = [
         "joint.*.type = \"sliding\"",
         "refuses statics, linear models, loops and aerodynamics, of which most views consist (SJ-01 to SJ-09)",
     ),
-    ("loop.*.rigid", "refuses linear models, gradients and statics in air, of which most views consist (LP-21 to LP-30)"),
+    (
+        "loop.*.rigid",
+        "refuses linear models, gradients and statics in air, of which most views consist (LP-21 to LP-30)",
+    ),
     ("section.*.shape = \"angle\"", "its mirror image has no words: its legs point to +y and +z"),
     ("body.*.axis_file", "names a file beside the model; its contents are drawn as `axis`"),
     ("section.*.file", "names a file beside the model; its contents are drawn as `along`"),

@@ -13,10 +13,8 @@ pub(super) fn add(file: &ModelFile, mut machine: MachineBuilder) -> MachineBuild
             true => Closure::rigid(name, bodies).stiffness_n_m(stiffness_n_m),
             false => Closure::between(name, bodies, stiffness_n_m),
         };
-        let mut built = start
-            .offsets_m(closure.offsets_m)
-            .damping_n_s_m(closure.damping_n_s_m)
-            .inertia_kg(closure.inertia_kg);
+        let mut built =
+            start.offsets_m(closure.offsets_m).damping_n_s_m(closure.damping_n_s_m).inertia_kg(closure.inertia_kg);
         if let Some(positions_m) = closure.positions_m {
             built = built.positions_m(positions_m);
         }

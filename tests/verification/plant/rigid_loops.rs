@@ -30,7 +30,8 @@ fn rigid_bars(motion: JointMotion, solver: Solver, turn: Rotation3<f64>) -> Mach
         Body::rigid(name).inertia(MASSES_KG[i], [0.5 * BARS_M[i], 0.0, 0.0], inertia)
     };
     let mount = *turn.matrix();
-    let crank = Revolute { motion, ..free_hinge(-START_RAD) };
+    let hinge = |start_angle_rad| Revolute { start_angle_rad, ..Revolute::about(turn * Vector3::y()) };
+    let crank = Revolute { motion, ..hinge(-START_RAD) };
     let pivot = turn * Vector3::new(BARS_M[3], 0.0, 0.0);
     let elbow = Joint::hinge("elbow", free_hinge(START_RAD - coupler_rad)).on("crank");
     built(
@@ -38,10 +39,9 @@ fn rigid_bars(motion: JointMotion, solver: Solver, turn: Rotation3<f64>) -> Mach
             .gravity_m_s2(turn * Vector3::new(0.0, 0.0, -9.8))
             .body(bar("crank", 0), hinged_to_root(crank).mount(mount))
             .body(bar("coupler", 1), elbow.offset_m([BARS_M[0], 0.0, 0.0]))
-            .body(bar("rocker", 2), Joint::hinge("pivot", free_hinge(-rocker_rad)).at_root(pivot).mount(mount))
+            .body(bar("rocker", 2), Joint::hinge("pivot", hinge(-rocker_rad)).at_root(pivot).mount(mount))
             .closure(
-                Closure::rigid("pin", ["coupler", "rocker"])
-                    .offsets_m([[BARS_M[1], 0.0, 0.0], [BARS_M[2], 0.0, 0.0]]),
+                Closure::rigid("pin", ["coupler", "rocker"]).offsets_m([[BARS_M[1], 0.0, 0.0], [BARS_M[2], 0.0, 0.0]]),
             )
             .solver(solver)
             .stop_time_s(2.0)
@@ -88,7 +88,10 @@ fn lp21_a_prescribed_four_bar_follows_its_kinematics_to_round_off() {
 fn rates(crank_rad: f64) -> [f64; 2] {
     let [crank, coupler, rocker, _] = BARS_M;
     let (b, c, _) = kinematics(crank_rad);
-    [crank * (c - crank_rad).sin() / (coupler * (b - c).sin()), crank * (crank_rad - b).sin() / (rocker * (c - b).sin())]
+    [
+        crank * (c - crank_rad).sin() / (coupler * (b - c).sin()),
+        crank * (crank_rad - b).sin() / (rocker * (c - b).sin()),
+    ]
 }
 
 /// Inertia of the linkage of rigid bars about its crank in kg·m², and potential in J, at a crank angle.
@@ -166,8 +169,8 @@ fn lp22_order_of_convergence_against_minimal_coordinates() {
             miss
         });
         let found = (misses[0] / misses[1]).log2();
-        println!("LP-22 {method:?}: {misses:.1e?}, order {found:.2} of {order}");
-        assert!(misses[1] > 1e-11 && found > order - 0.35, "{method:?}: {misses:.1e?}, order {found:.2}");
+        println!("LP-22 {method:?}: {misses:?}, order {found:.2} of {order}");
+        assert!(misses[1] > 1e-11 && found > order - 0.35, "{method:?}: {misses:?}, order {found:.2}");
     }
 }
 
@@ -182,21 +185,29 @@ fn elastic(motion: JointMotion, pin: Option<f64>, solver: Solver) -> Machine {
     machine
 }
 
-/// LP-23. Penalties tend to the rigid loop with the inverse of their stiffness: positions of an elastic linkage that swings freely, and the force of
-/// its pin.
+/// LP-23. Penalties tend to the rigid loop with the inverse of their stiffness: ends of the free linkage of rigid bars after 0.3 s.
 #[test]
 fn lp23_penalties_tend_to_the_rigid_loop() {
     let end = |pin: Option<f64>| {
-        let mut plant = start(elastic(JointMotion::Free, pin, solver(Method::Esdirk4, 1e-10)));
-        coast(&mut plant, 0.1);
-        plant.outputs().tips()[1].position_m
+        let mut machine = rigid_bars(JointMotion::Free, solver(Method::Esdirk4, 1e-11), Rotation3::identity());
+        if let Some(stiffness_n_m) = pin {
+            let closure = &mut machine.closures[0];
+            (closure.rigid, closure.stiffness_n_m, closure.damping_n_s_m) =
+                (false, stiffness_n_m, 2e-4 * stiffness_n_m);
+        }
+        let mut plant = start(machine);
+        coast(&mut plant, 0.3);
+        plant.outputs().joints()[0].angle_rad
     };
     let rigid = end(None);
-    let misses_m = [1e6, 1e7, 1e8].map(|stiffness_n_m| (end(Some(stiffness_n_m)) - rigid).norm());
-    println!("LP-23 {misses_m:.2e?} m");
-    for pair in misses_m.windows(2) {
+    let misses = [1e6, 1e7, 1e8].map(|stiffness_n_m| (end(Some(stiffness_n_m)) - rigid).abs());
+    println!("LP-23 {misses:?} rad");
+    for pair in misses.windows(2) {
         let ratio = pair[0] / pair[1];
-        assert!((8.0..12.5).contains(&ratio), "ten times the stiffness divides the difference by {ratio:.2}: {misses_m:.2e?}");
+        assert!(
+            (9.0..11.5).contains(&ratio),
+            "ten times the stiffness divides the difference by {ratio:.2}: {misses:?}"
+        );
     }
 }
 
@@ -245,8 +256,8 @@ fn of_file(text: &str) -> Machine {
 fn lp25_braced_wing_latches_with_closed_loops() {
     let mut plant = start(of_file(BRACED));
     let mut soft = start(config::parse(BRACED, "braced_wing.toml").expect("the model of the example"));
-    let begin_j = balance_j(plant.outputs());
-    let (mut drift_j, mut gap, mut kinetic_j) = (0.0f64, 0.0f64, 0.0f64);
+    let begin_j = [&plant, &soft].map(|plant| balance_j(plant.outputs()));
+    let (mut drift_j, mut gap) = ([0.0f64; 2], 0.0f64);
     let mut kept = None;
     for step in 1..=800 {
         let time_s = 5e-3 * f64::from(step);
@@ -256,16 +267,21 @@ fn lp25_braced_wing_latches_with_closed_loops() {
         plant.step(time_s).unwrap_or_else(|error| panic!("{error}"));
         soft.step(time_s).unwrap_or_else(|error| panic!("{error}"));
         gap = gap.max(gap_of(&plant, 1.6));
-        drift_j = drift_j.max((balance_j(plant.outputs()) - begin_j).abs());
-        kinetic_j = kinetic_j.max(plant.outputs().energy().kinetic);
+        for (i, plant) in [&plant, &soft].into_iter().enumerate() {
+            drift_j[i] = drift_j[i].max((balance_j(plant.outputs()) - begin_j[i]).abs());
+        }
     }
     let latch = plant.outputs().latches()[2];
     let foot = |plant: &Plant| plant.outputs().loops().iter().map(|closure| closure.force_n).sum::<Vector3<f64>>();
     let miss = (foot(&plant) - foot(&soft)).norm() / foot(&soft).norm();
     let later_s = (latch.time_s - soft.outputs().latches()[2].time_s).abs();
-    println!("LP-25 latch at {:.4} s ({later_s:.1e} s off), gap {gap:.1e}, drift {drift_j:.1e} of {kinetic_j:.1} J, foot off by {miss:.1e}", latch.time_s);
+    println!(
+        "LP-25 latch at {:.4} s, {later_s:.1e} s off; gap {gap:.1e}, foot off by {miss:.1e}; drift {:.1e} J, with penalties {:.1e} J",
+        latch.time_s, drift_j[0], drift_j[1]
+    );
     assert!(latch.closed.is_on() && gap < CLOSED, "gap {gap:.1e}");
-    assert!(drift_j < 1e-3 * kinetic_j, "drift {drift_j:.1e} of {kinetic_j:.1} J");
+    // the tolerance of the model is 1e-4
+    assert!(drift_j[0] < 1.5 * drift_j[1] && drift_j[1] < 0.1, "drift {drift_j:?} J");
     assert!(later_s < 2e-3, "{later_s} s");
     assert!(miss < 1e-2, "{miss:.1e}");
 
@@ -329,11 +345,14 @@ fn lp27_equilibrium_with_a_rigid_loop() {
     assert!(miss < 1e-5 && gap < CLOSED && unbalanced < 1e-9, "{miss:.1e} {gap:.1e} {unbalanced:.1e}");
     let tip_m = |plant: &Plant| plant.outputs().tips()[1].position_m;
     let differences = [1e8, 1e9].map(|k| (tip_m(&held(Some(k))) - tip_m(&plant)).norm());
-    println!("LP-27 penalties {differences:.1e?} m");
-    assert!((8.0..12.0).contains(&(differences[0] / differences[1])), "{differences:.1e?}");
+    println!("LP-27 penalties {differences:?} m");
+    assert!((8.0..12.0).contains(&(differences[0] / differences[1])), "{differences:?}");
 
     let mut machine = elastic(JointMotion::Locked, None, solver(Method::Esdirk4, 1e-8));
     machine.experiment.start = StartState::Equilibrium;
+    for index in [1, 2] {
+        hinge_of(&mut machine, index).release = false;
+    }
     plant = start(machine);
     let begin = plant.outputs().clone();
     coast(&mut plant, 0.2);
@@ -381,7 +400,8 @@ fn lp29_refusals_name_the_loop() {
 
     let with = |pin: ClosureBuilder| {
         let bars = rigid_bars(JointMotion::Free, solver(Method::Esdirk4, 1e-6), Rotation3::identity());
-        let bar = |i: usize| Body::rigid(bars.bodies[i].name.clone()).inertia(1.0, [0.1, 0.0, 0.0], Matrix3::identity());
+        let bar =
+            |i: usize| Body::rigid(bars.bodies[i].name.clone()).inertia(1.0, [0.1, 0.0, 0.0], Matrix3::identity());
         Machine::builder("two")
             .body(bar(0), hinged_to_root(free_hinge(0.0)))
             .body(bar(1), Joint::hinge("other", free_hinge(0.0)).at_root([0.0, 0.0, 0.0]))
@@ -435,7 +455,13 @@ fn lp30_cost_beside_the_penalty() {
     let per_step = |i: usize| least[i] / counts[i].steps as f64;
     println!(
         "LP-30 rigid {:.2} ms, {} steps, {} iterations; penalty {:.2} ms, {} steps, {} iterations; per step {:.2} times",
-        1e3 * least[0], rigid.steps, rigid.iterations, 1e3 * least[1], penalty.steps, penalty.iterations, per_step(0) / per_step(1)
+        1e3 * least[0],
+        rigid.steps,
+        rigid.iterations,
+        1e3 * least[1],
+        penalty.steps,
+        penalty.iterations,
+        per_step(0) / per_step(1)
     );
     assert!(rigid.iterations <= 2 * penalty.iterations, "{} iterations for {}", rigid.iterations, penalty.iterations);
 }

@@ -18,6 +18,8 @@ const REDUNDANT: f64 = 1e-11;
 const ROUND_OFF: f64 = 2.0 * f64::EPSILON;
 /// Gap relative to the machine's length above which a loop is open, if no correction reduces it further.
 const OPEN: f64 = 1e-12;
+/// Number of corrections before which the gaps may grow: rates at first follow the coordinates.
+const SETTLED: usize = 3;
 /// Maximum number of corrections: each reduces the gap by the change of the directions since the factorisation, a hundredth as a rule.
 const CORRECTIONS: usize = 30;
 /// Maximum number of sweeps of the Jacobi iteration, which converges quadratically.
@@ -178,12 +180,12 @@ pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64];
     v[tree..].fill(0.0);
     let mut before = f64::INFINITY;
     let mut gap = f64::INFINITY;
-    for _ in 0..CORRECTIONS {
+    for round in 0..CORRECTIONS {
         sweep_motion(model, work, Motion { q, v, a });
         let [open, moving] = openness(model, work);
         gap = open;
         let worst = open.max(moving);
-        if worst <= ROUND_OFF || (worst > 0.5 * before && open <= OPEN) || !worst.is_finite() {
+        if worst <= ROUND_OFF || (round >= SETTLED && worst > 0.5 * before && open <= OPEN) || !worst.is_finite() {
             break;
         }
         before = worst;
@@ -239,6 +241,8 @@ mod tests {
         let weights: Vec<f64> = (0..3).map(|row| factor.weight(row)).collect();
         assert!((weights[0] - weights[1]).abs() < 1e-14, "{weights:?}");
         let sum = weights[0] + weights[1];
-        assert!((2.0 * sum + 0.5 * weights[2] - 1.0).abs() < 1e-14 && (0.5 * sum + 3.0 * weights[2] + 2.0).abs() < 1e-14);
+        assert!(
+            (2.0 * sum + 0.5 * weights[2] - 1.0).abs() < 1e-14 && (0.5 * sum + 3.0 * weights[2] + 2.0).abs() < 1e-14
+        );
     }
 }

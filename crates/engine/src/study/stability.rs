@@ -130,7 +130,8 @@ impl Study<'_> {
         let coordinates = self.system.coordinates();
         let too_many = coordinates > MAXIMUM_COORDINATES;
         let rigid = self.system.has_rigid_loops();
-        let growing = if by_pivots && negative_directions == 0 || too_many || rigid { Vec::new() } else { self.growing()? };
+        let growing =
+            if by_pivots && negative_directions == 0 || too_many || rigid { Vec::new() } else { self.growing()? };
         let not_judged = (!by_pivots).then_some(()).and_then(|()| match (rigid, too_many) {
             (true, _) => Some("a machine with rigid loops has no modes; use stiffness_N_m in the loops".to_owned()),
             (false, true) => Some(format!(

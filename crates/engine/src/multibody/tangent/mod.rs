@@ -10,12 +10,12 @@
 
 mod block;
 mod closure;
-mod rigid;
 mod factor;
 mod inertia;
 mod joint;
 mod links;
 mod modal;
+mod rigid;
 mod slope;
 
 pub use joint::JointTangent;
@@ -30,12 +30,12 @@ use crate::multibody::station;
 use crate::multibody::workspace::{Pair, Workspace};
 use block::{Cross, SHEARED_UNKNOWNS, UNKNOWNS};
 use closure::{ClosureTangent, Coupling};
-use rigid::RigidTangent;
 use factor::{Factor, twist};
 use joint::JointBlock;
 use links::{Links, link_tangent};
 use modal::ModalTangent;
 use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
+use rigid::RigidTangent;
 use slope::SlopeTangent;
 use std::ops::Range;
 

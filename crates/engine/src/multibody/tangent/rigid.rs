@@ -31,11 +31,8 @@ pub(super) fn support_n_m(model: &Model) -> f64 {
         None => element.elastic.section_stiffness[0][(0, 0)] / element.length_m,
     };
     let of_beams = model.elements.iter().map(axial).fold(0.0, f64::max);
-    let mass_kg: f64 = model
-        .nodes
-        .iter()
-        .map(|node| node.beam[(0, 0)] + node.attached.map_or(0.0, |attached| attached[(0, 0)]))
-        .sum();
+    let mass_kg: f64 =
+        model.nodes.iter().map(|node| node.beam[(0, 0)] + node.attached.map_or(0.0, |attached| attached[(0, 0)])).sum();
     of_beams.max(OF_WEIGHT * 10.0 * mass_kg / model.reference_length_m)
 }
 
