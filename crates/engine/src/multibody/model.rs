@@ -209,17 +209,6 @@ impl Model {
         !(self.closures.is_empty() && self.damped_modes.is_empty())
     }
 
-    /// Coordinates of the tree; those of the multipliers of rigid loops follow.
-    pub fn tree_coordinates(&self) -> usize {
-        self.coordinates - 3 * self.rigid_loops.len()
-    }
-
-    /// Indices of the multipliers of a rigid loop: forces on its first point in N, root frame, at the place of accelerations.
-    pub fn multipliers(&self, rigid_loop: usize) -> std::ops::Range<usize> {
-        let first = self.tree_coordinates() + 3 * rigid_loop;
-        first..first + 3
-    }
-
     /// Meshes the bodies. Bodies must be sorted parent before child; positions must be on their bodies.
     pub fn new(descriptions: &[BodyDescription]) -> Self {
         Self::with_closures(descriptions, &[])

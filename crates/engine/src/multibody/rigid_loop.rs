@@ -25,6 +25,19 @@ const CORRECTIONS: usize = 30;
 /// Maximum number of sweeps of the Jacobi iteration, which converges quadratically.
 const JACOBI_SWEEPS: usize = 30;
 
+impl Model {
+    /// Coordinates of the tree; those of the multipliers of rigid loops follow.
+    pub fn tree_coordinates(&self) -> usize {
+        self.coordinates - 3 * self.rigid_loops.len()
+    }
+
+    /// Indices of the multipliers of a rigid loop: forces on its first point in N, root frame, at the place of accelerations.
+    pub fn multipliers(&self, rigid_loop: usize) -> std::ops::Range<usize> {
+        let first = self.tree_coordinates() + 3 * rigid_loop;
+        first..first + 3
+    }
+}
+
 /// Workspace of the rigid loops.
 #[derive(Debug, Clone)]
 pub(crate) struct RigidFactor {
@@ -80,7 +93,7 @@ impl RigidFactor {
         self.inverse.fill(0.0);
         for k in 0..n {
             let value = self.small[k * n + k];
-            if !(value > REDUNDANT * largest) {
+            if value <= REDUNDANT * largest || value.is_nan() {
                 continue;
             }
             for i in 0..n {
@@ -100,7 +113,7 @@ fn diagonalize(matrix: &mut [f64], vectors: &mut [f64], n: usize) {
     for _ in 0..JACOBI_SWEEPS {
         let off: f64 = (0..n).flat_map(|i| (0..i).map(move |j| i * n + j)).map(|at| matrix[at].powi(2)).sum();
         let size: f64 = (0..n).map(|i| matrix[i * n + i].powi(2)).sum();
-        if !(off > (f64::EPSILON * f64::EPSILON) * size) {
+        if off <= (f64::EPSILON * f64::EPSILON) * size || off.is_nan() {
             return;
         }
         for p in 0..n {
