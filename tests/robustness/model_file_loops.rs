@@ -33,6 +33,7 @@ fn accepted_loops_mean_what_they_say() {
             name: "pin".into(),
             ends: [on(0, 0.05), on(1, 0.1)],
             offsets_m: [Vector3::new(0.0, 0.0, 0.01), Vector3::new(-0.2, 0.0, 0.01)],
+            rigid: false,
             inertia_kg: 1e-3,
             damping_n_s_m: 20.0,
             stiffness_n_m: 1e5,

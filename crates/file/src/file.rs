@@ -250,7 +250,7 @@ pub(super) struct TableSection {
 }
 
 /// Loop closure: connects two points, of two bodies or of a body and the root, by the penalty force `m g̈ + c ġ + k g` on the gap `g` between them,
-/// as a ball joint. Two loop closures on one axis form a hinge. A stiffer spring gives a smaller gap.
+/// as a ball joint; with `rigid = true` by constraint forces, without a gap. Two loop closures on one axis form a hinge. A stiffer spring gives a smaller gap.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LoopFile {
@@ -265,10 +265,14 @@ pub(super) struct LoopFile {
     #[serde(default)]
     #[schemars(extend("x-allowed" = "an array of 2 arrays of 3 finite lengths in m"))]
     pub offsets_m: [[f64; 3]; 2],
-    /// Penalty stiffness `k`: the gap is the force divided by `k`.
-    #[serde(rename = "stiffness_N_m")]
+    /// Whether the points coincide to round-off, by constraint forces in place of the penalty. There is no Model Exchange, no linear model
+    /// and no gradient with such a loop, and no static equilibrium in air.
+    #[serde(default)]
+    pub rigid: bool,
+    /// Penalty stiffness `k`: the gap is the force divided by `k`. Required, except with `rigid = true`.
+    #[serde(default, rename = "stiffness_N_m")]
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub stiffness_n_m: f64,
+    pub stiffness_n_m: Option<f64>,
     /// Penalty damping `c`.
     #[serde(default, rename = "damping_N_s_m")]
     #[schemars(range(min = 0.0))]

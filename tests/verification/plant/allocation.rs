@@ -103,6 +103,7 @@ fn a03_other_joints_bodies_and_methods_allocate_nothing() {
             name: "thread".into(),
             ends: [0, 1].map(|index| LoopEnd::Body { index, position_m: 0.9 }),
             offsets_m: [Vector3::zeros(); 2],
+            rigid: false,
             inertia_kg: 0.1,
             damping_n_s_m: 1.0,
             stiffness_n_m: 100.0,

@@ -8,13 +8,13 @@ use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
 
 /// Crank, coupler, rocker and ground of a four-bar linkage in m; the crank can make full revolutions.
-const BARS_M: [f64; 4] = [0.3, 0.8, 0.6, 0.7];
-const START_RAD: f64 = 0.5;
+pub(super) const BARS_M: [f64; 4] = [0.3, 0.8, 0.6, 0.7];
+pub(super) const START_RAD: f64 = 0.5;
 /// The crank angle is `START_RAD + SPIN_UP t²`.
 const SPIN_UP_RAD_S2: f64 = 3.0;
 
 /// Angles of coupler and rocker relative to the ground, and their common end, for a crank angle (all in the plane).
-fn kinematics(crank_rad: f64) -> (f64, f64, Vector2<f64>) {
+pub(super) fn kinematics(crank_rad: f64) -> (f64, f64, Vector2<f64>) {
     let [crank, coupler, rocker, ground] = BARS_M;
     let pin = Vector2::new(crank_rad.cos(), crank_rad.sin()) * crank;
     let pivot = Vector2::new(ground, 0.0);
@@ -118,7 +118,7 @@ fn held_linkage() -> Machine {
 }
 
 /// Force of the pin on the coupler of the rigid linkage in N, from the moments of both bars' weights about their hinges.
-fn rigid_pin_force_n(machine: &Machine) -> Vector2<f64> {
+pub(super) fn rigid_pin_force_n(machine: &Machine) -> Vector2<f64> {
     let (coupler_rad, rocker_rad, _) = kinematics(START_RAD);
     let bar = |length_m: f64, angle_rad: f64| Vector2::new(angle_rad.cos(), angle_rad.sin()) * length_m;
     let (coupler, rocker) = (bar(BARS_M[1], coupler_rad), bar(BARS_M[2], rocker_rad));

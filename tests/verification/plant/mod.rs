@@ -25,6 +25,7 @@ mod real_time;
 pub(crate) mod rigid;
 mod rigid_bodies;
 mod rigid_latch;
+mod rigid_loops;
 mod rod;
 mod root_loops;
 mod slides;

@@ -150,7 +150,7 @@ fn lp12_factors_contain_the_damping_of_modes() {
     let penalty = Penalty { inertia_kg: 0.2, damping_n_s_m: 3.0, stiffness_n_m: 100.0 };
     let offsets_m = [Vector3::new(0.1, 0.0, 0.2), Vector3::new(-0.1, 0.3, 0.0)];
     let loops = [[Some((0, 0.5)), Some((2, 0.5))], [Some((1, 0.5)), None]];
-    let loops = loops.map(|places| ClosureDescription { places, offsets_m, penalty });
+    let loops = loops.map(|places| ClosureDescription { places, offsets_m, rigid: false, penalty });
     let mut model = Model::with_closures(&bodies, &loops);
     for body in 0..3 {
         model.damp_modes(body, &[0.1, 0.4, 0.2]);

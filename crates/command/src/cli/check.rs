@@ -122,6 +122,7 @@ struct LoopSummary {
     name: String,
     bodies: [String; 2],
     positions_m: [f64; 2],
+    rigid: bool,
     stiffness_n_m: f64,
     damping_n_s_m: f64,
     inertia_kg: f64,
@@ -417,6 +418,7 @@ impl LoopSummary {
                 end.on_body().map_or_else(|| "root".to_owned(), |(body, _)| machine.bodies[body].name.clone())
             }),
             positions_m: closure.ends.map(|end| end.on_body().map_or(0.0, |(_, position_m)| position_m)),
+            rigid: closure.rigid,
             stiffness_n_m: closure.stiffness_n_m,
             damping_n_s_m: closure.damping_n_s_m,
             inertia_kg: closure.inertia_kg,
@@ -428,6 +430,9 @@ impl LoopSummary {
             "root" => "root".to_owned(),
             body => format!("{body} at {} m", self.positions_m[side]),
         };
+        if self.rigid {
+            return format!("  {}: {} to {}, rigid\n", self.name, end(0), end(1));
+        }
         format!(
             "  {}: {} to {}, k {} N/m, c {} N.s/m, m {} kg\n",
             self.name,

@@ -203,7 +203,8 @@ fn loops_section(html: &mut String, machine: &Machine) {
     }
     html.push_str(
         "<h2>Closed loops</h2>\n<p>A loop holds two points together by the force <i>m</i> <b>g̈</b> + <i>c</i> <b>ġ</b> + \
-         <i>k</i> <b>g</b> on the gap <b>g</b> between them: a ball joint by the penalty method.</p>\n",
+         <i>k</i> <b>g</b> on the gap <b>g</b> between them: a ball joint by the penalty method. A rigid loop has no gap: constraint \
+         forces hold its points.</p>\n",
     );
     let head = ["loop", "from", "offset (m)", "to", "offset (m)", "k (N/m)", "c (N·s/m)", "m (kg)"];
     table(
@@ -218,7 +219,11 @@ fn loops_section(html: &mut String, machine: &Machine) {
                 ));
                 row.push(vector(offset_m.as_slice()));
             }
-            row.extend([closure.stiffness_n_m, closure.damping_n_s_m, closure.inertia_kg].map(number));
+            let penalty = [closure.stiffness_n_m, closure.damping_n_s_m, closure.inertia_kg];
+            row.extend(match closure.rigid {
+                true => ["rigid", "", ""].map(str::to_owned),
+                false => penalty.map(number),
+            });
             row
         }),
     );
@@ -413,6 +418,7 @@ mod tests {
             name: "pin".into(),
             ends: [LoopEnd::Body { index: 0, position_m: 0.1 }, LoopEnd::Body { index: 1, position_m: 0.05 }],
             offsets_m: [nalgebra::Vector3::zeros(), nalgebra::Vector3::new(0.0, 0.02, 0.0)],
+            rigid: false,
             inertia_kg: 0.0,
             damping_n_s_m: 25.0,
             stiffness_n_m: 4e5,

@@ -46,6 +46,7 @@ impl Kinds {
         match self.model_exchange {
             true if sampled => Err(NotHybrid::Air),
             true if machine.sliding_joint().is_some() => Err(NotHybrid::Sliding),
+            true if machine.closures.iter().any(|closure| closure.rigid) => Err(NotHybrid::RigidLoop),
             true | false => Ok(()),
         }
     }

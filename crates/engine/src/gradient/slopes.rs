@@ -135,6 +135,9 @@ impl System {
         if let Some(joint) = machine.sliding_joint() {
             return refuse("sliding joints", joint);
         }
+        if let Some(closure) = machine.closures.iter().find(|closure| closure.rigid) {
+            return refuse("rigid loops", &closure.name);
+        }
         if let Some((body, _)) = machine.spatials().next() {
             return refuse("universal, ball and free joints", &machine.bodies[body].joint.name);
         }

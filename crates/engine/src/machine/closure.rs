@@ -36,10 +36,19 @@ pub struct Closure {
     pub ends: [LoopEnd; 2],
     /// Positions of the points relative to the sections' axes, section frames, m; on the root its position in the root frame.
     pub offsets_m: [Vector3<f64>; 2],
+    /// Whether the points coincide to round-off, by constraint forces in place of a penalty, whose values are then 0.
+    pub rigid: bool,
     /// Inertia of the penalty on the gap in kg.
     pub inertia_kg: f64,
     /// Damping of the penalty on the gap in N·s/m.
     pub damping_n_s_m: f64,
     /// Stiffness of the penalty on the gap in N/m.
     pub stiffness_n_m: f64,
+}
+
+impl Closure {
+    /// Whether the force of the loop depends on the accelerations of its bodies: with an inertia, and in a rigid loop.
+    pub fn resists_acceleration(&self) -> bool {
+        self.rigid || self.inertia_kg > 0.0
+    }
 }

@@ -29,6 +29,8 @@ pub struct ClosureDescription {
     pub places: [Option<(usize, f64)>; 2],
     /// Positions of the points relative to the sections' axes, section frames, m; on the root its position in the root frame.
     pub offsets_m: [Vector3<f64>; 2],
+    /// Whether constraint forces hold the points together; the penalty is then zero.
+    pub rigid: bool,
     /// Penalty on the gap.
     pub penalty: Penalty,
 }
@@ -103,6 +105,11 @@ impl Closure {
     /// nodes' wrenches, if the loop ends there.
     pub(crate) fn apply(&self, work: &mut Workspace) -> Option<Pair> {
         let force = self.force_n(&self.gap(work));
+        self.apply_force(work, force)
+    }
+
+    /// [`Closure::apply`] for a given force on the first point in N, root frame.
+    pub(crate) fn apply_force(&self, work: &mut Workspace, force: Vector3<f64>) -> Option<Pair> {
         let mut on_root = None;
         for (side, force) in [(0, -force), (1, force)] {
             let Some(n) = self.nodes[side] else {
@@ -117,7 +124,7 @@ impl Closure {
     }
 
     /// Change of the gap due to the node displacements in `work.bias`.
-    fn gap_change(&self, work: &Workspace) -> Vector3<f64> {
+    pub(crate) fn gap_change(&self, work: &Workspace) -> Vector3<f64> {
         let change = |side: usize| {
             let Some(n) = self.nodes[side] else { return Vector3::zeros() };
             let arm = work.nodes[n].rotation * self.offsets_m[side];
@@ -127,15 +134,24 @@ impl Closure {
     }
 }
 
-/// Applies all closures; returns the sum of their wrenches on the root, see [`Closure::apply`].
-pub(crate) fn apply_all(model: &Model, work: &mut Workspace) -> Option<Pair> {
+/// Applies all closures, rigid loops with their multipliers in the accelerations `a`; returns the sum of their wrenches on the root, see
+/// [`Closure::apply`].
+pub(crate) fn apply_all(model: &Model, work: &mut Workspace, a: &[f64]) -> Option<Pair> {
     let mut on_root: Option<Pair> = None;
-    for closure in &model.closures {
-        if let Some(own) = closure.apply(work) {
+    let mut book = |own: Option<Pair>| {
+        if let Some(own) = own {
             let sum = on_root.get_or_insert(Pair::ZERO);
             sum.linear += own.linear;
             sum.angular += own.angular;
         }
+    };
+    for closure in &model.closures {
+        book(closure.apply(work));
+    }
+    for (index, closure) in model.rigid_loops.iter().enumerate() {
+        let force_n = Vector3::from_column_slice(&a[model.multipliers(index)]);
+        work.rigid_forces[index] = force_n;
+        book(closure.apply_force(work, force_n));
     }
     on_root
 }
@@ -229,7 +245,7 @@ pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64
 }
 
 /// Generalised forces due to a unit force across a closure's gap.
-fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, axis: usize, out: &mut [f64]) {
+pub(crate) fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, axis: usize, out: &mut [f64]) {
     work.bias.fill(Pair::ZERO);
     let mut unit = Vector3::zeros();
     unit[axis] = 1.0;

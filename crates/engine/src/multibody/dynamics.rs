@@ -11,6 +11,7 @@ pub use crate::multibody::elastic::Damping;
 use crate::multibody::elastic::elastic_forces;
 use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::{Base, Body, Model};
+use crate::multibody::rigid_loop;
 use crate::multibody::slope;
 use crate::multibody::station_load;
 use crate::multibody::workspace::{Node, Pair, Workspace};
@@ -90,8 +91,11 @@ pub(super) fn sweep_forces<const PROJECT: bool>(
     }
     react_on_carriers(model, work, environment.damping);
     let rotors_on_root = react_of_rotors::<PROJECT>(model, work, motion, environment.root, residual);
-    let loops_on_root = closure::apply_all(model, work);
+    let loops_on_root = closure::apply_all(model, work, motion.a);
     sweep_inward::<PROJECT>(model, work, residual);
+    if PROJECT {
+        rigid_loop::violations(model, work, residual);
+    }
     if let Some(wrench) = loops_on_root {
         work.root_force += wrench.linear;
         work.root_moment += wrench.angular;

@@ -15,6 +15,7 @@ use crate::multibody::model::{Base, Body, Element, Model, Strained};
 use crate::multibody::node::NormSquared;
 use crate::multibody::node::{ArticulatedInertia, ElementFactor, Pair};
 use crate::multibody::norm::displaced;
+use crate::multibody::rigid_loop;
 use crate::multibody::slide::{self, Riders};
 use crate::multibody::slope::SlopeInertia;
 use crate::multibody::workspace::{Keeps, Workspace};
@@ -32,10 +33,13 @@ pub fn factorize(
     tangents: &[FreedomTangent],
 ) -> Result<(), BadPivot> {
     factorize_tree(model, work, weights, damping, tangents)?;
-    if !model.is_bordered() {
-        return Ok(());
+    if model.is_bordered() {
+        closure::factorize(model, work, weights).ok_or(BadPivot { coordinate: 0 })?;
     }
-    closure::factorize(model, work, weights).ok_or(BadPivot { coordinate: 0 })
+    if !model.rigid_loops.is_empty() {
+        rigid_loop::factorize(model, work);
+    }
+    Ok(())
 }
 
 fn factorize_tree(
@@ -289,6 +293,12 @@ fn moves_only(strains: usize, strain: usize) -> bool {
 /// Returns the kinematic norm of the solution: the largest rotation in rad, or node displacement divided by the reference length, caused by
 /// `x`. Not finite if an entry is not finite. Allocates nothing.
 pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
+    let norm = solve_bordered(model, work, x);
+    if model.rigid_loops.is_empty() { norm } else { rigid_loop::correct(model, work, x) }
+}
+
+/// [`solve`] without rigid loops; the displacements of the nodes stay in `bias`.
+pub(crate) fn solve_bordered(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let norm = solve_tree(model, work, x);
     if model.is_bordered() { closure::correct(model, work, x) } else { norm }
 }

@@ -22,6 +22,7 @@ pub mod model;
 pub(crate) mod motion;
 pub(crate) mod node;
 pub mod norm;
+pub(crate) mod rigid_loop;
 pub mod slide;
 pub(crate) mod slope;
 pub mod station;

@@ -68,6 +68,7 @@ impl Model {
             nodes: self.nodes[body.first_node..=body.last_node()].to_vec(),
             stations: Vec::new(),
             closures: Vec::new(),
+            rigid_loops: Vec::new(),
             damped_modes: Vec::new(),
             slides: Vec::new(),
             reference_length_m: self.reference_length_m,

@@ -187,8 +187,10 @@ pub struct Model {
     pub nodes: Vec<NodeMass>,
     /// Stations: body by body, then those added later.
     pub stations: Vec<Station>,
-    /// Closed loops.
+    /// Closed loops with a penalty.
     pub closures: Vec<Closure>,
+    /// Rigid loops, without a penalty: their multipliers are the last coordinates, three for each, NOTATION eq. (C5).
+    pub rigid_loops: Vec<Closure>,
     /// Modes of beams damped by their ratios.
     pub damped_modes: Vec<DampedMode>,
     /// Sliding joints.
@@ -220,6 +222,7 @@ impl Model {
             nodes: Vec::new(),
             stations: Vec::new(),
             closures: Vec::new(),
+            rigid_loops: Vec::new(),
             damped_modes: Vec::new(),
             slides: Vec::new(),
             coordinates: 0,
@@ -251,14 +254,15 @@ impl Model {
             let looped = looped.filter_map(|(body, position_m)| (body == index).then_some(position_m));
             model.add_body(description, base, children.chain(looped).collect());
         }
-        model.closures = closures
-            .iter()
-            .map(|closure| Closure {
+        for closure in closures {
+            let built = Closure {
                 nodes: closure.places.map(|place| place.map(|(body, position_m)| model.node_at(body, position_m))),
                 offsets_m: closure.offsets_m,
                 penalty: closure.penalty,
-            })
-            .collect();
+            };
+            if closure.rigid { model.rigid_loops.push(built) } else { model.closures.push(built) }
+        }
+        model.coordinates += 3 * model.rigid_loops.len();
         model.reference_length_m = path_m.iter().copied().fold(0.0, f64::max);
         if model.reference_length_m == 0.0 {
             model.reference_length_m = 1.0; // the machine has no extent

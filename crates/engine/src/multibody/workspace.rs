@@ -9,6 +9,7 @@ use crate::multibody::joint::JointWork;
 use crate::multibody::modal::ModalWork;
 use crate::multibody::model::{Base, Model};
 use crate::multibody::node::Eliminated;
+use crate::multibody::rigid_loop::RigidFactor;
 use crate::multibody::slide::SlideWork;
 use crate::multibody::slope::Slope;
 use nalgebra::Vector3;
@@ -79,6 +80,9 @@ pub struct Workspace {
     /// Elements with shear; empty if there are none.
     pub(crate) sheared: Eliminated<SHEARED>,
     pub(crate) closure_factor: ClosureFactor,
+    pub(crate) rigid_factor: RigidFactor,
+    /// Per rigid loop: force on its first point in N, root frame, at the last wrenches.
+    pub(crate) rigid_forces: Vec<Vector3<f64>>,
 }
 
 impl Workspace {
@@ -130,6 +134,8 @@ impl Workspace {
             plain: Eliminated::new(elements),
             sheared: Eliminated::new(if model.sheared { elements } else { 0 }),
             closure_factor: ClosureFactor::new(3 * model.closures.len() + model.damped_modes.len(), model.coordinates),
+            rigid_forces: vec![zero; model.rigid_loops.len()],
+            rigid_factor: RigidFactor::new(3 * model.rigid_loops.len(), model.tree_coordinates()),
         }
     }
 }

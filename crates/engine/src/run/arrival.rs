@@ -6,13 +6,18 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::continuation::Taken;
 use crate::solve::newton::{Effort, NewtonError};
 use crate::solve::point::Point;
+use crate::system::PlantError;
+use crate::system::events::loops_open;
 use crate::system::state::State;
 
 impl Plant {
     /// Interpolates the current state at a time within the integrator's step.
-    pub(super) fn arrive_at(&mut self, time_s: f64) {
+    ///
+    /// # Errors
+    /// If rigid loops cannot be closed there.
+    pub(super) fn arrive_at(&mut self, time_s: f64) -> Result<(), PlantError> {
         if self.stepper.lands() && self.land(time_s) {
-            return;
+            return Ok(());
         }
         let State { start, stages, ahead, now, .. } = &mut self.system.state;
         let taken = Taken { start, stages, end: ahead, continuation: &self.system.continuation };
@@ -21,7 +26,9 @@ impl Plant {
             self.system.equations.branch_s = 0.5 * (start.time_s + ahead.time_s);
             self.system.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
             self.system.equations.project(&mut now.q, &mut now.v, &mut now.a);
+            self.system.equations.close_point(now).map_err(|error| loops_open(time_s, &error))?;
         }
+        Ok(())
     }
 
     /// Takes a separate step from the start of the integrator's step to a time within it, for methods without stages, whose interpolation

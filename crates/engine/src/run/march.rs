@@ -70,16 +70,21 @@ impl Plant {
         self.system.inputs_may_differ = false;
         let marches = changed || self.system.state.ahead.time_s <= end_s;
         // values reached by running ahead were checked when the step was taken, unless they were too large
-        let guarded = marches || !self.system.stays_moderate();
+        let guarded = marches || !self.system.stays_moderate() || self.system.has_rigid_loops();
         if guarded {
             self.system.begin.copy_from(&self.system.state);
         }
         self.allow_work((end_s - self.system.state.now.time_s).max(0.0));
         let applied = if changed { self.system.apply_inputs().and_then(|()| self.renew_air()) } else { Ok(()) };
-        let outcome = applied.and_then(|()| self.march(end_s, changed, pauses));
+        let outcome = applied.and_then(|()| self.march(end_s, changed, pauses)).and_then(|reached| {
+            if reached == Reached::End {
+                self.arrive_at(end_s)?;
+            }
+            Ok(reached)
+        });
         let State { before, start, ahead, now, .. } = &mut self.system.state;
         match &outcome {
-            Ok(Reached::End) => self.arrive_at(end_s),
+            Ok(Reached::End) => {}
             Ok(Reached::Event | Reached::Step) => now.copy_from(ahead),
             Err(_) if start.time_s <= now.time_s => self.system.go_back_to_begin(),
             Err(_) => {

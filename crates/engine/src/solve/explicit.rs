@@ -82,6 +82,7 @@ impl Rk4 {
         end.dissipated = start.dissipated + h_s * sums.dissipated;
         end.a.fill(0.0);
         equations.project(&mut end.q, &mut end.v, &mut end.a);
+        equations.close(&mut end.q, &mut end.v, &mut end.a)?;
         accelerate(equations, end.time_s, (&mut end.q, &mut end.v, &mut end.a), &mut self.residual, effort)?;
         end.auxiliary.copy_from_slice(&end.a);
         end.powers = equations.powers(end.time_s, &end.q, &end.v, &end.a);

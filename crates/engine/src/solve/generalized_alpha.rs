@@ -88,6 +88,7 @@ impl GeneralizedAlpha {
         end.dissipated = start.dissipated + mean(dissipated, end.powers.dissipated);
         let error = equations.norm(&self.residual);
         equations.project(&mut end.q, &mut end.v, &mut end.a);
+        equations.close(&mut end.q, &mut end.v, &mut end.a)?;
         Ok(error)
     }
 }

@@ -44,6 +44,14 @@ pub trait EquationsOfMotion {
     /// Projects coordinates, with their rates and accelerations, onto their constraints. Called at the ends of steps.
     fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
 
+    /// Moves a state onto the constraints of closed loops with the last factors, after [`EquationsOfMotion::project`] at the ends of steps.
+    ///
+    /// # Errors
+    /// If the loops cannot be closed.
+    fn close(&mut self, _q: &mut [f64], _v: &mut [f64], _a: &mut [f64]) -> Result<(), Open> {
+        Ok(())
+    }
+
     /// Residual at a state; entries of held and prescribed coordinates are zero.
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]);
 
@@ -83,6 +91,17 @@ pub struct Powers {
     pub work: f64,
     /// Power dissipated by damping.
     pub dissipated: f64,
+}
+
+/// The constraints of closed loops are not met at the end of a step.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "rigid loops stay open by {gap:.1e} of the machine's length: prescribed motions, locks or the lengths of the bodies contradict them; \
+     release a joint of the loop, or give it stiffness_N_m in place of rigid = true"
+)]
+pub struct Open {
+    /// Largest gap relative to the machine's length.
+    pub gap: f64,
 }
 
 /// The Newton matrix cannot be factorised at this iterate.

@@ -1,6 +1,6 @@
 //! Modified Newton iteration for the accelerations of one stage, with one factorisation per step.
 
-use crate::solve::{EquationsOfMotion, Singular};
+use crate::solve::{EquationsOfMotion, Open, Singular};
 
 /// Reason why a stage failed. A shorter step may help in each case.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -18,6 +18,9 @@ pub enum NewtonError {
     /// The matrix cannot be factorised at this iterate.
     #[error(transparent)]
     Singular(#[from] Singular),
+    /// The loops cannot be closed at the end of the step.
+    #[error(transparent)]
+    Open(#[from] Open),
     /// The residual is NaN or infinite.
     #[error("the residual is not finite in iteration {iteration}")]
     NotFinite {

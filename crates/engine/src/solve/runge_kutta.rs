@@ -108,6 +108,7 @@ impl Esdirk {
         }
         let error = equations.norm(&self.residual);
         equations.project(&mut end.q, &mut end.v, &mut end.a);
+        equations.close(&mut end.q, &mut end.v, &mut end.a)?;
         end.auxiliary.copy_from_slice(&end.a);
         Ok(error)
     }

@@ -30,6 +30,9 @@ impl Study<'_> {
     /// # Errors
     /// If there is no equilibrium, or if the only one lies beyond such a latch.
     pub(crate) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
+        if self.system.air.is_some() {
+            self.system.refuse_rigid_loop("static equilibrium in air")?;
+        }
         let (start, joints) = (self.system.state.now.q.clone(), self.system.state.joints.clone());
         let effort = self.settle_with_latches(time_s, holding)?;
         let pulling = self.pulling_latches(time_s, &start, &joints);
@@ -80,7 +83,9 @@ impl Study<'_> {
         }
         let zero = vec![0.0; start.len()];
         let now = &self.system.state.now;
-        self.system.equations.residual(time_s, &now.q, &zero, &zero, &mut self.system.scratch[0]);
+        let tree = self.system.equations.model.tree_coordinates();
+        let multipliers: Vec<f64> = zero[..tree].iter().chain(&now.q[tree..]).copied().collect();
+        self.system.equations.residual(time_s, &now.q, &zero, &multipliers, &mut self.system.scratch[0]);
         let pulls = |i: &usize| {
             let forces = &self.system.equations.forces.joints()[*i];
             let Some(latch) = forces.latch().map(|catching| catching.latch) else { return false };

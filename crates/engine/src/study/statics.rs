@@ -126,6 +126,8 @@ struct AtRest<'a> {
     target: Target,
     time_s: f64,
     zero: Vec<f64>,
+    /// Accelerations: zero, with the multipliers of rigid loops, which the unknowns have at their coordinates.
+    multipliers: Vec<f64>,
     /// Weight of each coordinate in the arc length of a path.
     weights: Vec<f64>,
 }
@@ -137,6 +139,7 @@ impl<'a> AtRest<'a> {
         Self {
             tangent: Tangent::new(&equations.model),
             zero: vec![0.0; start.len()],
+            multipliers: vec![0.0; start.len()],
             target,
             time_s,
             equations,
@@ -186,6 +189,7 @@ impl<'a> AtRest<'a> {
 fn path_weights(model: &Model) -> Vec<f64> {
     let length_m = model.reference_length_m;
     let mut weights = vec![1.0; model.coordinates];
+    weights[model.tree_coordinates()..].fill(0.0);
     for body in &model.bodies {
         let first = body.joint.coordinate;
         weights[first..first + body.joint.kind.translations()].fill(length_m.powi(-2));
@@ -225,7 +229,13 @@ impl StaticEquations for AtRest<'_> {
     }
 
     fn residual(&mut self, q: &[f64], residual: &mut [f64]) {
-        self.equations.residual(self.time_s, q, &self.zero, &self.zero, residual);
+        let tree = self.equations.model.tree_coordinates();
+        self.multipliers[tree..].copy_from_slice(&q[tree..]);
+        self.equations.residual(self.time_s, q, &self.zero, &self.multipliers, residual);
+        let Equations { model, work, .. } = &*self.equations;
+        for (index, closure) in model.rigid_loops.iter().enumerate() {
+            residual[model.multipliers(index)].copy_from_slice(closure.gap(work).position_m.as_slice());
+        }
     }
 
     fn factorize(&mut self, q: &[f64], shift_1_s2: f64) -> Result<usize, Singular> {
@@ -385,6 +395,11 @@ impl Study<'_> {
     fn conclude_rest(&mut self, time_s: f64) -> Result<(), PlantError> {
         self.system.state.now.v.fill(0.0);
         self.system.state.now.a.fill(0.0);
+        // the search has the multipliers beside the coordinates, motions beside the accelerations
+        let tree = self.system.equations.model.tree_coordinates();
+        let now = &mut self.system.state.now;
+        now.a[tree..].copy_from_slice(&now.q[tree..]);
+        now.q[tree..].fill(0.0);
         self.system.conclude_start(time_s)?;
         // the remaining accelerations are round-off multiplied by the stiffness
         self.stand_still();
@@ -405,9 +420,10 @@ impl Study<'_> {
 
     /// Sets the accelerations to zero and updates the outputs.
     fn stand_still(&mut self) {
+        let tree = self.system.equations.model.tree_coordinates();
         for point in [&mut self.system.state.now, &mut self.system.state.start, &mut self.system.state.ahead] {
-            point.a.fill(0.0);
-            point.auxiliary.fill(0.0);
+            point.a[..tree].fill(0.0);
+            point.auxiliary[..tree].fill(0.0);
         }
         self.system.evaluate();
     }
@@ -482,7 +498,8 @@ impl Study<'_> {
     /// linkage that can move freely.
     fn check_loops(&self, time_s: f64) -> Result<(), PlantError> {
         let limit_m = TORN * self.system.equations.model.reference_length_m;
-        for (closure, described) in self.system.equations.model.closures.iter().zip(&self.system.machine.closures) {
+        let described = self.system.machine.closures.iter().filter(|closure| !closure.rigid);
+        for (closure, described) in self.system.equations.model.closures.iter().zip(described) {
             let gap_m = closure.gap(&self.system.equations.work).position_m.norm();
             if gap_m > limit_m {
                 let cause = format!(

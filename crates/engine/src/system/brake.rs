@@ -61,7 +61,7 @@ impl System {
         }
         self.part_loops();
         // without loops and prescribed joints the losses of the individual stops add up to the total
-        let others = !self.equations.model.closures.is_empty()
+        let others = !self.machine.closures.is_empty()
             || self.equations.forces.joints().iter().any(|joint| joint.law().is_some());
         if jumps && others {
             return Ok(self.account_for_jump());
@@ -84,7 +84,8 @@ impl System {
 
     /// Restores the penalties of the loops.
     pub(crate) fn part_loops(&mut self) {
-        for (closure, described) in self.equations.model.closures.iter_mut().zip(&self.machine.closures) {
+        let described = self.machine.closures.iter().filter(|closure| !closure.rigid);
+        for (closure, described) in self.equations.model.closures.iter_mut().zip(described) {
             closure.penalty.inertia_kg = described.inertia_kg;
         }
         self.weaken_loops();

@@ -47,6 +47,22 @@ impl System {
         Ok(())
     }
 
+    /// Whether constraint forces close some loop.
+    pub(crate) fn has_rigid_loops(&self) -> bool {
+        !self.equations.model.rigid_loops.is_empty()
+    }
+
+    /// Returns an error for an analysis that rigid loops do not allow, by its name.
+    pub(crate) fn refuse_rigid_loop(&self, analysis: &'static str) -> Result<(), PlantError> {
+        match self.machine.closures.iter().find(|closure| closure.rigid) {
+            None => Ok(()),
+            Some(closure) => {
+                let (time_s, name) = (self.state.now.time_s, closure.name.clone());
+                Err(PlantError::RigidLoop { time_s, name, analysis })
+            }
+        }
+    }
+
     /// Returns an error for an analysis that sliding joints do not allow, by its name.
     pub(crate) fn refuse_sliding(&self, analysis: &'static str) -> Result<(), PlantError> {
         match self.machine.sliding_joint() {

@@ -14,15 +14,21 @@ use crate::multibody::gauge::Side;
 use crate::multibody::internal_load::SectionPlace;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription, Element};
-use crate::multibody::{Model, Workspace, energy, norm, station_load};
+use crate::multibody::{Model, Workspace, energy, norm, rigid_loop, station_load};
 use crate::signal::{Inputs, Parameters};
-use crate::solve::{EquationsOfMotion, Powers, Singular};
+use crate::solve::newton::NewtonError;
+use crate::solve::point::Point;
+use crate::solve::{EquationsOfMotion, Open, Powers, Singular};
 use crate::system::air::StepLoads;
 use crate::system::air::sections::add_sections;
 use crate::system::course::Course;
 use crate::system::failure_memory;
 use crate::system::joint_forces;
 use crate::system::spatial::SpatialJoint;
+
+/// Weight of the stiffness in s² in the corrections that close loops between steps: joints turn, and beams keep the strains whose modes are
+/// faster than 100 rad/s.
+const CLOSING_S2: f64 = 1e-4;
 
 /// Equations of motion with their workspace.
 pub(crate) struct Equations {
@@ -95,6 +101,7 @@ impl Equations {
             .map(|closure| ClosureDescription {
                 places: closure.ends.map(LoopEnd::on_body),
                 offsets_m: closure.offsets_m,
+                rigid: closure.rigid,
                 penalty: Penalty {
                     inertia_kg: closure.inertia_kg,
                     damping_n_s_m: closure.damping_n_s_m,
@@ -195,6 +202,25 @@ impl Equations {
         Potentials { elastic: stored.elastic, gravity, drive: stored.drive }
     }
 
+    /// Closes rigid loops of a state between the ends of steps, or of a start, with factors of its own: interpolated states meet the
+    /// constraints to the interpolation error only.
+    pub(crate) fn close_point(&mut self, point: &mut Point) -> Result<(), NewtonError> {
+        if self.model.rigid_loops.is_empty() {
+            return Ok(());
+        }
+        let mut residual = std::mem::take(&mut self.scratch);
+        self.residual(point.time_s, &point.q, &point.v, &point.a, &mut residual);
+        self.scratch = residual;
+        self.factorize(1.0, 0.0, CLOSING_S2)?;
+        self.close(&mut point.q, &mut point.v, &mut point.a)?;
+        if !self.spatial.is_empty() {
+            // large corrections leave the constraints of the joint parameters
+            self.project(&mut point.q, &mut point.v, &mut point.a);
+            self.close(&mut point.q, &mut point.v, &mut point.a)?;
+        }
+        Ok(())
+    }
+
     /// Whether a known kink is exactly at `time_s`, so that prescribed rates or accelerations may jump there.
     pub fn kink_at(&self, time_s: f64) -> bool {
         self.forces.kink_at(time_s) || self.failure_s <= time_s
@@ -244,6 +270,13 @@ impl EquationsOfMotion for Equations {
         for joint in &self.spatial {
             joint.project(q, v, a);
         }
+    }
+
+    fn close(&mut self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) -> Result<(), Open> {
+        if self.model.rigid_loops.is_empty() {
+            return Ok(());
+        }
+        rigid_loop::close(&self.model, &mut self.work, [q, v, a]).map_err(|gap| Open { gap })
     }
 
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) {

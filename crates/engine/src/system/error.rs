@@ -205,6 +205,19 @@ pub enum PlantError {
         /// The analysis.
         analysis: &'static str,
     },
+    /// An analysis that models with rigid loops do not support.
+    #[error(
+        "no {analysis} at t = {time_s} s: the loop {name:?} is rigid, and its constraints are not linearised; compute the motion over \
+         time, or give the loop stiffness_N_m in place of rigid = true"
+    )]
+    RigidLoop {
+        /// Time in s.
+        time_s: f64,
+        /// Name of the loop.
+        name: String,
+        /// The analysis.
+        analysis: &'static str,
+    },
     /// The current state has no linear model.
     #[error("no linearisation at t = {time_s} s: {cause}")]
     Linearization {
@@ -246,6 +259,7 @@ impl PlantError {
             | Self::Flight { .. }
             | Self::OffBeam { .. }
             | Self::Sliding { .. }
+            | Self::RigidLoop { .. }
             | Self::Linearization { .. }
             | Self::Periodic { .. }
             | Self::Snapshot(..) => self.to_string(),

@@ -108,7 +108,8 @@ impl System {
             let described = &self.machine.closures[closure];
             let of_loop = failures.iter().zip(memories).filter_map(|(failure, memory)| left(failure, memory));
             let share: f64 = of_loop.filter(|&(of, _)| of == closure).map(|(_, share)| share).product();
-            let penalty = &mut self.equations.model.closures[closure].penalty;
+            let earlier = self.machine.closures[..closure].iter().filter(|closure| !closure.rigid).count();
+            let penalty = &mut self.equations.model.closures[earlier].penalty;
             penalty.inertia_kg = share * described.inertia_kg;
             penalty.damping_n_s_m = share * described.damping_n_s_m;
             penalty.stiffness_n_m = share * described.stiffness_n_m;

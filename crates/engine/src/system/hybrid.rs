@@ -54,6 +54,12 @@ pub enum NotHybrid {
          all coordinates jump; use co-simulation"
     )]
     Sliding,
+    /// Rigid loops are closed at the ends of the internal integrator's steps.
+    #[error(
+        "an external integrator is not possible with a rigid loop: its states would leave the constraints; use co-simulation, or give the \
+         loop stiffness_N_m in place of rigid = true"
+    )]
+    RigidLoop,
     /// Panels, wake and rotors advance in fixed aerodynamic steps.
     #[error(
         "an external integrator is not possible with a vortex lattice or a rotor: both use fixed aerodynamic steps; write \
@@ -74,6 +80,9 @@ impl System {
         }
         if self.machine.sliding_joint().is_some() {
             return Err(NotHybrid::Sliding);
+        }
+        if self.machine.closures.iter().any(|closure| closure.rigid) {
+            return Err(NotHybrid::RigidLoop);
         }
         // crossings located ahead by the internal integrator do not apply to the external one
         self.state.joints.iter_mut().for_each(|joint| joint.crossed = 0);

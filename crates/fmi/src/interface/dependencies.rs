@@ -180,7 +180,7 @@ fn stretched(topology: &Topology, closure: usize) -> bool {
 /// Initial force of a closed loop: depends on its gap, on the rate of the gap with a damper or inertia, and on all accelerations with
 /// inertia.
 fn loop_pulls_initially(topology: &Topology, closure: usize, known: Known) -> bool {
-    if topology.machine.closures[closure].inertia_kg > 0.0 {
+    if topology.machine.closures[closure].resists_acceleration() {
         return accelerates_initially(topology, loop_reach(topology, closure), known);
     }
     loop_stretches_initially(topology, closure, known)
@@ -201,7 +201,7 @@ fn loop_stretches_initially(topology: &Topology, closure: usize, known: Known) -
 fn loop_moves_initially(topology: &Topology, closure: usize, known: Known) -> bool {
     let on_root = topology.ends_on_root(closure);
     let turns = |joints: &[Turning]| joints.iter().any(|&joint| topology.starts_turning(joint));
-    topology.machine.closures[closure].inertia_kg > 0.0
+    topology.machine.closures[closure].resists_acceleration()
         && topology.joined(closure).filter(|&body| moves_at_start(topology, body)).any(|body| {
             let path = &topology.path[body];
             path.iter().enumerate().any(|(i, &joint)| {

@@ -232,7 +232,7 @@ fn loop_outputs(table: &mut Table, topology: &Topology, closure: usize, name: &s
         format!("force of loop {name} on {on}; the opposite force acts on {second}, {{}}, root frame"),
     );
     // without inertia a penalty force follows from the state alone
-    let running = match topology.machine.closures[closure].inertia_kg == 0.0 {
+    let running = match !topology.machine.closures[closure].resists_acceleration() {
         true => vec![Cause::LoopTravel(closure)],
         false => vec![Cause::Push(loop_reach(topology, closure)), Cause::Air],
     };

@@ -59,7 +59,7 @@ impl<'a> Topology<'a> {
             branch.push(first);
             path.push(joints);
         }
-        let group = groups(&branch, machine.closures.iter().filter(|closure| closure.inertia_kg > 0.0));
+        let group = groups(&branch, machine.closures.iter().filter(|closure| closure.resists_acceleration()));
         let coupled =
             if machine.air.is_some() { vec![0; branch.len()] } else { groups(&branch, machine.closures.iter()) };
         Self {
@@ -165,7 +165,7 @@ impl<'a> Topology<'a> {
     pub fn floats(&self, body: usize) -> bool {
         let group = self.group[body];
         let held = |closure: usize| {
-            self.machine.closures[closure].inertia_kg > 0.0
+            self.machine.closures[closure].resists_acceleration()
                 && self.ends_on_root(closure)
                 && self.joined(closure).any(|body| self.group[body] == group)
         };

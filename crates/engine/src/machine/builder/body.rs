@@ -322,6 +322,7 @@ pub struct ClosureBuilder {
     pub(super) bodies: [String; 2],
     positions_m: Option<[f64; 2]>,
     offsets_m: [Vector3<f64>; 2],
+    rigid: bool,
     stiffness_n_m: f64,
     damping_n_s_m: f64,
     inertia_kg: f64,
@@ -336,10 +337,17 @@ impl Closure {
             bodies: bodies.map(str::to_owned),
             positions_m: None,
             offsets_m: [Vector3::zeros(); 2],
+            rigid: false,
             stiffness_n_m,
             damping_n_s_m: 0.0,
             inertia_kg: 0.0,
         }
+    }
+
+    /// A ball joint that closes a loop between the outer ends of two bodies, or a body and `"root"`, whose points coincide to round-off:
+    /// constraint forces hold them, without a penalty.
+    pub fn rigid(name: impl Into<String>, bodies: [&str; 2]) -> ClosureBuilder {
+        ClosureBuilder { rigid: true, ..Self::between(name, bodies, 0.0) }
     }
 }
 
@@ -352,6 +360,11 @@ impl ClosureBuilder {
     /// Offsets of the points from the sections' axes in m, section frames; for the root its position in the root frame. Default 0.
     pub fn offsets_m(self, offsets_m: [[f64; 3]; 2]) -> Self {
         Self { offsets_m: offsets_m.map(Into::into), ..self }
+    }
+
+    /// Penalty stiffness in N/m, which a rigid loop does not have.
+    pub fn stiffness_n_m(self, stiffness_n_m: f64) -> Self {
+        Self { stiffness_n_m, ..self }
     }
 
     /// Penalty damping in N·s/m. Default 0.
@@ -388,6 +401,7 @@ impl ClosureBuilder {
             name: self.name.clone(),
             ends,
             offsets_m: self.offsets_m,
+            rigid: self.rigid,
             inertia_kg: self.inertia_kg,
             damping_n_s_m: self.damping_n_s_m,
             stiffness_n_m: self.stiffness_n_m,

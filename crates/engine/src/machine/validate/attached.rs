@@ -109,12 +109,35 @@ fn point(gauge: &Gauge, law: &SectionLaw, checker: &mut Checker) {
     }
 }
 
+/// Checks the penalty of a closed loop, which a rigid loop does not have.
+fn penalty(closure: &Closure, checker: &mut Checker) {
+    let name = closure.name.as_str();
+    let values = [
+        ("stiffness_n_m", closure.stiffness_n_m),
+        ("damping_n_s_m", closure.damping_n_s_m),
+        ("inertia_kg", closure.inertia_kg),
+    ];
+    if closure.rigid {
+        for (key, value) in values.into_iter().filter(|(_, value)| *value != 0.0) {
+            let allowed = "no penalty in a loop with rigid = true: its points coincide without one";
+            checker.refuse(&["loop", name, key], shortest(value), allowed);
+        }
+        return;
+    }
+    if closure.stiffness_n_m == 0.0 {
+        let allowed = "a number > 0, or rigid = true in its place";
+        checker.refuse(&["loop", name, "stiffness_n_m"], "0", allowed);
+    } else {
+        checker.number(&["loop", name, "stiffness_n_m"], closure.stiffness_n_m, Range::Above(0.0));
+    }
+    checker.number(&["loop", name, "damping_n_s_m"], closure.damping_n_s_m, Range::AtLeast(0.0));
+    checker.number(&["loop", name, "inertia_kg"], closure.inertia_kg, Range::AtLeast(0.0));
+}
+
 /// Checks a closed loop; true if its points exist.
 pub(super) fn closure(closure: &Closure, bodies: &[Body], checker: &mut Checker) -> bool {
     let name = closure.name.as_str();
-    checker.number(&["loop", name, "stiffness_n_m"], closure.stiffness_n_m, Range::Above(0.0));
-    checker.number(&["loop", name, "damping_n_s_m"], closure.damping_n_s_m, Range::AtLeast(0.0));
-    checker.number(&["loop", name, "inertia_kg"], closure.inertia_kg, Range::AtLeast(0.0));
+    penalty(closure, checker);
     let offsets: Vec<f64> = closure.offsets_m.iter().flat_map(Vector3::iter).copied().collect();
     let mut holds = checker.array(&["loop", name, "offsets_m"], &offsets);
     if closure.ends == [LoopEnd::Root; 2] {

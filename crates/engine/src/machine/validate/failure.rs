@@ -118,6 +118,9 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
             if closure >= machine.closures.len() {
                 let allowed = format!("one of the {} loops", machine.closures.len());
                 checker.refuse_state(&["failure", name, "loop"], format!("loop {closure}"), allowed);
+            } else if machine.closures[closure].rigid {
+                let allowed = "a loop with a penalty, stiffness_N_m: constraint forces have none to weaken";
+                checker.refuse(&["failure", name, "loop"], format!("{:?}", machine.closures[closure].name), allowed);
             }
         }
         Effect::BodyWeakens { body, remaining } => {

@@ -76,6 +76,7 @@ impl Case {
         let closure = ClosureDescription {
             places: [Some((0, 0.8)), Some((4, 0.8))],
             offsets_m: [vector(&mut random, 0.1), vector(&mut random, 0.1)],
+            rigid: false,
             penalty: Penalty { inertia_kg: 0.3, damping_n_s_m: 2.0, stiffness_n_m: 50.0 },
         };
         let on_root = ClosureDescription {

@@ -7,7 +7,7 @@
 use crate::math::so3::hat;
 use crate::multibody::model::Model;
 use crate::multibody::tangent::factor::twist;
-use crate::multibody::tangent::{SingularTangent, Tangent, add};
+use crate::multibody::tangent::{SingularTangent, Tangent, add, rigid};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3, Matrix3x6, Vector3};
 
@@ -15,15 +15,15 @@ use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3, Matrix3x6, Vector3};
 #[derive(Debug, Clone)]
 pub(super) struct ClosureTangent {
     /// Nodes that carry the points; `None` for a point on the root.
-    nodes: [Option<usize>; 2],
+    pub(super) nodes: [Option<usize>; 2],
     /// Displacement of each point per twist of its node; zero on the root.
-    points: [Matrix3x6<f64>; 2],
+    pub(super) points: [Matrix3x6<f64>; 2],
     pub(super) stiffness_n_m: f64,
 }
 
 impl ClosureTangent {
     /// Displacement of a point due to those of the nodes.
-    fn displacement(&self, side: usize, displaced: &[Pair]) -> Vector3<f64> {
+    pub(super) fn displacement(&self, side: usize, displaced: &[Pair]) -> Vector3<f64> {
         self.nodes[side].map_or_else(Vector3::zeros, |n| self.points[side] * twist(&displaced[n]))
     }
 }
@@ -42,8 +42,14 @@ impl Tangent {
     /// Linearises the closures at the poses in `work`; their forces rotate with the arms.
     pub(super) fn linearize_closures(&mut self, model: &Model, work: &Workspace) {
         self.closures.clear();
-        for closure in &model.closures {
-            let force = closure.gap(work).position_m * closure.penalty.stiffness_n_m;
+        let penalties = model.closures.iter().map(|closure| {
+            let stiffness_n_m = closure.penalty.stiffness_n_m;
+            (closure, closure.gap(work).position_m * stiffness_n_m, stiffness_n_m)
+        });
+        let support_n_m = rigid::support_n_m(model);
+        let rigid = model.rigid_loops.iter().zip(&work.rigid_forces);
+        let rigid = rigid.map(|(closure, force_n)| (closure, *force_n, support_n_m));
+        for (closure, force, stiffness_n_m) in penalties.chain(rigid) {
             let mut points = [Matrix3x6::zeros(); 2];
             for (side, force) in [(0, -force), (1, force)] {
                 let Some(n) = closure.nodes[side] else { continue };
@@ -53,7 +59,6 @@ impl Tangent {
                 let mut spin = self.nodes[n].fixed_view_mut::<3, 3>(3, 3);
                 spin += hat(&force) * hat(&arm);
             }
-            let stiffness_n_m = closure.penalty.stiffness_n_m;
             self.closures.push(ClosureTangent { nodes: closure.nodes, points, stiffness_n_m });
         }
     }

@@ -113,13 +113,16 @@ impl Tangent {
                 outer[node] += passed;
             }
         }
-        self.factorize_closures(model)
+        self.factorize_closures(model)?;
+        self.factorize_rigid(model);
+        Ok(())
     }
 
     /// Solves with the last factorisation: `x` holds the right-hand side and then the solution. Held joints do not move.
     pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
         self.solve_tree(model, x, None);
         self.correct_closures(x);
+        self.correct_rigid(model, x);
     }
 
     /// Solves for the tree with the springs at the closures' ends; the right-hand side may include a wrench on a node.

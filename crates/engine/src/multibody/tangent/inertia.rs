@@ -10,6 +10,12 @@ impl Tangent {
     /// its Schur complement, so the numbers of the pivot blocks add up (Sylvester's law of inertia); closed loops contribute as a border.
     /// Exact for a symmetric tangent, which loads with a potential have.
     pub fn negative_directions(&self) -> usize {
+        let released = self.rigid.as_ref().map_or(0, |rigid| rigid.negative);
+        self.negative_without_constraints().saturating_sub(released)
+    }
+
+    /// [`Self::negative_directions`] with the support in place of the constraints of rigid loops.
+    fn negative_without_constraints(&self) -> usize {
         let blocks = self.plain.factors.iter().chain(&self.joint_factors).chain(&self.modal_factors).flatten();
         let sheared = self.sheared.factors.iter().flatten().map(|factor| factor.negative);
         let tree: usize = blocks.map(|factor| factor.negative).chain(sheared).sum();

@@ -15,6 +15,7 @@ mod inertia;
 mod joint;
 mod links;
 mod modal;
+mod rigid;
 mod slope;
 
 pub use joint::JointTangent;
@@ -34,6 +35,7 @@ use joint::JointBlock;
 use links::{Links, link_tangent};
 use modal::ModalTangent;
 use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
+use rigid::RigidTangent;
 use slope::SlopeTangent;
 use std::ops::Range;
 
@@ -74,6 +76,7 @@ pub struct Tangent {
     modal_factors: Vec<Option<Factor>>,
     closures: Vec<ClosureTangent>,
     coupling: Option<Coupling>,
+    rigid: Option<RigidTangent>,
     displaced: Vec<Pair>,
     wrenches: Vec<Pair>,
 }
@@ -93,6 +96,7 @@ impl Tangent {
             modal_factors: vec![None; bodies],
             closures: Vec::new(),
             coupling: None,
+            rigid: None,
             displaced: vec![Pair::ZERO; nodes],
             wrenches: vec![Pair::ZERO; nodes],
         }

@@ -1,6 +1,7 @@
 //! Forces and moments of joints, at sections, of closed loops and on the aircraft; strains of gauges.
 
 use crate::load::Wrench;
+use crate::machine::Machine;
 use crate::multibody::gauge::GaugePoint;
 use crate::system::outputs::Present;
 use bytemuck::{Pod, Zeroable};
@@ -51,12 +52,25 @@ pub(crate) fn fill_sections(outputs: &mut [Wrench], present: &Present) {
     }
 }
 
-/// Writes the outputs of closed loops.
-pub(crate) fn fill_loops(outputs: &mut [LoopOutputs], present: &Present) {
+/// Writes the outputs of closed loops, those of rigid ones from their multipliers.
+pub(crate) fn fill_loops(outputs: &mut [LoopOutputs], present: &Present, machine: &Machine) {
     let (model, work) = (&present.equations.model, &present.equations.work);
-    for (output, closure) in outputs.iter_mut().zip(&model.closures) {
-        let gap = closure.gap(work);
-        *output = LoopOutputs { gap_m: gap.position_m, force_n: closure.force_n(&gap) };
+    let (mut penalties, mut rigid) = (model.closures.iter(), model.rigid_loops.iter().enumerate());
+    for (output, described) in outputs.iter_mut().zip(&machine.closures) {
+        let values = if described.rigid {
+            rigid.next().map(|(index, closure)| {
+                let force_n = Vector3::from_column_slice(&present.motion.a[model.multipliers(index)]);
+                (closure.gap(work), force_n)
+            })
+        } else {
+            penalties.next().map(|closure| {
+                let gap = closure.gap(work);
+                (gap, closure.force_n(&gap))
+            })
+        };
+        if let Some((gap, force_n)) = values {
+            *output = LoopOutputs { gap_m: gap.position_m, force_n };
+        }
     }
 }
 

@@ -127,7 +127,7 @@ impl System {
             loads::fill_sections(outputs.section_loads_mut(), &present);
         }
         if wanted.meets(OutputSet::LOOPS) {
-            loads::fill_loops(outputs.loops_mut(), &present);
+            loads::fill_loops(outputs.loops_mut(), &present, &self.machine);
         }
         if wanted.meets(OutputSet::ROOT) {
             loads::fill_root(outputs.root_mut(), &present);

@@ -87,6 +87,7 @@ fn closure(name: &str, bodies: [usize; 2], [inertia_kg, damping_n_s_m]: [f64; 2]
         name: name.into(),
         ends: bodies.map(|index| LoopEnd::Body { index, position_m: 0.15 }),
         offsets_m: [Vector3::new(0.0, 0.01, 0.02), Vector3::new(0.03, 0.0, -0.01)],
+        rigid: false,
         inertia_kg,
         damping_n_s_m,
         stiffness_n_m: 30.0,

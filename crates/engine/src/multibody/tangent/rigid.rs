@@ -1,0 +1,98 @@
+//! Rigid loops in the tangent, NOTATION eq. (L44): Newton's method for coordinates and multipliers together.
+//!
+//! A support, a spring across each gap, is added to the tangent, so that its factors exist where only the loops hold a freedom; it changes
+//! no solution, since the constraints leave it without force.
+
+use crate::multibody::model::Model;
+use crate::multibody::tangent::Tangent;
+use nalgebra::{DMatrix, DVector};
+
+/// Singular value of the small matrix, relative to its largest, below which a row is redundant.
+const REDUNDANT: f64 = 1e-10;
+/// Stiffness of the support of a machine without beams, relative to its weight over its length.
+const OF_WEIGHT: f64 = 100.0;
+
+/// Factor of the constraints of all rigid loops.
+#[derive(Debug, Clone)]
+pub(super) struct RigidTangent {
+    /// `Z = K⁻¹ Gᵀ`, one column per row of the gaps.
+    columns: DMatrix<f64>,
+    /// Pseudo-inverse of `S = G Z`.
+    inverse: DMatrix<f64>,
+    /// Number of negative eigenvalues of the symmetric part of `S`.
+    pub(super) negative: usize,
+    support_n_m: f64,
+}
+
+/// Stiffness of the support in N/m: that of the stiffest element along its axis.
+pub(super) fn support_n_m(model: &Model) -> f64 {
+    let axial = |element: &crate::multibody::model::Element| match &element.sheared {
+        Some(own) => own.section_stiffness[0][(0, 0)] / element.length_m,
+        None => element.elastic.section_stiffness[0][(0, 0)] / element.length_m,
+    };
+    let of_beams = model.elements.iter().map(axial).fold(0.0, f64::max);
+    let mass_kg: f64 =
+        model.nodes.iter().map(|node| node.beam[(0, 0)] + node.attached.map_or(0.0, |attached| attached[(0, 0)])).sum();
+    of_beams.max(OF_WEIGHT * 10.0 * mass_kg / model.reference_length_m)
+}
+
+impl Tangent {
+    /// Factorises the constraints; the factors of the tree with its closures and the support must be current.
+    pub(super) fn factorize_rigid(&mut self, model: &Model) {
+        let rows = 3 * model.rigid_loops.len();
+        self.rigid = None;
+        if rows == 0 {
+            return;
+        }
+        let n = model.coordinates;
+        let closures = self.closures[model.closures.len()..].to_vec();
+        let mut columns = DMatrix::zeros(n, rows);
+        let mut small = DMatrix::zeros(rows, rows);
+        let mut x = vec![0.0; n];
+        for row in 0..rows {
+            let closure = &closures[row / 3];
+            for (side, sign) in [(0, -1.0), (1, 1.0)] {
+                let Some(node) = closure.nodes[side] else { continue };
+                let wrench = closure.points[side].transpose().column(row % 3).into_owned();
+                x.fill(0.0);
+                self.solve_tree(model, &mut x, Some((node, &wrench)));
+                self.correct_closures(&mut x);
+                columns.column_mut(row).iter_mut().zip(&x).for_each(|(sum, x)| *sum += sign * x);
+            }
+            let gaps = self.rigid_gaps(model, columns.column(row).as_slice());
+            small.column_mut(row).copy_from(&gaps);
+        }
+        let symmetric = (&small + small.transpose()) * 0.5;
+        let values = symmetric.symmetric_eigenvalues();
+        let negative = values.iter().filter(|value| **value < -REDUNDANT * values.amax()).count();
+        let largest = small.singular_values().max();
+        if let Ok(inverse) = small.pseudo_inverse(REDUNDANT * largest) {
+            self.rigid = Some(RigidTangent { columns, inverse, negative, support_n_m: support_n_m(model) });
+        }
+    }
+
+    /// Changes of the gaps of the rigid loops with the coordinates `x`.
+    fn rigid_gaps(&mut self, model: &Model, x: &[f64]) -> DVector<f64> {
+        self.displace(model, x);
+        let closures = &self.closures[model.closures.len()..];
+        let gaps = closures.iter().flat_map(|closure| {
+            let change = closure.displacement(1, &self.displaced) - closure.displacement(0, &self.displaced);
+            [change.x, change.y, change.z]
+        });
+        DVector::from_iterator(3 * closures.len(), gaps)
+    }
+
+    /// Corrects a solution for the constraints: `x` holds in the rows of the multipliers the gaps, and then the changes of the multipliers.
+    pub(super) fn correct_rigid(&mut self, model: &Model, x: &mut [f64]) {
+        let Some(rigid) = self.rigid.take() else { return };
+        let moved = self.rigid_gaps(model, x);
+        let (of_tree, rows) = x.split_at_mut(model.tree_coordinates());
+        let open = DVector::from_column_slice(rows);
+        let weights = &rigid.inverse * (moved - &open);
+        let correction = &rigid.columns * &weights;
+        of_tree.iter_mut().zip(correction.iter()).for_each(|(x, correction)| *x -= correction);
+        let changes = weights + open * rigid.support_n_m;
+        rows.copy_from_slice(changes.as_slice());
+        self.rigid = Some(rigid);
+    }
+}
