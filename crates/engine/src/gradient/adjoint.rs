@@ -4,7 +4,7 @@ use crate::gradient::air::{OnEnd, Sums};
 use crate::gradient::mean::{Mean, Seeds};
 use crate::gradient::outputs::{Part, Seed};
 use crate::gradient::parameter::Neighbours;
-use crate::gradient::step::{Causes, MANY_DIRECTIONS, Variation};
+use crate::gradient::step::{Causes, Variation};
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Gradient, GradientError, RunResult, add, dot};
 use crate::solve::point::Point;
@@ -173,7 +173,7 @@ impl Gradient<'_> {
             let laws = self.laws(at.time_s, step.middle_s());
             let by_time = self.time_slope(at, h);
             self.linearize(at);
-            if stage == stages - 1 || self.directions.added() > MANY_DIRECTIONS {
+            if stage == stages - 1 || self.directions.are_old() {
                 self.factorize(at, gain)?;
             }
             let Variation { q: b_q, v: b_v, a: b_a } = on[stage].clone();
