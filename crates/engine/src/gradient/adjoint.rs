@@ -4,7 +4,7 @@ use crate::gradient::air::{OnEnd, Sums};
 use crate::gradient::mean::{Mean, Seeds};
 use crate::gradient::outputs::{Part, Seed};
 use crate::gradient::parameter::Neighbours;
-use crate::gradient::step::{Causes, MANY_DIRECTIONS, Variation};
+use crate::gradient::step::{Causes, Variation};
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Gradient, GradientError, RunResult, add, dot};
 use crate::solve::point::Point;
@@ -15,7 +15,7 @@ impl Gradient<'_> {
     pub fn adjoint(&mut self, result: RunResult) -> Result<Vec<f64>, GradientError> {
         let seed = self.seed(result)?;
         let Seed { step: last, part, state, by_shift, by_loads, by_parameters } = seed;
-        let mean = Mean::of(result, self.tape);
+        let mean = Mean::of(result, self.tape, self.system);
         let mut sums = Sums { gradient: Some(by_parameters), loads: Vec::new(), mean };
         let tape = self.tape;
         let spans = tape.spans();
@@ -77,7 +77,15 @@ impl Gradient<'_> {
             if let Some(over) = over {
                 multipliers = self.back_over(over, multipliers.0, multipliers.1, sums)?;
             }
+            let before = index.checked_sub(1).filter(|_| step.renewed);
+            let account = sums.mean.and_then(|mean| mean.account()).zip(before);
+            if let Some((account, _)) = account {
+                self.check_jump(index)?;
+                let (on, shift) = &mut multipliers;
+                self.add_energy_seed((step, &step.start, 1.0), account, (on, shift), sums.gradient.as_mut());
+            }
             if step.renewed {
+                self.adopt(step);
                 let (on, shift) = &mut multipliers;
                 let laws = self.laws(step.start.time_s, step.start.time_s);
                 let by_time = self.time_slope(&step.start, step.length_s());
@@ -103,6 +111,11 @@ impl Gradient<'_> {
                     };
                     self.jump_back(&jump, &mut multipliers.0, impulse, sums)?;
                 }
+            }
+            if let Some((account, before)) = account {
+                let step = &tape.steps[before];
+                let (on, shift) = &mut multipliers;
+                self.add_energy_seed((step, &step.end, -1.0), account, (on, shift), sums.gradient.as_mut());
             }
         }
         Ok(multipliers)
@@ -173,7 +186,7 @@ impl Gradient<'_> {
             let laws = self.laws(at.time_s, step.middle_s());
             let by_time = self.time_slope(at, h);
             self.linearize(at);
-            if stage == stages - 1 || self.directions.added() > MANY_DIRECTIONS {
+            if stage == stages - 1 || self.directions.are_old() {
                 self.factorize(at, gain)?;
             }
             let Variation { q: b_q, v: b_v, a: b_a } = on[stage].clone();

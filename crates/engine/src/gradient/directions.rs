@@ -11,16 +11,24 @@ use crate::multibody::joint::JointKind;
 
 /// Maximum number of directions in which a solution is sought.
 const MAX_DIRECTIONS: usize = 40;
+/// Factor on the largest distance of `N⁻¹A` from the identity so far, for a last correction whose remainder is not computed.
+const SAFETY: f64 = 3.0;
+/// Cost of a factorisation in directions, each a product and a solution.
+const FACTORS: usize = 1;
 
 /// Directions of the solutions with one matrix, and their images.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Directions {
-    /// Per direction: itself and the caller's products with it, then its image in m, which is of unit length and orthogonal to the others.
+    /// Per direction: itself, then its image in m, which is of unit length and orthogonal to the others.
     rows: Vec<Vec<f64>>,
     /// Number in use.
     count: usize,
-    /// Number that the last solution added.
+    /// Number of all solutions with the present matrix.
     added: usize,
+    /// That with the first matrix of the present factors; `None` until it has been solved with.
+    fresh: Option<usize>,
+    /// Number of directions of the later matrices above that.
+    excess: usize,
     solution: Vec<f64>,
     /// Displacement of the machine in m per unit of each coordinate.
     scales_m: Vec<f64>,
@@ -52,20 +60,31 @@ impl Directions {
         largest_product(change, &self.scales_m)
     }
 
-    /// Drops all directions, for another matrix.
+    /// Drops all directions, for another matrix with the same factors.
     pub fn restart(&mut self) {
+        let added = std::mem::take(&mut self.added);
+        match self.fresh {
+            None if added > 0 => self.fresh = Some(added),
+            None => {}
+            Some(fresh) => self.excess += added.saturating_sub(fresh),
+        }
         self.count = 0;
     }
 
-    /// Number of directions that the last solution added.
-    pub fn added(&self) -> usize {
-        self.added
+    /// Drops all directions, for new factors.
+    pub fn restart_with_factors(&mut self) {
+        (self.count, self.added, self.fresh, self.excess) = (0, 0, None, 0);
     }
 
-    /// Solves `N⁻¹A x = left` for the change of `guess` to the solution. `image` gets a direction and writes the caller's products with it and
-    /// `N⁻¹A` times it. Returns the solution, and behind it the products with it: `parts` vectors together. It is solved when the remainder
-    /// is below [`SOLVED`] times the solution or `others`: entries of the solution may be the round-off of terms that cancel, as accelerations
-    /// of an arm without stiffness.
+    /// Whether the factors have become so old that their directions more than with new ones have cost as much as new factors.
+    pub fn are_old(&self) -> bool {
+        self.excess > FACTORS
+    }
+
+    /// Solves `N⁻¹A x = left` for the change of `guess` to the solution. `image` gets a direction and writes `N⁻¹A` times it. It is solved
+    /// when the remainder is below [`SOLVED`] times the solution or `others`: entries of the solution may be the round-off of terms that
+    /// cancel, as accelerations of an arm without stiffness. The last correction is the remainder itself, as soon as the distance of `N⁻¹A` from the
+    /// identity along the directions so far shows that it leaves less than that.
     ///
     /// # Errors
     /// The remaining share, if it does not fall.
@@ -73,48 +92,52 @@ impl Directions {
         &mut self,
         mut left: Vec<f64>,
         guess: &[f64],
-        (parts, others): (usize, f64),
-        mut image: impl FnMut(&[f64], &mut [f64], &mut [f64]),
+        others: f64,
+        mut image: impl FnMut(&[f64], &mut [f64]),
     ) -> Result<&[f64], f64> {
         let n = left.len();
         left.iter_mut().zip(&self.scales_m).for_each(|(left, scale)| *left *= scale);
         self.solution.clear();
-        self.solution.resize(parts * n, 0.0);
-        self.solution[..n].copy_from_slice(guess);
-        self.added = 0;
+        self.solution.extend_from_slice(guess);
         // the share of the directions of other solutions
         for row in &self.rows[..self.count] {
             remove(&mut left, &mut self.solution, row);
         }
-        let mut whole = others;
+        let (mut whole, mut distance, mut own) = (others, f64::INFINITY, 0);
         loop {
-            whole = whole.max(self.size(&self.solution[..n]));
-            let rest = largest_product(&left, &self.ones);
-            if rest <= SOLVED * whole {
+            whole = whole.max(self.size(&self.solution));
+            let (rest, allowed) = (largest_product(&left, &self.ones), SOLVED * whole);
+            if rest <= allowed {
                 return Ok(&self.solution);
             }
-            if self.added == MAX_DIRECTIONS || !rest.is_finite() {
+            if SAFETY * distance * rest <= allowed {
+                for ((solution, left), scale) in self.solution.iter_mut().zip(&left).zip(&self.scales_m) {
+                    *solution += left / scale;
+                }
+                return Ok(&self.solution);
+            }
+            if own == MAX_DIRECTIONS || !rest.is_finite() {
                 return Err(rest / whole);
             }
             if self.count == MAX_DIRECTIONS {
                 self.count = 0;
             }
             if self.rows.len() == self.count {
-                self.rows.push(Vec::new());
+                self.rows.push(vec![0.0; 2 * n]);
             }
             let (before, behind) = self.rows.split_at_mut(self.count);
             let row = &mut behind[0];
-            row.resize((parts + 1) * n, 0.0);
-            row.iter_mut().zip(&left).zip(&self.scales_m).for_each(|((own, left), scale)| *own = left / scale);
-            let (own, image_of) = row.split_at_mut(parts * n);
-            let (direction, products) = own.split_at_mut(n);
-            image(direction, products, image_of);
+            let (direction, image_of) = row.split_at_mut(n);
+            direction.iter_mut().zip(&left).zip(&self.scales_m).for_each(|((own, left), scale)| *own = left / scale);
+            image(direction, image_of);
             image_of.iter_mut().zip(&self.scales_m).for_each(|(image, scale)| *image *= scale);
+            let apart = left.iter().zip(&*image_of).fold(0.0f64, |apart, (a, b)| apart.max((a - b).abs()));
+            distance = if own == 0 { apart / rest } else { distance.max(apart / rest) };
             for other in before {
-                let share = dot(&row[parts * n..], &other[parts * n..]);
+                let share = dot(&row[n..], &other[n..]);
                 add(row, -share, other);
             }
-            let length = dot(&row[parts * n..], &row[parts * n..]).sqrt();
+            let length = dot(&row[n..], &row[n..]).sqrt();
             if length.is_nan() || length <= 0.0 {
                 return Err(rest / whole);
             }
@@ -122,6 +145,7 @@ impl Directions {
             remove(&mut left, &mut self.solution, row);
             self.count += 1;
             self.added += 1;
+            own += 1;
         }
     }
 }

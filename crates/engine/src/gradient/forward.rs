@@ -2,6 +2,7 @@
 
 use crate::force::Moving;
 use crate::force::set::Indicator;
+use crate::gradient::account::Account;
 use crate::gradient::jump::Impulses;
 use crate::gradient::mean::Mean;
 use crate::gradient::step::{Causes, Variation};
@@ -28,6 +29,12 @@ pub(super) struct CrossingSlopes {
     pub by_parameters: Vec<f64>,
 }
 
+/// The energy accounts among integrals that go on to a step or beyond it.
+fn accounts_from(means: &[(usize, Mean)], step: usize) -> Vec<(usize, Account)> {
+    let on = means.iter().filter(|(_, mean)| mean.step >= step);
+    on.filter_map(|(row, mean)| Some((*row, mean.account()?))).collect()
+}
+
 impl Gradient<'_> {
     /// Derivatives of results (rows) by the parameters (columns), all parameters at once through the run.
     pub fn forward(&mut self, results: &[RunResult]) -> Result<Vec<Vec<f64>>, GradientError> {
@@ -51,7 +58,10 @@ impl Gradient<'_> {
             for index in span.clone() {
                 let step = &tape.steps[index];
                 let causes = Causes { parameters: true, loads: &loads };
+                let accounts = accounts_from(&means, index);
+                self.account_before(index, (&front.variations, &front.shifts_s), &accounts, &mut table)?;
                 let impulses = self.renew(index, &mut front, causes)?;
+                self.account_behind(index, (&front.variations, &front.shifts_s), &accounts, &mut table);
                 self.write_impulses(results, (index, impulses), &mut table);
                 self.write_outputs(results, (index, &front, &loads), &mut table)?;
                 if ends_at(index) {
@@ -204,9 +214,11 @@ impl Gradient<'_> {
         table: &mut [Vec<f64>],
     ) -> Result<(), GradientError> {
         let tape = self.tape;
+        let accounts = self.system.outputs.layout().accounts();
+        let is_account = |index: usize| accounts.contains(&index);
         for (time, mark) in tape.marks.iter().enumerate().filter(|(_, mark)| mark.step == index) {
             let of_time = |(row, result): (usize, &RunResult)| match *result {
-                RunResult::Output { index, time: other } if other == time => Some((row, index)),
+                RunResult::Output { index, time: other } if other == time && !is_account(index) => Some((row, index)),
                 RunResult::Output { .. }
                 | RunResult::Mean { .. }
                 | RunResult::Impulse { .. }

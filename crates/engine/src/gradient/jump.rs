@@ -153,7 +153,7 @@ impl Gradient<'_> {
         equations.clear_held(&mut left);
         equations.solve(&mut left);
         let others = directions.size(size);
-        let solution = directions.solve(left, &zeros, (1, others), |direction, _, image| {
+        let solution = directions.solve(left, &zeros, others, |direction, image| {
             equations.residual_along(derivative, Motion { q: &zeros, v: &zeros, a: direction }, image);
             equations.solve(image);
         });

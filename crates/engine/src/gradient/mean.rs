@@ -1,45 +1,84 @@
-//! Means of outputs over the run, eq. (X20): integrals by the stages of its steps, whose weights are those of the method.
+//! Integrals over the run by the stages of its steps, whose weights are those of the method: means of outputs, eq. (X20), and energy accounts,
+//! eq. (X22).
 
+use crate::gradient::account::Account;
 use crate::gradient::adjoint::product;
 use crate::gradient::air::Sums;
 use crate::gradient::outputs::values;
-use crate::gradient::step::Variation;
+use crate::gradient::step::{Causes, Variation};
 use crate::gradient::tape::Step;
 use crate::gradient::{Gradient, GradientError, RunResult, Tape, add};
 use crate::solve::point::Point;
 use crate::solve::tableau::Tableau;
 use crate::system::System;
 
-/// A mean of an output, or of its square, from the start of the run to a requested time.
+/// What is integrated.
+#[derive(Debug, Clone, Copy)]
+enum Integrand {
+    /// An output.
+    Output(usize),
+    /// The square of an output.
+    Square(usize),
+    /// The power of an energy account.
+    Power(Account),
+}
+
+/// A mean of an output or of its square, or an energy account, from the start of the run to a requested time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mean {
-    index: usize,
-    square: bool,
+    integrand: Integrand,
     /// Index of the time among those requested, and the step in which it lies.
     pub time: usize,
     pub step: usize,
-    /// Length of the run up to there in s.
-    span_s: f64,
+    /// Divisor of the integral: the length of the run up to there in s, or 1.
+    divisor: f64,
 }
 
 impl Mean {
-    /// The mean that a result is; `None` for other results.
-    pub fn of(result: RunResult, tape: &Tape) -> Option<Self> {
-        let RunResult::Mean { index, time, square } = result else { return None };
+    /// The integral that a result is; `None` for other results.
+    pub fn of(result: RunResult, tape: &Tape, system: &System) -> Option<Self> {
+        let (integrand, time) = match result {
+            RunResult::Mean { index, time, square: false } => (Integrand::Output(index), time),
+            RunResult::Mean { index, time, square: true } => (Integrand::Square(index), time),
+            RunResult::Output { index, time } => (Integrand::Power(Account::of(system, index)?), time),
+            RunResult::LatchTime { .. } | RunResult::Impulse { .. } => return None,
+        };
         let mark = tape.marks.get(time)?;
-        let span_s = tape.point(time).time_s - tape.steps.first()?.start.time_s;
-        Some(Self { index, square, time, step: mark.step, span_s })
+        let divisor = match integrand {
+            Integrand::Output(_) | Integrand::Square(_) => tape.point(time).time_s - tape.steps.first()?.start.time_s,
+            Integrand::Power(_) => 1.0,
+        };
+        Some(Self { integrand, time, step: mark.step, divisor })
     }
 
-    /// The quantity whose integral it is, and its slope by the output.
+    /// The energy account that it is.
+    pub fn account(&self) -> Option<Account> {
+        match self.integrand {
+            Integrand::Power(account) => Some(account),
+            Integrand::Output(_) | Integrand::Square(_) => None,
+        }
+    }
+
+    /// The output of which it is the mean.
+    fn output(&self) -> Option<usize> {
+        match self.integrand {
+            Integrand::Output(index) | Integrand::Square(index) => Some(index),
+            Integrand::Power(_) => None,
+        }
+    }
+
+    /// The quantity whose integral it is, and its slope by the output or power.
     fn integrand(&self, value: f64) -> [f64; 2] {
-        if self.square { [value * value, 2.0 * value] } else { [value, 1.0] }
+        match self.integrand {
+            Integrand::Square(_) => [value * value, 2.0 * value],
+            Integrand::Output(_) | Integrand::Power(_) => [value, 1.0],
+        }
     }
 
     /// Weight of a stage per length of its step.
     fn share(&self, tableau: &Tableau, stage: usize) -> f64 {
         let last = tableau.rows[tableau.stages() - 2];
-        last.get(stage).copied().unwrap_or(tableau.gamma) / self.span_s
+        last.get(stage).copied().unwrap_or(tableau.gamma) / self.divisor
     }
 }
 
@@ -87,6 +126,10 @@ impl Gradient<'_> {
     /// A mean whose slope is defined; otherwise the reason why not.
     pub(super) fn check_mean(&self, index: usize, time: usize) -> Result<(), GradientError> {
         self.check_output(index, time)?;
+        if Account::of(self.system, index).is_some() {
+            let place = "ask for their values at times".into();
+            return Err(GradientError::NotCovered { part: "means of energy accounts", place });
+        }
         if self.sections.is_some() {
             let place = "ask for values at times".into();
             return Err(GradientError::NotCovered { part: "means over a run with aerodynamics", place });
@@ -97,15 +140,15 @@ impl Gradient<'_> {
         Ok(())
     }
 
-    /// The means among results, with their rows.
+    /// The means and energy accounts among results, with their rows.
     pub(super) fn means(&self, results: &[RunResult]) -> Vec<(usize, Mean)> {
-        let of = |(row, result): (usize, &RunResult)| Some((row, Mean::of(*result, self.tape)?));
+        let of = |(row, result): (usize, &RunResult)| Some((row, Mean::of(*result, self.tape, self.system)?));
         results.iter().enumerate().filter_map(of).collect()
     }
 
     /// Value of a mean; NaN for other results.
     pub(super) fn mean_value(&mut self, result: RunResult) -> f64 {
-        let Some(mean) = Mean::of(result, self.tape) else { return f64::NAN };
+        let Some(mean) = Mean::of(result, self.tape, self.system) else { return f64::NAN };
         let tape = self.tape;
         let mut sum = 0.0;
         for step in covered(tape, mean) {
@@ -128,23 +171,73 @@ impl Gradient<'_> {
             return;
         }
         let h = step.length_s();
-        let indices: Vec<usize> = means.iter().map(|(_, mean)| mean.index).collect();
+        let indices: Vec<usize> = means.iter().filter_map(|(_, mean)| mean.output()).collect();
+        let accounts = means.iter().any(|(_, mean)| mean.account().is_some());
         for (stage, at) in points(step).enumerate() {
             let at = &at;
             self.place(at);
             let variations: Vec<Variation> = stages.iter().map(|stages| stages[stage].clone()).collect();
-            let slopes = self.output_slopes_at(at, &indices, &variations, &[]);
+            let mut of_outputs = match indices.is_empty() {
+                true => Vec::new(),
+                false => self.output_slopes_at(at, &indices, &variations, &[]),
+            }
+            .into_iter();
+            let of_powers = if accounts { self.power_slopes(step, at, &variations) } else { Vec::new() };
             let part = (at.time_s - step.start.time_s) / h;
-            for ((row, mean), slopes) in means.iter().zip(slopes) {
-                let [value, slope] = mean.integrand(values(self.system, at)[mean.index]);
-                let by_time = if self.inputs_move() { self.slope_by_time(mean.index, at, h) } else { 0.0 };
+            for (row, mean) in means {
+                let slopes: Vec<f64> = match mean.account() {
+                    Some(account) => of_powers.iter().map(|slopes| account.of_powers(*slopes)).collect(),
+                    None => of_outputs.next().unwrap_or_default(),
+                };
+                let [value, slope] = mean.integrand(self.integrand_at(step, at, mean));
+                let by_time = if self.inputs_move() { self.integrand_by_time(step, at, mean) } else { 0.0 };
                 let share = mean.share(self.tableau, stage);
-                for (direction, sum) in table[*row].iter_mut().enumerate() {
-                    let moved_s = shifts_s[direction] + part * changes_s[direction];
-                    let along = slope * (slopes[direction] + by_time * moved_s);
-                    *sum += share * (h * along + changes_s[direction] * value);
+                for ((sum, slopes), (shift_s, change_s)) in
+                    table[*row].iter_mut().zip(slopes).zip(shifts_s.iter().zip(changes_s))
+                {
+                    let along = slope * (slopes + by_time * (shift_s + part * change_s));
+                    *sum += share * (h * along + change_s * value);
                 }
             }
+        }
+    }
+
+    /// Rate of an account along the length of a step, (X7).
+    pub(super) fn account_rate(&mut self, step: &Step, mean: &Mean) -> Result<f64, GradientError> {
+        self.adopt(step);
+        let columns = self.stages_through(step, &[], &[], Causes::NONE)?.pop().unwrap_or_default();
+        let h = step.length_s();
+        let mut rate = 0.0;
+        for ((stage, at), column) in points(step).enumerate().zip(&columns) {
+            let part = (at.time_s - step.start.time_s) / h;
+            let by_time = if self.inputs_move() { self.integrand_by_time(step, &at, mean) } else { 0.0 };
+            let along = self.integrand_along(step, &at, mean, column) + by_time * part;
+            rate += mean.share(self.tableau, stage) * (h * along + self.integrand_at(step, &at, mean));
+        }
+        Ok(rate)
+    }
+
+    /// Slope of the power that is integrated, along a variation of a point of a step.
+    fn integrand_along(&mut self, step: &Step, at: &Point, mean: &Mean, along: &Variation) -> f64 {
+        let Some(account) = mean.account() else { return f64::NAN };
+        let mut slopes = [0.0; 2];
+        super::account::add_slopes_along(self.system, (at, step.middle_s()), along, &mut slopes);
+        account.of_powers(slopes)
+    }
+
+    /// The output or power that is integrated, at a point of a step.
+    fn integrand_at(&mut self, step: &Step, at: &Point, mean: &Mean) -> f64 {
+        match mean.integrand {
+            Integrand::Output(index) | Integrand::Square(index) => values(self.system, at)[index],
+            Integrand::Power(account) => account.of_powers(super::account::powers(self.system, at, step.middle_s())),
+        }
+    }
+
+    /// Its slope with respect to time, for inputs that vary.
+    fn integrand_by_time(&mut self, step: &Step, at: &Point, mean: &Mean) -> f64 {
+        match mean.integrand {
+            Integrand::Output(index) | Integrand::Square(index) => self.slope_by_time(index, at, step.length_s()),
+            Integrand::Power(account) => account.of_powers(self.powers_by_time(step, at)),
         }
     }
 
@@ -156,18 +249,25 @@ impl Gradient<'_> {
         for (stage, at) in points(step).enumerate() {
             let at = &at;
             self.place(at);
-            let [value, slope] = mean.integrand(values(self.system, at)[mean.index]);
+            let [value, slope] = mean.integrand(self.integrand_at(step, at, &mean));
             let share = mean.share(self.tableau, stage);
             let mut on = Variation::zeros(self.system.coordinates());
-            on.add(share * h * slope, &self.output_gradient(mean.index, at));
+            let by_state = match mean.integrand {
+                Integrand::Output(index) | Integrand::Square(index) => self.output_gradient(index, at),
+                Integrand::Power(account) => self.power_gradient(account, step, at),
+            };
+            on.add(share * h * slope, &by_state);
             seeds.on.push(on);
             seeds.by_length += share * value;
             if self.inputs_move() {
-                let by_time = share * h * slope * self.slope_by_time(mean.index, at, h);
+                let by_time = share * h * slope * self.integrand_by_time(step, at, &mean);
                 seeds.by_time.push([by_time, (at.time_s - step.start.time_s) / h]);
             }
             if let Some(gradient) = &mut sums.gradient {
-                let by_parameters = self.output_by_parameters(mean.index, at);
+                let by_parameters = match mean.integrand {
+                    Integrand::Output(index) | Integrand::Square(index) => self.output_by_parameters(index, at),
+                    Integrand::Power(account) => self.power_by_parameters(account, step, at),
+                };
                 add(gradient, share * h * slope, &by_parameters);
             }
         }
@@ -178,8 +278,9 @@ impl Gradient<'_> {
 /// Value of the mean of a run on a tape, for comparisons.
 #[cfg(test)]
 pub(super) fn of_run(plant: &mut crate::run::Plant, tape: &Tape, result: RunResult) -> f64 {
-    let Some((mean, tableau)) = Mean::of(result, tape).zip(plant.tableau()) else { return f64::NAN };
+    let tableau = plant.tableau();
     let system = plant.system_mut();
+    let Some((mean, tableau)) = Mean::of(result, tape, system).zip(tableau) else { return f64::NAN };
     let mut sum = 0.0;
     for step in covered(tape, mean) {
         super::parameter::adopt(system, step, &tape.inputs, None);
@@ -190,9 +291,10 @@ pub(super) fn of_run(plant: &mut crate::run::Plant, tape: &Tape, result: RunResu
 
 /// Share of a step, whose joints are adopted, in a mean.
 fn mean_in(system: &mut System, tableau: &Tableau, step: &Step, mean: Mean) -> f64 {
+    let Some(index) = mean.output() else { return f64::NAN };
     let mut sum = 0.0;
     for (stage, at) in points(step).enumerate() {
-        let [value, _] = mean.integrand(values(system, &at)[mean.index]);
+        let [value, _] = mean.integrand(values(system, &at)[index]);
         sum += mean.share(tableau, stage) * step.length_s() * value;
     }
     sum

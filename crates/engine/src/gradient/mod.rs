@@ -1,4 +1,4 @@
-//! Derivatives of whole runs by parameters, through latches and end stops, also with strip theory, NOTATION eqs. (X6)–(X13), (X17)–(X19).
+//! Derivatives of whole runs by parameters, through latches and end stops, also with strip theory, NOTATION eqs. (X6)–(X13), (X17)–(X23).
 //!
 //! [`Plant::run_on_tape`] keeps the steps of a run on a [`Tape`]. [`Gradient`] differentiates the discrete run along it, whose step lengths
 //! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and steps to given times, those of rows of the
@@ -6,6 +6,7 @@
 //! [`Gradient::adjoint`] carries the multipliers of one result back, at a cost that hardly depends on the number of parameters. Both are
 //! exact for that discrete run and agree to round-off.
 
+mod account;
 mod adjoint;
 mod air;
 mod block;
@@ -31,6 +32,7 @@ use crate::multibody::derivative::Derivative;
 use crate::run::Plant;
 use crate::solve::tableau::Tableau;
 use crate::system::{PlantError, System};
+use account::Account;
 use directions::Directions;
 use inputs::Piece;
 use outputs::{Part, Seed};
@@ -125,7 +127,7 @@ pub enum GradientError {
 /// A result of a run, a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RunResult {
-    /// An output at a requested time.
+    /// An output at a requested time; the energy accounts are integrals up to there.
     Output {
         /// Index in [`Outputs::values`](crate::system::Outputs::values).
         index: usize,
@@ -266,6 +268,9 @@ impl<'a> Gradient<'a> {
     fn seed(&mut self, result: RunResult) -> Result<Seed<'a>, GradientError> {
         let step = self.step_of(result)?;
         match result {
+            RunResult::Output { index, time } if Account::of(self.system, index).is_some() => {
+                Ok(self.no_seed(step, Part::of(&self.tape.marks[time].branch)))
+            }
             RunResult::Output { index, time } => self.output_seed(index, time),
             RunResult::LatchTime { .. } => Ok(Seed { by_shift: 1.0, ..self.no_seed(step, Part::Whole) }),
             RunResult::Impulse { joint } => {

@@ -1,13 +1,14 @@
 //! Slopes of results with respect to the state at their instant.
 
+use crate::gradient::account::Account;
+use crate::gradient::mean::Mean;
 use crate::gradient::step::{Causes, ONWARD, Variation, time_step_s};
 use crate::gradient::tape::{Ending, Mark, Step};
-use crate::gradient::{Gradient, GradientError, add};
+use crate::gradient::{Gradient, GradientError, RunResult, add};
 use crate::math::difference::SIXTH_ORDER;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
-use crate::system::{EnergyOutputs, OutputSet, System};
-use std::mem::offset_of;
+use crate::system::{OutputSet, System};
 
 /// Difference step of outputs by coordinates: rotation in rad, or displacement over the machine's length.
 const STEP: f64 = 2e-3;
@@ -92,9 +93,8 @@ impl<'a> Gradient<'a> {
             return Err(GradientError::Absent { what: format!("output {index}") });
         }
         let layout = self.system.outputs.layout();
-        let account = |offset: usize| layout.energy.place(0, offset);
-        if [account(offset_of!(EnergyOutputs, work)), account(offset_of!(EnergyOutputs, dissipated))].contains(&index) {
-            return Err(GradientError::NotCovered { part: "energy accounts", place: "work and dissipation".into() });
+        if Account::of(self.system, index).is_some() {
+            self.check_account()?;
         }
         if layout.circulation_m2_s.range().contains(&index) || layout.flaps.range().contains(&index) {
             let place = "ask for loads and motions".into();
@@ -136,6 +136,10 @@ impl<'a> Gradient<'a> {
     /// Outputs and times that do not exist, outputs without a derivative, and the start of the run.
     pub fn rate(&mut self, index: usize, time: usize) -> Result<f64, GradientError> {
         self.check_output(index, time)?;
+        let account = Mean::of(RunResult::Output { index, time }, self.tape, self.system);
+        if let (Some(account), Some(branch)) = (account, &self.tape.marks[time].branch) {
+            return self.account_rate(branch, &account);
+        }
         let column = match &self.tape.marks[time].branch {
             Some(branch) => {
                 self.adopt(branch);

@@ -21,9 +21,6 @@ pub(super) fn time_step_s(length_s: f64) -> f64 {
     (TIME_STEP * length_s).max(LEAST_TIME_STEP_S)
 }
 
-/// Number of directions of one solution above which new factors at the next stage cost less than more of them.
-pub(super) const MANY_DIRECTIONS: usize = 2;
-
 /// Quantities that vary besides the start of a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Causes<'c> {
@@ -80,7 +77,7 @@ impl Gradient<'_> {
     /// Factors for `M + gC + g²K` at a linearised point. They serve the other stages of its step too: corrections run until they are round-off.
     pub(super) fn factorize(&mut self, at: &Point, gain: f64) -> Result<(), GradientError> {
         let equations = &mut self.system.equations;
-        self.directions.restart();
+        self.directions.restart_with_factors();
         let not_solved = GradientError::NotSolved { time_s: at.time_s, left: f64::INFINITY };
         equations.factorize(1.0, gain, gain * gain).map_err(|_| not_solved)
     }
@@ -111,7 +108,7 @@ impl Gradient<'_> {
         left.iter_mut().for_each(|left| *left = -*left);
         equations.clear_held(&mut left);
         equations.solve(&mut left);
-        let solution = directions.solve(left, a, (1, others), |direction, _, image| {
+        let solution = directions.solve(left, a, others, |direction, image| {
             for i in 0..n {
                 along_v[i] = gain * direction[i];
                 along_q[i] = gain * along_v[i];
@@ -140,10 +137,9 @@ impl Gradient<'_> {
         let mut left = right.to_vec();
         equations.clear_held(&mut left);
         equations.solve(&mut left);
-        let mut by_a = vec![0.0; n];
-        let solution = directions.solve(left, &vec![0.0; n], (3, 0.0), |direction, products, image| {
-            let (by_q, by_v) = products.split_at_mut(n);
-            equations.residual_transposed(derivative, direction, [by_q, by_v, &mut by_a]);
+        let [mut by_q, mut by_v, mut by_a] = [0, 1, 2].map(|_| vec![0.0; n]);
+        let solution = directions.solve(left, &vec![0.0; n], 0.0, |direction, image| {
+            equations.residual_transposed(derivative, direction, [&mut by_q, &mut by_v, &mut by_a]);
             for i in 0..n {
                 image[i] = by_a[i] + gain * (by_v[i] + gain * by_q[i]);
             }
@@ -151,8 +147,9 @@ impl Gradient<'_> {
             equations.solve(image);
         });
         let solution = solution.map_err(|left| GradientError::NotSolved { time_s: at.time_s, left })?;
-        let part = |part: usize| solution[part * n..(part + 1) * n].to_vec();
-        Ok([part(0), part(1), part(2)])
+        let w = solution.to_vec();
+        equations.residual_transposed(derivative, &w, [&mut by_q, &mut by_v, &mut by_a]);
+        Ok([w, by_q, by_v])
     }
 
     /// Adopts the states of the joints in a step.
@@ -258,7 +255,7 @@ impl Gradient<'_> {
             let shares = self.shares(at.time_s);
             let by_time = self.time_slope(at, h);
             self.linearize(at);
-            if stage == 1 || self.directions.added() > MANY_DIRECTIONS {
+            if stage == 1 || self.directions.are_old() {
                 self.factorize(at, gain)?;
             }
             let forcings = match starts.is_empty() {

@@ -131,6 +131,15 @@ pub(super) struct Named {
 }
 
 impl Named {
+    /// Whether it is an integral over the run: a mean, or an energy account, whose indices in the engine's outputs are given.
+    pub fn is_integral(&self, accounts: [usize; 2]) -> bool {
+        match self.quantity {
+            Quantity::Average { .. } => true,
+            Quantity::Output { index, .. } | Quantity::Extreme { index, .. } => accounts.contains(&index),
+            Quantity::LatchImpulse { .. } | Quantity::LatchTime { .. } => false,
+        }
+    }
+
     /// The quantities named by a text: `NAME`, `NAME@TIME`, `max(NAME)`, `min(NAME)`, `peak(NAME)`, `mean(NAME)`, `rms(NAME)` with a name,
     /// vector or pattern of real outputs, `JOINT.latch_time` or `JOINT.latch_impulse`.
     pub fn of(text: &str, machine: &Machine, interface: &Interface) -> Result<Vec<Self>, QuantityError> {

@@ -117,8 +117,8 @@ pub fn differentiate(mut plant: Plant, numbers: Vec<Numbers>, options: &Options)
         parameters.push(numbers.parameter);
     }
     let adjoint = match options.mode {
-        // an adjoint pass of a mean differences the output by all coordinates at every stage
-        Mode::Auto if named.iter().any(|own| matches!(own.quantity, Quantity::Average { .. })) => false,
+        // an adjoint pass of an integral differences what is integrated by all coordinates at every stage
+        Mode::Auto if named.iter().any(|own| own.is_integral(plant.outputs().layout().accounts())) => false,
         Mode::Auto => results.len() as f64 * ADJOINT_FROM < by.len() as f64,
         Mode::Forward => false,
         Mode::Adjoint => true,

@@ -263,6 +263,32 @@ fn means_of_an_oscillation_have_the_slopes_of_their_closed_forms() {
     assert!(refused.as_deref().is_some_and(|message| message.contains("zero throughout")), "{refused:?}");
 }
 
+/// GR-57: energy that the damper of an arm dissipates from the rate `ω`, `ω²(1 − e^{−2dt})/2`, at a time, at the end and at its largest, by damping and rate,
+/// in all modes; means of it are refused by name.
+#[test]
+fn the_energy_of_a_damper_has_the_slopes_of_its_closed_form() {
+    let arm = Arm { stiffness: 0.0, damping: 0.6, start_angle: 0.0, ..SWING };
+    let numbers = || vec![arm.number("damping", |arm| &mut arm.damping), arm.number("rate", |arm| &mut arm.start_rate)];
+    let (stop_s, rate) = (1.4, arm.start_rate);
+    let of: Vec<String> =
+        ["energy.dissipated@0.5", "energy.dissipated", "max(energy.dissipated)"].map(String::from).to_vec();
+    for mode in [Mode::Auto, Mode::Forward, Mode::Adjoint] {
+        let plant = arm.plant().unwrap_or_else(|error| panic!("{error}"));
+        let options = Options { of: of.clone(), stop_s: Some(stop_s), mode, ..Options::default() };
+        let found = differentiate(plant, numbers(), &options).unwrap_or_else(|error| panic!("{error}"));
+        assert!(mode != Mode::Auto || found.mode == Mode::Forward);
+        for (own, time_s) in found.of.iter().zip([0.5, stop_s, stop_s]) {
+            let left = f64::exp(-2.0 * arm.damping * time_s);
+            assert_eq!(own.unit, "J");
+            close(own.value, 0.5 * rate * rate * (1.0 - left), &own.name);
+            close(own.derivatives[0], rate * rate * time_s * left, &own.name);
+            close(own.derivatives[1], rate * (1.0 - left), &own.name);
+        }
+    }
+    let refused = arm.differentiate(&["mean(energy.work)"], 1.0, Mode::Auto).err().map(|error| error.to_string());
+    assert!(refused.as_deref().is_some_and(|message| message.contains("means of energy accounts")), "{refused:?}");
+}
+
 /// GR-51: impulse with which a rigid latch stops an arm under a constant torque from rest, `−√(−2 T θ)`, and its derivative with respect to the torque;
 /// elastic latches have no impulse.
 #[test]

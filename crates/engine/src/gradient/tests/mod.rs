@@ -13,6 +13,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Range;
 use std::sync::Arc;
 
+mod accounts;
 mod air;
 mod inputs;
 mod means;

@@ -220,7 +220,7 @@ fn simultaneous_crossings_are_refused() {
     );
 }
 
-/// Times out of order, results that do not exist, accounts, and parameters that change the mesh or the start are errors.
+/// Times out of order, results that do not exist, and parameters that change the mesh or the start are errors.
 #[test]
 fn questions_without_an_answer_are_refused() {
     let machine = |numbers: Numbers| numbers.machine(true);
@@ -232,7 +232,6 @@ fn questions_without_an_answer_are_refused() {
     let layout = *plant.outputs().layout();
     let parameter = Parameter::new("start", 0.0, 1e-3, |shift| plant_of(machine(beside(PLACES[7], shift))));
     let parameter = parameter.unwrap_or_else(|error| panic!("{error}"));
-    let work = layout.energy.place(0, std::mem::offset_of!(crate::system::EnergyOutputs, work));
     let latch = layout.latches.place(0, 0);
     {
         let mut gradient = Gradient::new(&mut plant, &tape, vec![parameter]).unwrap_or_else(|error| panic!("{error}"));
@@ -240,7 +239,6 @@ fn questions_without_an_answer_are_refused() {
         let refusals = [
             RunResult::LatchTime { joint: 1 },
             RunResult::Output { index: 0, time: 1 },
-            RunResult::Output { index: work, time: 0 },
             RunResult::Output { index: latch, time: 0 },
         ]
         .map(refusal);

@@ -60,6 +60,9 @@ pub(super) struct Spot {
     pub second: Matrix3<f64>,
     /// Axes of the node in the root frame.
     axes: [Timed; 3],
+    /// `2 ṙ + α r` and `r̈ + α ṙ` of each axis `r`: in `L` of its variation, the factors of the rotation's rate and of the rotation, if the root
+    /// does not rotate.
+    damped: [[Vector3<f64>; 2]; 3],
     /// `Σ r_k f_kᵀ − Σ r_k·f_k I` of the forces on the axes: derivative of the moment with respect to a rotation of these.
     by_turn: Matrix3<f64>,
 }
@@ -67,13 +70,16 @@ pub(super) struct Spot {
 impl Spot {
     pub const ZERO: Self = {
         let zero = Matrix3::from_array_storage(nalgebra::ArrayStorage([[0.0; 3]; 3]));
-        Self { second: zero, axes: [STILL; 3], by_turn: zero }
+        Self { second: zero, axes: [STILL; 3], damped: [[Vector3::new(0.0, 0.0, 0.0); 2]; 3], by_turn: zero }
     };
 
-    pub fn of(node: &Node) -> Self {
+    /// At a node, with the mass-proportional damping of its body.
+    pub fn of(node: &Node, alpha: f64) -> Self {
         let second = second(node);
         let axis = |k: usize| fixed(node, &second, node.rotation.column(k).into_owned());
-        Self { second, axes: [axis(0), axis(1), axis(2)], by_turn: Matrix3::zeros() }
+        let axes = [axis(0), axis(1), axis(2)];
+        let damped = axes.map(|[r, r1, r2]| [r1 * 2.0 + r * alpha, r2 + r1 * alpha]);
+        Self { second, axes, damped, by_turn: Matrix3::zeros() }
     }
 
     /// Stores the derivative, with respect to a rotation of the axes, of the moment of the forces on them.
@@ -106,6 +112,31 @@ impl Spot {
             turning.add_carried(&Shift { linear: field.pulled(on, alpha), angular: STILL }, axis);
         }
         sum.angular.iter_mut().zip(&turning.angular).for_each(|(sum, on)| *sum += on);
+    }
+
+    /// [`Spot::loads`] with the damping of the body, in a root that does not rotate.
+    #[inline(always)]
+    fn own_loads(&self, shift: &Shift, alpha: f64) -> Four {
+        let [_, e1, e2] = &shift.linear;
+        let [turn, turn1, turn2] = &shift.angular;
+        let mut loads = [e2 + e1 * alpha; 4];
+        for ((load, axis), [by_rate, by_turn]) in loads[1..].iter_mut().zip(&self.axes).zip(&self.damped) {
+            *load = turn2.cross(&axis[0]) + turn1.cross(by_rate) + turn.cross(by_turn);
+        }
+        loads
+    }
+
+    /// The transpose of [`Spot::own_loads`].
+    #[inline(always)]
+    fn add_own_loads(&self, on: &Four, alpha: f64, sum: &mut Shift) {
+        sum.linear[1] += on[0] * alpha;
+        sum.linear[2] += on[0];
+        let [turn, turn1, turn2] = &mut sum.angular;
+        for ((on, axis), [by_rate, by_turn]) in on[1..].iter().zip(&self.axes).zip(&self.damped) {
+            *turn2 += axis[0].cross(on);
+            *turn1 += by_rate.cross(on);
+            *turn += by_turn.cross(on);
+        }
     }
 
     /// Variation of the wrench of the forces on the nodal vectors, whose variations are `change`.
@@ -191,7 +222,10 @@ impl Inertia {
         for (body, alpha) in model.bodies.iter().zip(alphas) {
             let range = body.first_node..=body.last_node();
             for n in range.clone() {
-                self.loads[n] = spots[n].loads(&shifts[n], &self.field, *alpha);
+                self.loads[n] = match self.field.rotates {
+                    true => spots[n].loads(&shifts[n], &self.field, *alpha),
+                    false => spots[n].own_loads(&shifts[n], *alpha),
+                };
             }
             beam_forces(model, body, &self.loads[range.clone()], &mut self.forces[range.clone()]);
             for n in range {
@@ -230,7 +264,10 @@ impl Inertia {
                         false => spots[n].add_loads(&own, &self.field, 0.0, &mut sums[n]),
                     }
                 }
-                spots[n].add_loads(&self.loads[n], &self.field, *alpha, &mut sums[n]);
+                match self.field.rotates {
+                    true => spots[n].add_loads(&self.loads[n], &self.field, *alpha, &mut sums[n]),
+                    false => spots[n].add_own_loads(&self.loads[n], *alpha, &mut sums[n]),
+                }
             }
         }
     }

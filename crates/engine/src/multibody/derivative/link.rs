@@ -45,9 +45,16 @@ pub(super) fn columns(element: &Element, motion: Motion, node: &Node, second: &M
 /// of the inner node.
 pub(super) fn slopes(element: &Element, q: &[f64], force: &Vector3<f64>, moment: &Vector3<f64>) -> StrainMatrix {
     let strains: [Partial<STRAINS>; STRAINS] = std::array::from_fn(|i| Partial::along(q[element.coordinate + i], i));
-    let constant = |vector: &Vector3<f64>| -> Vector<Partial<STRAINS>> { three(|i| Partial::constant(vector[i])) };
-    let rows = forces(element.length_m, &strains, &constant(force), &constant(moment));
-    StrainMatrix::from_fn(|i, j| rows[i].by[j])
+    let JetSlopes { tangent, slope_m } = jet_link::slopes(element.length_m, &strains);
+    let along = |column: &Vector<Partial<STRAINS>>, vector: &Vector3<f64>| {
+        column[0].times(vector.x) + column[1].times(vector.y) + column[2].times(vector.z)
+    };
+    let row = |i: usize| match i {
+        STRETCH => along(&tangent[0], force),
+        _ => along(&slope_m[i - TWIST], force) + along(&tangent[i - TWIST], moment),
+    };
+    let rows: [Partial<STRAINS>; STRAINS] = std::array::from_fn(row);
+    StrainMatrix::from_fn(|i, j| element.length_m * rows[i].by[j])
 }
 
 /// Forces on the strains of a link due to a wrench at its outer end, in the frame of its inner end.

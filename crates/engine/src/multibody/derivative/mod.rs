@@ -99,11 +99,13 @@ impl Derivative {
     /// Linearises the recursion at the point of the last [`residual`](crate::multibody::dynamics::residual), whose motions and wrenches are
     /// in `work`; allocates nothing. Joints with several degrees of freedom and modal bodies are not supported.
     pub fn prepare(&mut self, model: &Model, work: &Workspace, motion: Motion, environment: &Environment) {
-        for (spot, node) in self.spots.iter_mut().zip(&work.nodes) {
-            *spot = Spot::of(node);
-        }
         for (alpha, damping) in self.alphas.iter_mut().zip(environment.damping) {
             *alpha = damping.mass_1_s;
+        }
+        for (body, alpha) in model.bodies.iter().zip(&self.alphas) {
+            for n in body.first_node..=body.last_node() {
+                self.spots[n] = Spot::of(&work.nodes[n], *alpha);
+            }
         }
         self.inertia.prepare(model, &work.nodes, environment, &mut self.spots);
         for (index, body) in model.bodies.iter().enumerate() {

@@ -15,6 +15,7 @@ use crate::system::outputs::output_set::OutputSet;
 use crate::system::outputs::points::{PointOutputs, UPRIGHT};
 use crate::system::outputs::spatial::SpatialOutputs;
 use nalgebra::Vector3;
+use std::mem::offset_of;
 
 /// Layout of [`Outputs::values`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +68,12 @@ impl OutputLayout {
     /// Whether a value changes at events only.
     pub(crate) fn changes_at_events(&self, index: usize) -> bool {
         index >= self.continuous
+    }
+
+    /// Indices of the energy accounts, work of the inputs and energy dissipated, which are integrals over the run.
+    pub fn accounts(&self) -> [usize; 2] {
+        [offset_of!(EnergyOutputs, work), offset_of!(EnergyOutputs, dissipated)]
+            .map(|offset| self.energy.place(0, offset))
     }
 
     /// Group of outputs that a value belongs to; all outputs for values of the aerodynamics and of events.

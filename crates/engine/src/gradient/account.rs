@@ -1,0 +1,302 @@
+//! Energy accounts, work of the inputs and dissipated energy: integrals of their powers, eq. (X22), with jumps at events, eq. (X23).
+
+use crate::gradient::parameter::Neighbours;
+use crate::gradient::step::{ONWARD, Variation, time_step_s};
+use crate::gradient::tape::Step;
+use crate::gradient::{Entry, Gradient, GradientError, add};
+use crate::math::difference::SIXTH_ORDER;
+use crate::solve::EquationsOfMotion;
+use crate::solve::point::Point;
+use crate::system::{EnergyOutputs, System};
+use std::mem::offset_of;
+
+/// Difference step of powers by coordinates: rotation in rad, or displacement over the machine's length.
+const STEP: f64 = 2e-3;
+/// Weights of central differences of fourth order: powers are of third degree in the rates, those of prescribed motions, otherwise of second.
+const BY_RATES: [f64; 2] = [8.0 / 12.0, -1.0 / 12.0];
+/// Weight of central differences: powers are linear in the accelerations.
+const BY_ACCELERATIONS: [f64; 1] = [0.5];
+/// Difference between the booked jump of an account and that of the energies, as a share of the energies, beyond which other energies are booked.
+const SAME_JUMP: f64 = 1e-9;
+/// Reason why an event is refused.
+const OTHER_ENERGIES: &str =
+    "energy accounts across an event that changes more than potentials and the energy of an impulse";
+
+/// An energy account.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Account {
+    /// Work of the inputs.
+    Work,
+    /// Energy dissipated.
+    Dissipated,
+}
+
+impl Account {
+    /// The account that an output is; `None` for other outputs.
+    pub fn of(system: &System, index: usize) -> Option<Self> {
+        let place = system.outputs.layout().accounts().iter().position(|account| *account == index)?;
+        [Self::Work, Self::Dissipated].get(place).copied()
+    }
+
+    /// Its part of the numbers of both accounts.
+    pub fn of_powers(self, [work, dissipated]: [f64; 2]) -> f64 {
+        match self {
+            Self::Work => work,
+            Self::Dissipated => dissipated,
+        }
+    }
+
+    /// Its jump at an event by those of the kinetic and the total energy: work is that of the potentials, and what impulses take is
+    /// dissipated.
+    fn of_jumps(self, [kinetic, total]: [f64; 2]) -> f64 {
+        match self {
+            Self::Work => total - kinetic,
+            Self::Dissipated => -kinetic,
+        }
+    }
+
+    fn booked(self, at: &Point) -> f64 {
+        match self {
+            Self::Work => at.work,
+            Self::Dissipated => at.dissipated,
+        }
+    }
+}
+
+/// Powers of work and dissipation at a point of a step whose middle is at `middle_s`.
+pub(super) fn powers(system: &mut System, at: &Point, middle_s: f64) -> [f64; 2] {
+    let equations = &mut system.equations;
+    equations.branch_s = middle_s;
+    let mut residual = vec![0.0; at.q.len()];
+    equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut residual);
+    let powers = equations.powers(at.time_s, &at.q, &at.v, &at.a);
+    [powers.work, powers.dissipated]
+}
+
+/// Adds the slopes of the powers along a variation of the state.
+pub(super) fn add_slopes_along(
+    system: &mut System,
+    (at, middle_s): (&Point, f64),
+    along: &Variation,
+    sum: &mut [f64; 2],
+) {
+    // only the torques that hold prescribed joints depend on accelerations
+    let accelerated = system.equations.forces.joints().iter().any(|joint| joint.law().is_some());
+    let by_coordinates = SIXTH_ORDER.map(|weight| weight / 60.0);
+    let parts: [(&[f64], f64, &[f64]); 3] = [
+        (&along.q, STEP, &by_coordinates),
+        (&along.v, 1.0, &BY_RATES),
+        (&along.a, 1.0, if accelerated { &BY_ACCELERATIONS } else { &[] }),
+    ];
+    // a step may lead past a torque limit of a motor: its torque continues on the piece of the point itself, (T12)
+    system.equations.take_pieces(at.time_s, &at.q, &at.v);
+    let mut there = at.clone();
+    for (kind, (direction, step, weights)) in parts.into_iter().enumerate() {
+        let size = system.equations.norm(direction);
+        if size.is_nan() || size <= 0.0 {
+            continue;
+        }
+        let step = step / size;
+        for (steps, weight) in (1..).zip(weights) {
+            for sign in [1.0, -1.0] {
+                there.copy_from(at);
+                let part = [&mut there.q, &mut there.v, &mut there.a].into_iter().nth(kind);
+                part.into_iter().for_each(|part| add(part, sign * f64::from(steps) * step, direction));
+                let powers = powers(system, &there, middle_s);
+                sum.iter_mut().zip(powers).for_each(|(sum, power)| *sum += sign * weight / step * power);
+            }
+        }
+    }
+    system.equations.drop_pieces();
+}
+
+impl Gradient<'_> {
+    /// An account whose slope is defined; otherwise the reason why not.
+    pub(super) fn check_account(&self) -> Result<(), GradientError> {
+        if self.sections.is_some() {
+            let place = "work and dissipation".into();
+            return Err(GradientError::NotCovered { part: "energy accounts of a run with aerodynamics", place });
+        }
+        Ok(())
+    }
+
+    /// Slopes of both powers at a point of a step, of each direction with its parameter, along variations of the state.
+    pub(super) fn power_slopes(&mut self, step: &Step, at: &Point, variations: &[Variation]) -> Vec<[f64; 2]> {
+        let middle_s = step.middle_s();
+        let by_neighbours = self.powers_by_neighbours(step, at);
+        let shares = self.shares(at.time_s);
+        let of = |(entry, share): (&Entry, f64)| by_neighbours[entry.beside].map(|slope| share * slope);
+        let mut slopes: Vec<[f64; 2]> = self.entries.iter().zip(shares).map(of).collect();
+        for (slopes, variation) in slopes.iter_mut().zip(variations) {
+            add_slopes_along(self.system, (at, middle_s), variation, slopes);
+        }
+        slopes
+    }
+
+    fn powers_by_neighbours(&mut self, step: &Step, at: &Point) -> Vec<[f64; 2]> {
+        let of = |beside: &mut Neighbours| {
+            let mut slopes = [0.0; 2];
+            beside.add_slopes(&mut slopes, |system, each| each.copy_from_slice(&powers(system, at, step.middle_s())));
+            slopes
+        };
+        self.neighbours.iter_mut().map(of).collect()
+    }
+
+    /// Slopes of both powers with respect to time at a point of a step, for inputs that vary.
+    pub(super) fn powers_by_time(&mut self, step: &Step, at: &Point) -> [f64; 2] {
+        let step_s = time_step_s(step.length_s());
+        let mut slopes = [0.0; 2];
+        for (steps, weight) in ONWARD {
+            let there = Point { time_s: at.time_s + steps * step_s, ..at.clone() };
+            let powers = powers(self.system, &there, step.middle_s());
+            slopes.iter_mut().zip(powers).for_each(|(slope, power)| *slope += weight / step_s * power);
+        }
+        slopes
+    }
+
+    /// Derivatives of a power with respect to the state at a point of a step.
+    pub(super) fn power_gradient(&mut self, account: Account, step: &Step, at: &Point) -> Variation {
+        let n = self.system.coordinates();
+        let mut state = Variation::zeros(n);
+        let mut unit = Variation::zeros(n);
+        for i in 0..n {
+            let mut slope = |part: fn(&mut Variation) -> &mut [f64]| {
+                part(&mut unit)[i] = 1.0;
+                let mut slopes = [0.0; 2];
+                add_slopes_along(self.system, (at, step.middle_s()), &unit, &mut slopes);
+                part(&mut unit)[i] = 0.0;
+                account.of_powers(slopes)
+            };
+            (state.q[i], state.v[i], state.a[i]) =
+                (slope(|unit| &mut unit.q), slope(|unit| &mut unit.v), slope(|unit| &mut unit.a));
+        }
+        self.system.equations.clear_resting(&mut state.v);
+        self.system.equations.clear_resting(&mut state.a);
+        state
+    }
+
+    /// Derivatives of a power at a point of a step with respect to the parameters.
+    pub(super) fn power_by_parameters(&mut self, account: Account, step: &Step, at: &Point) -> Vec<f64> {
+        let both = self.powers_by_neighbours(step, at);
+        let by_neighbours: Vec<f64> = both.into_iter().map(|slopes| account.of_powers(slopes)).collect();
+        self.by_parameters(at.time_s, &by_neighbours)
+    }
+
+    /// Subtracts the slopes of the energies before an event at the start of a step from the rows of the accounts.
+    pub(super) fn account_before(
+        &mut self,
+        index: usize,
+        (variations, shifts_s): (&[Variation], &[f64]),
+        accounts: &[(usize, Account)],
+        table: &mut [Vec<f64>],
+    ) -> Result<(), GradientError> {
+        let tape = self.tape;
+        if let (Some(before), true) = (index.checked_sub(1), tape.steps[index].renewed && !accounts.is_empty()) {
+            self.check_jump(index)?;
+            let step = &tape.steps[before];
+            self.add_energies((step, &step.end, -1.0), (variations, shifts_s), accounts, table);
+        }
+        Ok(())
+    }
+
+    /// Adds those behind it.
+    pub(super) fn account_behind(
+        &mut self,
+        index: usize,
+        (variations, shifts_s): (&[Variation], &[f64]),
+        accounts: &[(usize, Account)],
+        table: &mut [Vec<f64>],
+    ) {
+        let tape = self.tape;
+        let step = &tape.steps[index];
+        if index > 0 && step.renewed && !accounts.is_empty() {
+            self.add_energies((step, &step.start, 1.0), (variations, shifts_s), accounts, table);
+        }
+    }
+
+    /// Indices of the kinetic and the total energy.
+    fn energies(&self) -> [usize; 2] {
+        let energy = &self.system.outputs.layout().energy;
+        [offset_of!(EnergyOutputs, kinetic), offset_of!(EnergyOutputs, total)].map(|offset| energy.place(0, offset))
+    }
+
+    /// Refuses an event at which an account takes other energies than those of (X23), such as the work of a prescribed motion in an impulse.
+    pub(super) fn check_jump(&mut self, index: usize) -> Result<(), GradientError> {
+        let tape = self.tape;
+        let Some(index_before) = index.checked_sub(1).filter(|_| tape.steps[index].renewed) else { return Ok(()) };
+        let (before, behind) = (&tape.steps[index_before], &tape.steps[index]);
+        let indices = self.energies();
+        let mut energies = |step: &Step, at: &Point| {
+            self.adopt(step);
+            let values = super::outputs::values(self.system, at);
+            indices.map(|index| values[index])
+        };
+        let [was, is] = [energies(before, &before.end), energies(behind, &behind.start)];
+        let size = [was, is].iter().flatten().fold(0.0f64, |size, energy| size.max(energy.abs()));
+        for account in [Account::Work, Account::Dissipated] {
+            let booked = account.booked(&behind.start) - account.booked(&before.end);
+            let known = account.of_jumps([is[0] - was[0], is[1] - was[1]]);
+            if (booked - known).abs() > SAME_JUMP * size.max(booked.abs()) {
+                let place = format!("event at {} s; ask for times before it", behind.start.time_s);
+                return Err(GradientError::NotCovered { part: OTHER_ENERGIES, place });
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds `sign` times the slopes of the energies at a point, before or behind an event, to the rows of the accounts; the point varies by
+    /// `variations`, its time by `shifts_s`.
+    pub(super) fn add_energies(
+        &mut self,
+        (step, at, sign): (&Step, &Point, f64),
+        (variations, shifts_s): (&[Variation], &[f64]),
+        accounts: &[(usize, Account)],
+        table: &mut [Vec<f64>],
+    ) {
+        self.adopt(step);
+        self.place(at);
+        let indices = self.energies();
+        let slopes = self.output_slopes_at(at, &indices, variations, &[]);
+        let by_time = self.energies_by_time(step, at);
+        for (row, account) in accounts {
+            for (direction, sum) in table[*row].iter_mut().enumerate() {
+                let along = |energy: usize| slopes[energy][direction] + by_time[energy] * shifts_s[direction];
+                *sum += sign * account.of_jumps([along(0), along(1)]);
+            }
+        }
+    }
+
+    fn energies_by_time(&mut self, step: &Step, at: &Point) -> [f64; 2] {
+        match self.inputs_move() {
+            true => self.energies().map(|index| self.slope_by_time(index, at, step.length_s())),
+            false => [0.0; 2],
+        }
+    }
+
+    /// Adds `sign` times the derivatives of an account's energy at a point, before or behind an event, to multipliers of the point, of its
+    /// time and of the parameters.
+    pub(super) fn add_energy_seed(
+        &mut self,
+        (step, at, sign): (&Step, &Point, f64),
+        account: Account,
+        (on, shift): (&mut Variation, &mut f64),
+        gradient: Option<&mut Vec<f64>>,
+    ) {
+        self.adopt(step);
+        self.place(at);
+        let weights = [account.of_jumps([1.0, 0.0]), account.of_jumps([0.0, 1.0])];
+        let indices = self.energies();
+        let by_time = self.energies_by_time(step, at);
+        let mut by_parameters = vec![0.0; self.entries.len()];
+        for ((index, weight), by_time) in
+            indices.into_iter().zip(weights).zip(by_time).filter(|((_, weight), _)| *weight != 0.0)
+        {
+            on.add(sign * weight, &self.output_gradient(index, at));
+            *shift += sign * weight * by_time;
+            add(&mut by_parameters, sign * weight, &self.output_by_parameters(index, at));
+        }
+        if let Some(gradient) = gradient {
+            add(gradient, 1.0, &by_parameters);
+        }
+    }
+}
