@@ -3,13 +3,16 @@
 //! The multipliers of the constraints are unknowns beside the accelerations: the last coordinates, at whose rows the residual has the second
 //! rates of the gaps. The factors of the tree give the small matrix of the constraints, whose pseudo-inverse leaves out redundant rows.
 
-use crate::multibody::closure::project_unit_force;
+use crate::multibody::closure::{Gap, project_unit_force};
 use crate::multibody::factor::solve_bordered;
 use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::Model;
 use crate::multibody::norm::kinematic_norm;
 use crate::multibody::workspace::Workspace;
 use nalgebra::Vector3;
+
+/// The gap or one of its rates.
+type Rate = fn(&Gap) -> Vector3<f64>;
 
 /// Eigenvalue of the small matrix, relative to its largest, below which a row is redundant: round-off leaves 1e-15 of rows that depend on
 /// others, and loops whose mobilities differ by more than this factor are not of one machine.
@@ -203,7 +206,7 @@ pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64];
         }
         before = worst;
         let mut factor = std::mem::replace(&mut work.rigid_factor, RigidFactor::new(0, 0));
-        let parts: [(&mut [f64], fn(&crate::multibody::closure::Gap) -> Vector3<f64>); 3] = [
+        let parts: [(&mut [f64], Rate); 3] = [
             (&mut q[..tree], |gap| gap.position_m),
             (&mut v[..tree], |gap| gap.velocity_m_s),
             (&mut a[..tree], |gap| gap.acceleration_m_s2),
