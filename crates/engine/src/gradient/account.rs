@@ -18,7 +18,7 @@ const BY_RATES: [f64; 2] = [8.0 / 12.0, -1.0 / 12.0];
 const BY_ACCELERATIONS: [f64; 1] = [0.5];
 /// Difference between the booked jump of an account and that of the energies, as a share of the energies, beyond which other energies are booked.
 const SAME_JUMP: f64 = 1e-9;
-/// Reason why an event is refused.
+/// Part of the message about an event that is not covered.
 const OTHER_ENERGIES: &str =
     "energy accounts across an event that changes more than potentials and the energy of an impulse";
 
@@ -46,8 +46,8 @@ impl Account {
         }
     }
 
-    /// Its jump at an event by those of the kinetic and the total energy: work is that of the potentials, and what impulses take is
-    /// dissipated.
+    /// Its jump at an event by those of the kinetic and the total energy: work is that of the potentials, dissipation the loss of kinetic
+    /// energy by impulses.
     fn of_jumps(self, [kinetic, total]: [f64; 2]) -> f64 {
         match self {
             Self::Work => total - kinetic,
@@ -220,7 +220,8 @@ impl Gradient<'_> {
         [offset_of!(EnergyOutputs, kinetic), offset_of!(EnergyOutputs, total)].map(|offset| energy.place(0, offset))
     }
 
-    /// Refuses an event at which an account takes other energies than those of (X23), such as the work of a prescribed motion in an impulse.
+    /// Returns an error for an event at which an account changes by other energies than those of (X23), such as the work of a prescribed
+    /// motion in an impulse.
     pub(super) fn check_jump(&mut self, index: usize) -> Result<(), GradientError> {
         let tape = self.tape;
         let Some(index_before) = index.checked_sub(1).filter(|_| tape.steps[index].renewed) else { return Ok(()) };

@@ -29,7 +29,7 @@ pub(super) struct CrossingSlopes {
     pub by_parameters: Vec<f64>,
 }
 
-/// The energy accounts among integrals that go on to a step or beyond it.
+/// The energy accounts among integrals that end in a step or after it.
 fn accounts_from(means: &[(usize, Mean)], step: usize) -> Vec<(usize, Account)> {
     let on = means.iter().filter(|(_, mean)| mean.step >= step);
     on.filter_map(|(row, mean)| Some((*row, mean.account()?))).collect()

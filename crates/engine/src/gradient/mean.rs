@@ -12,7 +12,7 @@ use crate::solve::point::Point;
 use crate::solve::tableau::Tableau;
 use crate::system::System;
 
-/// What is integrated.
+/// Quantity that is integrated.
 #[derive(Debug, Clone, Copy)]
 enum Integrand {
     /// An output.

@@ -117,7 +117,7 @@ pub fn differentiate(mut plant: Plant, numbers: Vec<Numbers>, options: &Options)
         parameters.push(numbers.parameter);
     }
     let adjoint = match options.mode {
-        // an adjoint pass of an integral differences what is integrated by all coordinates at every stage
+        // an adjoint pass of an integral differences the integrand by all coordinates at every stage
         Mode::Auto if named.iter().any(|own| own.is_integral(plant.outputs().layout().accounts())) => false,
         Mode::Auto => results.len() as f64 * ADJOINT_FROM < by.len() as f64,
         Mode::Forward => false,

@@ -264,7 +264,7 @@ fn means_of_an_oscillation_have_the_slopes_of_their_closed_forms() {
 }
 
 /// GR-57: energy that the damper of an arm dissipates from the rate `ω`, `ω²(1 − e^{−2dt})/2`, at a time, at the end and at its largest, by damping and rate,
-/// in all modes; means of it are refused by name.
+/// in all modes; means of accounts are errors by name.
 #[test]
 fn the_energy_of_a_damper_has_the_slopes_of_its_closed_form() {
     let arm = Arm { stiffness: 0.0, damping: 0.6, start_angle: 0.0, ..SWING };
