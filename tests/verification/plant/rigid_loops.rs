@@ -2,7 +2,6 @@
 
 use crate::plant::loops::{BARS_M, START_RAD, kinematics, linkage};
 use crate::plant::machines::*;
-use foldwing::beam::section::{Material, Section};
 use foldwing::config;
 use foldwing::machine::builder::{ClosureBuilder, MachineBuilder};
 use foldwing::machine::*;
