@@ -364,7 +364,7 @@ impl Session {
     /// The current frame, if anything has changed: a header in JSON, then numbers in single precision, little-endian.
     ///
     /// The first four bytes are the length of the header, which is padded with spaces to a multiple of four. The numbers are, for each
-    /// machine, those of [`Running::next_part`]; the header describes the first machine, and in `others` the others.
+    /// machine, its samples and its state; the header describes the first machine, and in `others` the others.
     pub fn next_frame(&mut self) -> Option<Vec<u8>> {
         if !std::mem::take(&mut self.changed) {
             return None;

@@ -142,13 +142,13 @@ pub struct Outputs {
 
 impl Outputs {
     views! { (pub(crate))
-        /// Per revolute or prismatic joint, in the order of [`System::revolute_joints`].
+        /// Per revolute or prismatic joint, in the order of [`crate::system::System::revolute_joints`].
         joints, joints_mut: [JointOutputs];
         /// Per revolute or prismatic joint: its latch.
         latches, latches_mut: [LatchOutputs];
         /// Per failure, in the order of [`Machine::failures`].
         failures, failures_mut: [FailureOutputs];
-        /// Per universal, ball or free joint, in the order of [`System::spatial_joints`].
+        /// Per universal, ball or free joint, in the order of [`crate::system::System::spatial_joints`].
         spatial, spatial_mut: [SpatialOutputs];
         /// Per body: force and moment of the joint on the body's inner end, root frame, at that end.
         joint_reactions, joint_reactions_mut: [Wrench];
@@ -159,7 +159,7 @@ impl Outputs {
         internal_loads, section_loads_mut: [Wrench];
         /// Per closed loop, in the order of [`Machine::closures`].
         loops, loops_mut: [LoopOutputs];
-        /// Per free end, in the order of [`System::tip_bodies`].
+        /// Per free end, in the order of [`crate::system::System::tip_bodies`].
         tips, tips_mut: [PointOutputs];
         /// Per station, in the order of [`crate::signal::Inputs::stations`].
         stations, stations_mut: [PointOutputs];
