@@ -130,7 +130,11 @@ fn what_has_no_gradient_is_refused_by_name() {
             "the time 0.5 s is not within the run, 0 to 0.4 s",
             2,
         ),
-        (&["--of", "energy.work", "--by", "fold.motor_damping"], "gradients do not cover energy accounts", 3),
+        (
+            &["--of", "mean(energy.work)", "--by", "fold.motor_damping"],
+            "gradients do not cover means of energy accounts",
+            3,
+        ),
         (&["--of", "fold.angle", "--by", "fold.release"], "--by fold.release", 2),
         (
             &["--of", "fold.angle", "--by", "fold.motor_damping,fold.motor_damping"],

@@ -172,7 +172,6 @@ const LONGER: &[(&str, &str)] = &[
         "balanced and modal truncation from one modal form, with the Gramians of a band",
     ),
     ("crates/engine/src/study/statics.rs", "the search for an equilibrium from its start to the stable branch"),
-    ("crates/engine/src/aero/lattice.rs", "the lattice with its scratch: what it computes stands in files of its own"),
 ];
 
 /// Top-level folders: text in a document that begins with one of them is a path.

@@ -112,7 +112,8 @@ fn places_of_a_loop() {
 fn penalties_of_a_loop() {
     assert_eq!(
         message(&CLOSED.replace("1e5", "0")),
-        "wing.toml:60: key 'loop.pin.stiffness_N_m': 0 is not allowed; allowed: a finite stiffness > 0 N/m"
+        "wing.toml:60: key 'loop.pin.stiffness_N_m': 0 is not allowed; allowed: a finite stiffness > 0 N/m, \
+         or rigid = true in its place"
     );
     assert_eq!(
         message(&CLOSED.replace("1e5", "inf")),
@@ -122,7 +123,7 @@ fn penalties_of_a_loop() {
     assert_eq!(
         message(&CLOSED.replace("stiffness_N_m", "stiffness")),
         "wing.toml:60: key 'loop.pin.stiffness' is unknown; write stiffness_N_m (N/m); allowed keys: bodies, \
-         positions_m, offsets_m, stiffness_N_m, damping_N_s_m, inertia_kg"
+         positions_m, offsets_m, rigid, stiffness_N_m, damping_N_s_m, inertia_kg"
     );
     assert_eq!(
         message(&format!("{CLOSED}\ndamping_N_s_m = -1")),

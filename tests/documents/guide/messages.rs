@@ -401,6 +401,19 @@ fn produced() -> Vec<String> {
     let twins = format!("name = \"Twins\"\n{}{}[simulation]\n", twin("left", "port"), twin("right", "starboard"));
     write("twins.toml", format!("{twins}stop_time_s = 1.0\nstep_s = 0.01\n").as_bytes());
 
+    // a linkage closed by constraint forces
+    let penalty = "stiffness_N_m = 5e5\ndamping_N_s_m = 50.0\n";
+    let bars = |closure: &str| {
+        let text = shipped("four_bar.toml");
+        assert_eq!(text.matches(penalty).count(), 2);
+        text.replace(penalty, closure)
+    };
+    write("rigid_bars.toml", bars("rigid = true\n").as_bytes());
+    write("open_bars.toml", bars("damping_N_s_m = 50.0\n").as_bytes());
+    write("two_ways.toml", bars("rigid = true\nstiffness_N_m = 5e5\n").as_bytes());
+    let weak = "[failure.pin]\nkind = \"loop_break\"\nloop = \"front\"\nat_time_s = 1.0\n\n[simulation]";
+    write("weak_bars.toml", bars("rigid = true\n").replace("[simulation]", weak).as_bytes());
+
     // a body that slides along a beam, with parts that exclude it
     let rail = include_str!("../../verification/plant/sliding.toml");
     let reaches = |old: &str, new: &str| {
@@ -442,6 +455,11 @@ fn produced() -> Vec<String> {
     }
     let more = [
         "static aircraft.toml",
+        "check open_bars.toml",
+        "check two_ways.toml",
+        "check weak_bars.toml",
+        "modes rigid_bars.toml",
+        "package rigid_bars.toml --interface me -o x.fmu",
         "check rail_on_root.toml",
         "check rail_on_bead.toml",
         "check rail_outside.toml",

@@ -221,17 +221,21 @@ fn w38_mirror_symmetry_frames_and_reversed_flow() {
     let error = worst(&behind.circulations(), &circulations);
     assert!(error < 0.03, "{error}: {:?} against {circulations:?}", behind.circulations());
 
-    // without taper, in sideslip: rotated by 180° in its plane, the wing has the same forces, those on the chordwise legs included
+    // without taper, in sideslip: rotated by 180° in its plane, the wing has the same forces on each section; those on the chordwise legs
+    // cancel over the whole wing
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), PI);
     let sideways = wind(0.1) + Vector3::x() * (0.3 * SPEED_M_S);
-    let forces_n = [sideways, turn * sideways].map(|wind_m_s| {
+    let [forwards_n, backwards_n] = [sideways, turn * sideways].map(|wind_m_s| {
         let mut line = Line::new(&whole_places_m, |_| 1.0, Profile::THIN, strip_options());
         line.start(wind_m_s, true);
-        line.force_n()
+        line.loads.circulatory.iter().map(|load| load.force_n).collect::<Vec<_>>()
     });
-    println!("W-38 in sideslip: {:?}, rotated {:?}", forces_n[0], forces_n[1]);
-    let error = (turn * forces_n[0] - forces_n[1]).norm() / forces_n[0].norm();
-    assert!(error < 1e-12 && forces_n[0].x.abs() > 1e-4 * forces_n[0].norm(), "{error}: {forces_n:?}");
+    let pairs = forwards_n.iter().zip(backwards_n.iter().rev());
+    let error = pairs.map(|(one, other)| (turn * one - other).norm()).fold(0.0, f64::max) / forwards_n[8].norm();
+    // the legs make the loads of both halves unequal
+    let skew = (forwards_n[4].z / forwards_n[12].z - 1.0).abs();
+    println!("W-38 in sideslip, rotated: {error:.1e}, halves differ by {skew:.3}");
+    assert!(error < 1e-12 && skew > 0.01, "{error}, {skew}");
 }
 
 /// W-39. After a sudden start the lift grows to that of the steady flow, from about half of the lift of strip theory, which is more than

@@ -125,7 +125,7 @@ fn penalty(closure: &Closure, checker: &mut Checker) {
         return;
     }
     if closure.stiffness_n_m == 0.0 {
-        let allowed = "a number > 0, or rigid = true in its place";
+        let allowed = "a finite stiffness > 0 N/m, or rigid = true in its place";
         checker.refuse(&["loop", name, "stiffness_n_m"], "0", allowed);
     } else {
         checker.number(&["loop", name, "stiffness_n_m"], closure.stiffness_n_m, Range::Above(0.0));
