@@ -330,12 +330,13 @@ mod tests {
     /// Blades across the axis of a rigid hub: two are a turbine, one is a body on a hinge.
     #[test]
     fn one_blade_is_no_turbine() {
-        let text = |count: usize| {
+        let text = |count: i32| {
             let blades = (0..count).map(|blade| {
+                // along z, up and down
                 format!(
                     "[body.blade_{blade}]\nlength_m = 1\nsection = \"plate\"\nelements = 1\n[joint.root_{blade}]\ntype = \"clamped\"\nparent = \
-                     \"hub\"\nparent_position_m = 0\nchild = \"blade_{blade}\"\nmount_rotation_deg = [{}, 90, 0]\n",
-                    180 * blade
+                     \"hub\"\nparent_position_m = 0\nchild = \"blade_{blade}\"\nmount_rotation_deg = [0, {}, 0]\n",
+                    90 - 180 * blade
                 )
             });
             format!(
@@ -345,7 +346,7 @@ mod tests {
                 blades.collect::<String>()
             )
         };
-        let found = |count: usize| {
+        let found = |count: i32| {
             let machine = config::parse(&text(count), "blades").unwrap_or_else(|error| panic!("{error:?}"));
             Turbine::of(&started(machine)).map(|turbine| turbine.blades.len())
         };
