@@ -1,5 +1,6 @@
 //! Rigid loops: constraint forces that close loops to round-off, against closed forms, minimal coordinates and the limit of penalties.
 
+use crate::counting_allocator::allocations;
 use crate::plant::loops::{BARS_M, START_RAD, kinematics, linkage};
 use crate::plant::machines::*;
 use foldwing::config;
@@ -463,4 +464,24 @@ fn lp30_cost_beside_the_penalty() {
         per_step(0) / per_step(1)
     );
     assert!(rigid.iterations <= 2 * penalty.iterations, "{} iterations for {}", rigid.iterations, penalty.iterations);
+}
+
+/// LP-31. Steps with rigid loops allocate nothing: each method, with communication points inside of steps; the braced wing through its latch.
+#[test]
+fn lp31_steps_with_rigid_loops_allocate_nothing() {
+    let counted = |label: &str, mut plant: Plant, step_s: f64, steps: u32| {
+        coast(&mut plant, step_s);
+        let before = allocations();
+        (2..=steps).for_each(|step| coast(&mut plant, step_s * f64::from(step)));
+        assert_eq!(allocations() - before, 0, "{label}: allocations");
+        plant
+    };
+    for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::GeneralizedAlpha, Method::Rk4] {
+        let fixed = (method == Method::Rk4).then_some(1e-3);
+        let solver = Solver { fixed_step_s: fixed, ..solver(method, 1e-6) };
+        let bars = rigid_bars(JointMotion::Free, solver, Rotation3::identity());
+        counted(&format!("{method:?}"), start(bars), 1.3e-3, 200);
+    }
+    let wing = counted("braced wing", start(of_file(BRACED)), 5e-3, 220);
+    assert!(wing.outputs().latches()[2].closed.is_on(), "the steps cross the latch");
 }
