@@ -1,15 +1,15 @@
-"""Lists the circles of files that import each other in each crate, and the imports to cut.
+"""Lists circular imports between the files of each crate, and the imports to cut.
 
     circles.py [CRATE ...] [--cuts]
 
-A circle is a strongly connected component, of two files or more, of the graph of imports between the files of one crate. Without names of
-crates the program prints a table of all crates, with names the files of their circles; `--cuts` adds imports of which the removal opens
-each circle, the most useful first.
+A circle is a strongly connected component of two or more files in the graph of imports between the files of one crate. The program prints
+a table of all crates, and for each crate that is named the files of its circles; `--cuts` adds imports whose removal opens each circle, the
+most effective first.
 
 What counts as an import: every path in `use` or in code that begins with `crate`, `self`, `super` or a module declared in the same file.
-Comments, texts in quotes and everything under `#[cfg(test)]` are left out. A name that another file has from a `use` of its own is followed
-to the file in which the item is written: an import through `mod.rs` is an import of that file, and a re-export (`pub use`) is an import only
-if the file also uses the name itself. A path into the own folder's `mod.rs` is an import of `mod.rs` if the item is written there.
+Comments, string literals and everything under `#[cfg(test)]` are ignored. A name that another file itself imports by `use` is followed to the
+file that defines the item: an import through `mod.rs` is an import of that file, and a re-export (`pub use`) is an import only if the file
+also uses the name itself. A path into the `mod.rs` of the same folder is an import of `mod.rs` if the item is defined there.
 """
 
 import argparse
@@ -28,7 +28,7 @@ PATH = re.compile(r"(?<![\w:.])(?:r#)?[a-z_]\w*(?:\s*::\s*\w+)+")
 
 
 def code_of(text):
-    """The text without comments, quotes and items for tests, and the names of the modules that are declared for tests."""
+    """The text without comments, string literals and items for tests, and the names of the modules that are declared for tests."""
     text = NOT_CODE.sub(lambda found: " " if found[0].startswith("/") else '""', text)
     text = VISIBILITY.sub("pub", text)
     tests = set()
@@ -40,7 +40,7 @@ def code_of(text):
 
 
 def end_of_item(text, start):
-    """Position behind the item that begins at `start`: its semicolon or comma, or its closing brace."""
+    """Position after the item that begins at `start`: its semicolon or comma, or its closing brace."""
     depth = 0
     for at in range(start, len(text)):
         if text[at] in "([{":
@@ -166,7 +166,7 @@ def circles_of(graph):
 
 
 def cuts(graph, circle):
-    """Imports of which the removal opens a circle: (from, to, files that still are in a circle), each the best at its place."""
+    """Imports whose removal opens a circle: (from, to, number of files still in a circle), each the best choice after those before it."""
     graph = {file: graph[file] & set(circle) for file in circle}
     removed = []
     while left := circles_of(graph):

@@ -31,12 +31,12 @@ class Live:
     address: str
 
     def __init__(self, machines: Sequence[Machine], port: int, speed: float) -> None:
-        """Start the server with the machines: the text of the model and the bytes of a state of each."""
+        """Start the server with the machines, each given by the text of its model and the bytes of a state."""
         self._folder = Path(tempfile.mkdtemp(prefix="foldwing-live-"))
         self._notes: List[str] = []
         command = [sys.executable, "-m", "foldwing", "live", "--no-browser", "--port", str(port), "--speed", repr(speed)]
         for number, (text, state) in enumerate(machines, 1):
-            # files of one name: the legend numbers machines with equal names
+            # all files have the same name, so that the legend numbers machines with equal names
             model, start = self._folder / str(number) / "model.toml", self._folder / str(number) / "state"
             model.parent.mkdir()
             model.write_bytes(text.encode())

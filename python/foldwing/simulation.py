@@ -71,7 +71,7 @@ class Simulation(_native.Simulation):
     def view(self, *, compare: Union[Simulation, Sequence[Simulation]] = (), port: int = 0, speed: float = 1.0, show: bool = True) -> live.Live:
         """Show the machine live in the browser, from its present state on: it runs on the wall clock; in the page one can start and stop
         it, go back in time, set inputs and parameters, and pull on it with a spring. The command `foldwing live` serves the page in a
-        separate process: this simulation is not changed. Other simulations run in step with it: one clock, drawn together, shared sliders.
+        separate process: this simulation is not changed. Other simulations can run in step with it: one clock, drawn together, shared sliders.
 
         >>> import foldwing as fw
         >>> sim = fw.load("examples/models/folding_wing.toml").start()
@@ -83,7 +83,7 @@ class Simulation(_native.Simulation):
         False
 
         Args:
-            compare: other simulations at the same time in s, at most three.
+            compare: another simulation, or up to three, with the same `time`.
             port: port of this computer's loopback address; 0 takes any free one.
             speed: simulated seconds per second of wall-clock time; the page can change it.
             show: if false, start no browser; `Live.address` is the address of the page.
@@ -93,7 +93,7 @@ class Simulation(_native.Simulation):
 
         Raises:
             FilesError: if the port is in use.
-            UsageError: if another simulation has another time, or there are too many.
+            UsageError: if a simulation in `compare` has a different time, or there are more than three.
         """
         others = [compare] if isinstance(compare, Simulation) else list(compare)
         if len(others) > 3:

@@ -207,7 +207,7 @@ def latch_time(foldwing, model):
 
 @pytest.mark.parametrize("dark, width", [(False, 1400), (True, 390)])
 def test_two_machines_run_in_step(foldwing, browser, tmp_path, dark, width):
-    """Two wings share clock, step and rollback, each latches when it does alone; both are drawn, with a legend and curves for both."""
+    """Two wings have one clock, step and rollback; each latches at the same time as alone; both are drawn, with a legend and curves for both."""
     other = damped(tmp_path)
     with live(foldwing, WING, "--compare", other, "--speed", "0.5") as (address, _):
         opened(browser, address, dark=dark, width=width)
@@ -249,7 +249,7 @@ def test_two_machines_run_in_step(foldwing, browser, tmp_path, dark, width):
 
 
 def test_controls_and_pulls_act_on_both_machines_or_one(foldwing, browser, tmp_path):
-    """A slider moves both machines, or the one that is chosen; where they differ, it says so. A pull acts on the same stations of both."""
+    """A slider acts on both machines, or on the one that is chosen; where they differ, the page shows it. A pull acts on the same stations of both."""
     with live(foldwing, WING, "--compare", damped(tmp_path)) as (address, _):
         opened(browser, address)
         row = lambda name: f"controls.find(one => one.control.name === '{name}')"  # noqa: E731
@@ -283,7 +283,7 @@ def test_controls_and_pulls_act_on_both_machines_or_one(foldwing, browser, tmp_p
 
 
 def test_machines_that_cannot_run_in_step_are_refused(foldwing, tmp_path):
-    """What cannot be shown beside the first machine is refused with its name and the cure."""
+    """What cannot be shown beside the first machine is an error that states its name and the remedy."""
     late = tmp_path / "late.toml"
     late.write_text(WING.read_text().replace("[simulation]\n", "[simulation]\nstart_time_s = 0.1\n"))
     state = tmp_path / "state"

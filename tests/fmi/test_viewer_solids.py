@@ -168,8 +168,8 @@ def test_f386_a_turbine_has_tower_nacelle_and_hub(browser, pages):
     assert browser.complaints() == []
 
 
-# For all surfaces: quadrilaterals, largest distance in pixels of the outlines at the edges of the strips from what is drawn of them, largest
-# distance of a face from the strip to which it is said to belong, as a part of its span.
+# For all surfaces: number of quadrilaterals, largest distance in pixels between the outlines at the edges of the strips and those drawn, and
+# largest distance of a face from the strip to which it is assigned, as a fraction of its span.
 DETAIL = """(() => {
   let quads = 0, gap = 0, off = 0;
   for (const shape of shapes.filter(one => one instanceof SurfaceShape)) {
@@ -197,7 +197,7 @@ DETAIL = """(() => {
   }
   return [quads, gap, off];
 })()"""
-# Channels of pixels that differ if the shade covers the whole ground, by more than 4 of 255: positions in the shadow map have round-off.
+# Number of colour channels that differ by more than 4 of 255 if shadows are computed on the whole ground: positions in the shadow map have round-off.
 SHADE = """(() => {
   const gl = renderer.getContext(), picture = () => {
     const found = new Uint8Array(4 * canvas.width * canvas.height);
@@ -224,7 +224,7 @@ SHADE = """(() => {
 
 def test_f388_detail_follows_the_distance(browser, pages):
     """F-388. From afar, strips are drawn with fewer positions along the chord, at most 0.2 pixels from the outline; from nearby with all of
-    them. Faces belong to their strips in both cases. The shade is drawn only where shadows fall, with the same picture."""
+    them. Faces belong to their strips in both cases. Shadows are computed only where they fall, with the same picture."""
     opened(browser, pages / "nrel_5mw_wind.html")
     settled(browser)
     far, gap, off = browser.value(DETAIL)

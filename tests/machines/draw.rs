@@ -104,7 +104,7 @@ impl Draft {
     }
 }
 
-/// A machine from a seed, reproducible; of seeds from [`SLIDING`] on with a sliding joint.
+/// A machine from a seed, reproducible; seeds from [`SLIDING`] on give machines with sliding joints.
 pub fn draw(seed: u64) -> Model {
     if seed >= SLIDING {
         return sliding::draw(seed);

@@ -1,6 +1,6 @@
 //! Machines with bodies that slide along a beam.
 //!
-//! They have seeds of their own, so that the machines of all other seeds remain as they are.
+//! They have a separate range of seeds, so that the machines of all other seeds do not change.
 
 use crate::machines::draw::{Dice, Draft, Kind, Member, begin, body, end, joint, one_freedom};
 use crate::machines::model::{Model, Table, Value};
@@ -9,7 +9,7 @@ use crate::machines::view::Frame;
 /// Machines of this seed and above have sliding joints.
 pub const SLIDING: u64 = 1_000_000;
 
-/// A machine of a beam, free or on a joint, and one or two bodies that slide along it.
+/// A machine with a beam, free or on a joint, and one or two bodies that slide along it.
 pub fn draw(seed: u64) -> Model {
     let mut dice = Dice(fastrand::Rng::with_seed(seed));
     let mut draft = begin(&mut dice);
@@ -39,7 +39,7 @@ pub fn draw(seed: u64) -> Model {
     model
 }
 
-/// A body on a sliding joint: a point mass, a rigid body, a beam, or a carriage without mass with a body on a joint.
+/// A body on a sliding joint: a point mass, a rigid body, a beam, or a massless carriage with a body on a joint.
 fn rider(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize)) {
     let index = draft.members.len();
     let name = format!("b{index}");
@@ -61,7 +61,7 @@ fn rider(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize)) {
             draft.members.push(member);
         }
         _ => {
-            // without shear: its slopes have velocities of their own, for which no impulse is known
+            // without shear: the slopes of a beam with shear have independent velocities, for which no impulse is derived
             let section = format!("s{index}");
             draft.add(
                 Table::new(format!("section.{section}"))
@@ -101,7 +101,7 @@ fn rider(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize)) {
     }
 }
 
-/// The sliding joint of a body: that of a prismatic joint, with all its positions moved to a place near a border.
+/// The sliding joint of a body: drawn as a prismatic joint, with all its positions shifted to near an element boundary.
 fn slide(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize), child: &str) {
     let (length_m, parent) = (draft.members[beam].length_m, draft.members[beam].name.clone());
     let name = format!("joint.j{}", child.trim_start_matches('b'));
@@ -115,12 +115,12 @@ fn slide(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize), c
         table.set("mount_rotation_deg", Value::TurnDeg(mount, Frame::Body));
     }
     one_freedom(dice, draft, table, true);
-    // from one side of a border towards the other
+    // from one side of a boundary towards the other
     let border = dice.whole(1, elements - 1) as f64;
     let side = if dice.once_in(2) { 1.0 } else { -1.0 };
     let [from, to] = [border - side * dice.number(0.02, 0.5), border + side * dice.number(0.2, 1.2)]
         .map(|place| (place / elements as f64).clamp(0.05, 0.95));
-    // one digit fewer than the product has, so that the file is easy to read
+    // rounded, so that the file is easy to read
     let digits = |x: f64| (x * 1e3).round() / 1e3;
     let (start_m, rate_m_s) = (digits(from * length_m), digits((to - from) * length_m / draft.end_s));
     let has_stopper =
@@ -139,7 +139,7 @@ fn slide(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize), c
             table.set("command_m", digits(to * length_m));
         }
         if table.name == name && !has_stopper && !table.is("motion", "prescribed") {
-            // most of them move over a border; a latch that is closed at the start permits no motion
+            // most of them cross a boundary; a latch that is closed at the start permits no motion
             table.keys.retain(|(key, _)| *key != "start_rate_m_s");
             if moves || !dice.once_in(4) {
                 table.set("start_rate_m_s", rate_m_s);
@@ -188,8 +188,8 @@ fn move_along(table: &mut Table, by_m: f64) {
     }
 }
 
-/// Removes what machines with sliding joints exclude: damped modes, starts in equilibrium, and gauges on the beam if its elements are linear;
-/// moves the bounds of failures to the places of the joints.
+/// Removes what is not supported with sliding joints: damped modes, starts in equilibrium, and gauges on the beam if its elements are
+/// linear. Shifts the bounds of failures to the positions of the joints.
 fn allowed(model: &mut Model, beam_of_pairs: Option<usize>) {
     let starts: Vec<(String, f64)> = (model.tables.iter())
         .filter(|table| table.is("type", "sliding"))

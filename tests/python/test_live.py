@@ -62,7 +62,7 @@ def test_wrong_arguments_are_refused(wing):
 
 
 def test_simulations_are_shown_in_step(wing):
-    """Two simulations of one model begin at their present states on one page, with numbers in the legend; other times are refused."""
+    """Two simulations of one model start from their current states on one page, numbered in the legend; different times are an error."""
     one, two = wing.start(), wing.start()
     two["fold.external_torque"] = 0.02
     one.step(0.05)

@@ -191,8 +191,8 @@ fn x13_gradients_are_the_same_both_ways() {
     hold("X-13", 60, gradients::both_ways);
 }
 
-/// Bodies on sliding joints pass borders of the elements of their beam in more than a third of the machines that have them, in both directions,
-/// on constant elements and on pairs, with shear and without.
+/// Bodies on sliding joints cross element boundaries of their beam in more than a third of the machines that have them, in both
+/// directions, on constant elements and on pairs, with shear and without.
 #[test]
 fn x14_sliding_bodies_cross_borders() {
     // what they are on, and whether they move outboard

@@ -1,4 +1,4 @@
-"""Files that import each other in circles: no crate gets more or larger ones than those listed here (`tools/circles.py` prints them)."""
+"""Circular imports between files: no crate may have more or larger circles than listed here (`tools/circles.py` prints them)."""
 
 import sys
 from pathlib import Path
@@ -9,7 +9,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 import circles  # noqa: E402
 
-# sizes of the circles of each crate, in files; a smaller circle is entered here
+# sizes of the circles of each crate, in files; when a circle shrinks, enter its new size here
 SIZES = {
     "command": [4, 3, 2, 2, 2, 2],
     "engine": [14, 14, 9, 4, 3, 3, 3, 2, 2, 2, 2, 2],

@@ -4,10 +4,10 @@
   python tests/reference/shear/coupled_beam.py [--exudyn]
 
 Simo-Reissner beam as one spectral element: positions and total rotation vectors at Gauss-Lobatto points, Lagrange polynomials of degree p,
-Gauss quadrature, momenta of the sections from their 6x6 mass matrix, in a frame that turns as prescribed. The equations are integrated by
-DOP853. Writes `coupled_spin.csv` and `coupled_free.csv` beside it; prints the differences between degrees and how energy and momenta are
-kept. Needs numpy and scipy. With `--exudyn` it compares with the beams of that program, which take diagonal stiffnesses only, with the mass
-centre on the axis.
+Gauss quadrature, momenta of the sections from their 6x6 mass matrix, in a frame with prescribed rotation. The equations are integrated by
+DOP853. Writes `coupled_spin.csv` and `coupled_free.csv` to its folder; prints the differences between degrees and the errors of the conserved
+energy and momenta. Needs numpy and scipy. With `--exudyn` it compares the results without couplings, with the mass centre on the axis, with
+those of Exudyn, whose beams have diagonal stiffnesses only.
 """
 import pathlib
 import sys
@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 
 HERE = pathlib.Path(__file__).parent
 LENGTH_M = 1.0
-# strains (ex, gy, gz, kx, ky, kz): stretch with twist, shears with bending, as in a box whose plies run around it at one angle
+# strains (ex, gy, gz, kx, ky, kz): stretch coupled with twist, shear with bending, as in a box with the same ply angle in all walls
 STIFFNESS = np.diag([8000.0, 2400.0, 1600.0, 2.0, 2.5, 5.0])
 for _i, _j, _value in ((0, 3, -50.0), (1, 4, 30.0), (2, 5, -36.0), (3, 4, 0.5), (0, 5, 40.0)):
     STIFFNESS[_i, _j] = STIFFNESS[_j, _i] = _value
@@ -58,7 +58,7 @@ def series(x):
 
 
 def far(x):
-    """The same away from zero."""
+    """The same for x away from zero."""
     a = np.sqrt(x)
     s, b = np.sin(a) / a, (1 - np.cos(a)) / x
     c = (1 - s) / x
@@ -76,7 +76,7 @@ def near(x):
 
 
 class Beam:
-    """One spectral element of degree p; `clamped` fixes the first point to the turning frame."""
+    """One spectral element of degree p; `clamped` fixes the first point to the rotating frame."""
 
     def __init__(self, degree, centre_m, clamped, spin):
         from numpy.polynomial import legendre
@@ -120,7 +120,7 @@ class Beam:
         return at, slope, rate, rotation, tangent, tangent_along
 
     def forces(self, t, q, v):
-        """Mass matrix and the forces at zero second rates; energy, momentum and angular momentum about the origin."""
+        """Mass matrix, and forces at zero accelerations; energy, momentum and angular momentum about the origin."""
         at, slope, rate, rotation, tangent, tangent_along = self.sections(t, q, v)
         _, omega, omega_dot = self.spin(t)
         back = np.swapaxes(rotation, 1, 2)
@@ -185,7 +185,7 @@ class Beam:
         return done.y.T
 
     def tip(self, times_s, states):
-        """Position of the tip and unit vectors e_x, e_y of its section, in the frame at rest."""
+        """Position of the tip and unit vectors e_x, e_y of its section, in the inertial frame."""
         half = states.shape[1] // 2
         last = states[:, half - 6:half]
         s, b, *_ = series((last[:, 3:] ** 2).sum(1))
@@ -211,7 +211,7 @@ def spinning(t):
 
 
 def at_rest(_):
-    """A frame that stays."""
+    """A frame at rest."""
     return 0.0, np.zeros(3), np.zeros(3)
 
 

@@ -1,4 +1,4 @@
-//! Rigid loops: constraint forces that close loops to round-off, against closed forms, minimal coordinates and the limit of penalties.
+//! Rigid loops, closed to round-off by constraint forces: against closed forms, minimal coordinates and the limit of penalties.
 
 use crate::counting_allocator::allocations;
 use crate::plant::loops::{BARS_M, START_RAD, kinematics, linkage};
@@ -21,7 +21,7 @@ fn built(builder: MachineBuilder) -> Machine {
     builder.build().unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// Slender rigid bars of a four-bar linkage, in the plane that `turn` makes of `x`–`z`; its motion does not depend on `turn`.
+/// A four-bar linkage of slender rigid bars in the plane `x`–`z` rotated by `turn`, on which its motion does not depend.
 fn rigid_bars(motion: JointMotion, solver: Solver, turn: Rotation3<f64>) -> Machine {
     let (coupler_rad, rocker_rad, _) = kinematics(START_RAD);
     let bar = |name: &str, i: usize| {
@@ -49,13 +49,13 @@ fn rigid_bars(motion: JointMotion, solver: Solver, turn: Rotation3<f64>) -> Mach
     )
 }
 
-/// Largest gap of the present outputs relative to the machine's length.
+/// Largest gap in the current outputs relative to the machine's length.
 fn gap_of(plant: &Plant, length_m: f64) -> f64 {
     plant.outputs().loops().iter().map(|closure| closure.gap_m.norm()).fold(0.0, f64::max) / length_m
 }
 
-/// LP-21. A four-bar linkage of rigid bars with a prescribed crank has no freedom but its loop: angles and rates of both other hinges are those
-/// of the closed form to round-off over two revolutions, with every method, and at communication points inside of steps.
+/// LP-21. A four-bar linkage of rigid bars with a prescribed crank is fully determined by its loop: angles and rates of the two other
+/// hinges agree with the closed form to round-off over two revolutions, with every method, also at communication points inside steps.
 #[test]
 fn lp21_a_prescribed_four_bar_follows_its_kinematics_to_round_off() {
     for method in [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::GeneralizedAlpha, Method::Rk4] {
@@ -79,12 +79,12 @@ fn lp21_a_prescribed_four_bar_follows_its_kinematics_to_round_off() {
             rate = rate.max((joints[2].rate_rad_s + crank_rad_s * rocker_rate).abs() / (1.0 + crank_rad_s));
         }
         println!("LP-21 {method:?}: gap {gap:.1e}, angles {angle:.1e} rad, rates {rate:.1e}");
-        // a prescribed angle of 10 rad is known to 2e-15 rad, and the levers of the mechanism multiply it by up to 5
+        // a prescribed angle of 10 rad has a round-off of 2e-15 rad, which the mechanism multiplies by up to 5
         assert!(gap < CLOSED && angle < 1e-12 && rate < 1e-11, "{method:?}: {gap:.1e} {angle:.1e} {rate:.1e}");
     }
 }
 
-/// Rates of coupler and rocker per rate of the crank.
+/// Rates of coupler and rocker, divided by the rate of the crank.
 fn rates(crank_rad: f64) -> [f64; 2] {
     let [crank, coupler, rocker, _] = BARS_M;
     let (b, c, _) = kinematics(crank_rad);
@@ -112,8 +112,8 @@ fn crank_energy(crank_rad: f64) -> [f64; 2] {
     [inertia, 9.8 * height]
 }
 
-/// Crank angle and rate of the free linkage at a time: Lagrange's equation of its one freedom, by small steps of RK4; derivatives of inertia and
-/// potential by central differences of fourth order, to 1e-12.
+/// Crank angle and rate of the free linkage at a time: Lagrange's equation of its one degree of freedom, integrated by small steps of RK4;
+/// derivatives of inertia and potential by central differences of fourth order, to 1e-12.
 fn crank_at(time_s: f64) -> [f64; 2] {
     let slope = |angle: f64| {
         let h = 2e-3;
@@ -137,8 +137,8 @@ fn crank_at(time_s: f64) -> [f64; 2] {
     })
 }
 
-/// LP-22. The free four-bar linkage of rigid bars against its equation in the crank angle alone: every method keeps its order, the loop is closed
-/// at each step, and the energy is that of the start to the error of the motion.
+/// LP-22. The free four-bar linkage of rigid bars against its equation in the crank angle alone: every method keeps its order, the loop is
+/// closed at each step, and the energy is conserved to the error of the motion.
 #[test]
 fn lp22_order_of_convergence_against_minimal_coordinates() {
     let time_s = 0.64;
@@ -185,7 +185,8 @@ fn elastic(motion: JointMotion, pin: Option<f64>, solver: Solver) -> Machine {
     machine
 }
 
-/// LP-23. Penalties tend to the rigid loop with the inverse of their stiffness: ends of the free linkage of rigid bars after 0.3 s.
+/// LP-23. With penalties the result tends to that of the rigid loop in proportion to the inverse of the stiffness: the free linkage of
+/// rigid bars after 0.3 s.
 #[test]
 fn lp23_penalties_tend_to_the_rigid_loop() {
     let end = |pin: Option<f64>| {
@@ -211,7 +212,8 @@ fn lp23_penalties_tend_to_the_rigid_loop() {
     }
 }
 
-/// LP-24. The energy balance of the elastic linkage closes with a rigid pin as with a penalty, driven and free; the pin stores and dissipates nothing.
+/// LP-24. The energy balance of the elastic linkage, driven and free, closes with a rigid pin as with a penalty; the pin stores and
+/// dissipates no energy.
 #[test]
 fn lp24_energy_accounts_close_around_a_rigid_loop() {
     let driven = JointMotion::Prescribed(Motion::Polynomial(vec![-START_RAD, 0.0, -3.0]));
@@ -250,8 +252,9 @@ fn of_file(text: &str) -> Machine {
     config::parse(&rigid_file(text), "rigid.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// LP-25. The strut-braced wing with rigid loops rises, its knee latches rigidly, and its loops have no gap before, at and after the latch; the
-/// energy balance closes; the foot carries what it carries with penalties. Steps repeated from a snapshot before the latch are equal to the bit.
+/// LP-25. The strut-braced wing with rigid loops rises, its knee latches rigidly, and its loops have no gap before, at and after the latch;
+/// the energy balance closes; the foot carries the same force as with penalties. Steps repeated from a snapshot before the latch are
+/// identical bit by bit.
 #[test]
 fn lp25_braced_wing_latches_with_closed_loops() {
     let mut plant = start(of_file(BRACED));
@@ -301,7 +304,7 @@ fn lp25_braced_wing_latches_with_closed_loops() {
     assert!(ends[0].iter().zip(&ends[1]).all(|(a, b)| a.to_bits() == b.to_bits()));
 }
 
-/// LP-26. A linkage in a turned plane moves as the one in the plane `x`–`z`, and its forces turn with it: no axis is preferred.
+/// LP-26. A linkage in a rotated plane moves as in the plane `x`–`z`, and its forces are rotated in the same way: no axis is preferred.
 #[test]
 fn lp26_rotated_linkages_move_alike() {
     let turn = Rotation3::from_euler_angles(0.4, -1.1, 2.3);
@@ -320,8 +323,8 @@ fn lp26_rotated_linkages_move_alike() {
     assert!(worst < 1e-8, "{worst:.1e}");
 }
 
-/// LP-27. Equilibrium: the held linkage carries the pin force of its closed form without a gap, rests when its motion starts there, and has the
-/// same state as the limit of penalties.
+/// LP-27. Equilibrium: the pin force of the held linkage is that of the closed form, without a gap; a motion that starts there stays at
+/// rest; and the state is the limit of those with penalties.
 #[test]
 fn lp27_equilibrium_with_a_rigid_loop() {
     let held = |pin: Option<f64>| {
@@ -362,8 +365,8 @@ fn lp27_equilibrium_with_a_rigid_loop() {
     assert!(moved_m < 1e-10 && change_n < 1e-6, "{moved_m:.1e} m, {change_n:.1e} N");
 }
 
-/// LP-28. A pin of two balls, whose axial rows depend on each other: the four-bar linkage of the examples with rigid loops has no gap, both balls
-/// carry equal axial forces, of least norm, and it moves as with its penalties.
+/// LP-28. A pin of two ball joints, whose axial rows depend on each other: the four-bar linkage of the examples with rigid loops has no
+/// gap, both ball joints carry equal axial forces, of least norm, and the motion is that with penalties.
 #[test]
 fn lp28_redundant_rows_of_a_planar_linkage() {
     let mut plant = start(of_file(FOUR_BAR));
@@ -384,8 +387,8 @@ fn lp28_redundant_rows_of_a_planar_linkage() {
     assert!(miss < 2e-3, "{miss:.1e} rad");
 }
 
-/// LP-29. What rigid loops do not have is refused by its name: external integrators, linear models, modes, gradients, penalties and failures of the
-/// loop; and motions that contradict a loop.
+/// LP-29. Errors name what rigid loops do not support: external integrators, linear models, modes, gradients, penalties and failures of the
+/// loop; so do errors for motions that contradict a loop.
 #[test]
 fn lp29_refusals_name_the_loop() {
     let mut plant = start(elastic(JointMotion::Free, None, solver(Method::Esdirk4, 1e-6)));
@@ -422,7 +425,7 @@ fn lp29_refusals_name_the_loop() {
         assert!(text.contains(expected), "{text}");
     }
 
-    // both ends of the pin move as prescribed, apart from each other
+    // the prescribed motions of both ends of the pin separate them
     let mut machine = built(with(pin()));
     hinge_of(&mut machine, 0).motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.0, 1.0]));
     hinge_of(&mut machine, 1).motion = JointMotion::Locked;
@@ -433,7 +436,8 @@ fn lp29_refusals_name_the_loop() {
     assert!(!matches!(refused, Err(PlantError::NotFinite { .. })));
 }
 
-/// LP-30. Cost beside the penalty: the elastic linkage over the same time at the same tolerance, alternating in one run; least times of five.
+/// LP-30. Cost compared with the penalty: the elastic linkage over the same time at the same tolerance, alternately in one run; shortest of
+/// five times.
 #[test]
 fn lp30_cost_beside_the_penalty() {
     let spent = |pin: Option<f64>| {

@@ -1,12 +1,12 @@
-//! A body that slides along a beam and turns on a ball joint.
+//! A body that slides along a beam and rotates on a ball joint.
 
 use crate::plant::machines::*;
 use crate::plant::sliding::{crane, crane_with};
 use foldwing::machine::Joint;
 use foldwing::machine::builder::JointBuilder;
 
-/// SJ-14. A body on a ball joint on a carriage without mass slides and turns freely: in a plane as on a hinge, and out of the plane, where the
-/// beam bends and twists to the side, with a closed account of energy over borders.
+/// SJ-14. A body on a ball joint on a massless carriage slides and rotates freely: in a plane as on a hinge; out of the plane, where the
+/// beam bends sideways and twists, the energy account closes across element boundaries.
 #[test]
 fn sj14_a_ball_on_a_carriage() {
     let at = |joint: JointBuilder| joint.start_position_m(0.35);

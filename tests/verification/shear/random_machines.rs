@@ -1,7 +1,7 @@
-//! SH-39: fifty machines of one to three beams with random couplings of all six strains.
+//! SH-39: fifty machines of one to three beams with random couplings between all six strains.
 //!
-//! A stiffness is `D½ K D½` with a correlation matrix `K = LLᵀ` whose rows of `L` are points on spheres: cosines and sines of angles. It is
-//! positive definite for any angles within `(0, π)`, with couplings up to 0.7 of their bounds here.
+//! A stiffness is `D½ K D½` with a correlation matrix `K = LLᵀ`; the rows of `L` are points on unit spheres, given by cosines and sines of
+//! angles. It is positive definite for any angles within `(0, π)`; here couplings are up to 0.7 of their bounds.
 
 use crate::shear::{matrix_of, short};
 use crate::statics::machines::plant;
@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3, Vector6};
 
 const MACHINES: u64 = 50;
 
-/// How a body is attached to the one before.
+/// How a body is attached to the previous one.
 #[derive(Clone, Copy)]
 enum Tie {
     Clamped,
@@ -69,7 +69,7 @@ fn random_beam(random: &mut Random, tie: Tie) -> Beam {
     }
 }
 
-/// Machine of a number: one to three beams.
+/// The machine with a number: one to three beams.
 fn beams(number: u64) -> Vec<Beam> {
     let mut random = Random::new(3900 + number);
     let count = 1 + number % 3;
@@ -124,7 +124,7 @@ fn model(beams: &[Beam], pairs: usize, base: &str) -> String {
     text
 }
 
-/// Place and attitude of a section.
+/// Position and attitude of a section.
 #[derive(Clone, Copy)]
 struct Place {
     position: Vector3<f64>,
@@ -132,7 +132,8 @@ struct Place {
 }
 
 /// The tip and the force on it (root frame) in an equilibrium whose tip carries `force` in the frame of its own section: the equations of
-/// the rod are an initial-value problem from the tip inwards, which needs no iteration. Runge-Kutta, 200 steps per beam (1e-10 of the length).
+/// the rod are an initial-value problem from the tip inwards, which needs no iteration. Runge-Kutta, 200 steps per beam (1e-10 of the
+/// length).
 fn solved(beams: &[Beam], force: Vector3<f64>) -> (Place, Vector3<f64>) {
     // in the frame of the tip's section, origin at the tip
     let mut at = Place { position: Vector3::zeros(), rotation: Matrix3::identity() };
@@ -176,9 +177,9 @@ fn solved(beams: &[Beam], force: Vector3<f64>) -> (Place, Vector3<f64>) {
     (Place { position: -(back * at.position), rotation: back }, back * force)
 }
 
-/// SH-39. Tip and attitude of all machines under a dead force that moves their tips by up to 0.9 of the length: fourth order in each, 8 pairs
-/// within 6e-5 (the worst has 4e-5, and 6.5e-4 with 4 pairs). About each equilibrium the mass matrix is positive definite: scaled to a unit
-/// diagonal, its least eigenvalue is far above round-off, 1e-15.
+/// SH-39. Tip and attitude of all machines under a dead force that moves their tips by up to 0.9 of the length: fourth order in each, 8
+/// pairs within 6e-5 (the largest error is 4e-5, with 4 pairs 6.5e-4). About each equilibrium the mass matrix is positive definite: scaled
+/// to a unit diagonal, its least eigenvalue is far above round-off, 1e-15.
 #[test]
 fn sh39_statics_of_random_machines() {
     let (mut worst, mut least, mut moved) = (0.0f64, f64::INFINITY, 0.0f64);
@@ -200,7 +201,7 @@ fn sh39_statics_of_random_machines() {
             let found = shape[last].last().expect("a tip");
             moved = moved.max((found.position_m - start).norm() / length_m);
             let mass = plant.study().second_order().unwrap_or_else(|error| panic!("{number}: {error}")).mass;
-            // scaled to a unit diagonal: with strains beside angles, the condition of the matrix itself says nothing
+            // scaled to a unit diagonal: as strains and angles have different units, the condition of the matrix itself is meaningless
             let scale = mass.diagonal().map(|entry| 1.0 / entry.sqrt());
             let mass = nalgebra::DMatrix::from_diagonal(&scale) * mass * nalgebra::DMatrix::from_diagonal(&scale);
             least = least.min(mass.symmetric_eigenvalues().min());
@@ -256,8 +257,8 @@ fn momenta(plant: &mut Plant) -> [Vector3<f64>; 2] {
 const END_S: f64 = 0.1;
 
 /// SH-39. Energy, momentum and angular momentum of all machines that fly freely from a start without strain, with 2 pairs per beam at a
-/// tolerance of 5e-12: 1e-9 (1e-8 at a tolerance of 1e-9: the error is that of the steps alone). The machine that starts turned moves in
-/// the same way: round-off.
+/// tolerance of 5e-12: 1e-9 (1e-8 at a tolerance of 1e-9: only the steps cause errors). A machine that starts in a rotated attitude moves
+/// in the same way, to round-off.
 #[test]
 fn sh39_motion_of_random_machines() {
     let (mut worst, mut elastic) = ([0.0f64; 4], 0.0f64);

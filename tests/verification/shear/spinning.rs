@@ -1,4 +1,4 @@
-//! SH-38: a composite box beam whose six strains are coupled, mass centre off the axis, in large motion, against an independent program and
+//! SH-38: a composite box beam with coupled strains and its mass centre off the axis, in large motion, against an independent program and
 //! closed forms.
 
 use crate::shear::{matrix_of, short};
@@ -65,7 +65,8 @@ fn deviation(text: &str, reference: &str) -> [f64; 2] {
     worst
 }
 
-/// Errors of three meshes against a reference, in m and of unit vectors: the order of the tip between the last two, and the last errors.
+/// Errors of three meshes against a reference, of the tip in m and of unit vectors: checks the order of the tip between the last two, and
+/// the last errors.
 fn check(name: &str, joint: &str, reference: &str, meshes: [usize; 3], allowed: [f64; 2], orders: [f64; 2]) {
     let stiffness = symmetric(DIAGONAL, &COUPLINGS);
     let errors = meshes.map(|pairs| deviation(&beam(&stiffness, OFFSET, pairs, joint), reference));
@@ -78,25 +79,26 @@ fn check(name: &str, joint: &str, reference: &str, meshes: [usize; 3], allowed: 
     }
 }
 
-/// SH-38. Clamped to a shaft that spins up to 8 rad/s, holds, and stops: 8 pairs within 4e-4 m of the independent program over 2 s (2.7e-4 m,
-/// with 4 pairs 3.6e-3 m; the reference is converged to 4e-8 m).
+/// SH-38. Clamped to a shaft that spins up to 8 rad/s, holds, and stops: 8 pairs within 4e-4 m of the independent program over 2 s (2.7e-4
+/// m, with 4 pairs 3.6e-3 m; the reference is converged to 4e-8 m).
 #[test]
 fn sh38_spin_up_and_down() {
     let reference = include_str!("../../reference/shear/coupled_spin.csv");
     check("spinning", &spinning(), reference, [2, 4, 8], [4e-4, 4e-3], [3.5, 4.2]);
 }
 
-/// SH-38. Released unstrained at 5 rad/s about a skew axis, without forces: waves of stretch with kinks in their strains start from both ends
-/// at once, so that the order is less than four on any mesh (2.8 from 8 to 16 pairs). The reference is within 5e-6 m.
+/// SH-38. Released unstrained at 5 rad/s about a skew axis, without forces: axial waves with kinks in their strains start from both ends
+/// at once, so that the order is less than four on any mesh (2.8 from 8 to 16 pairs). The error of the reference is 5e-6 m.
 #[test]
 fn sh38_tumbling() {
     let reference = include_str!("../../reference/shear/coupled_free.csv");
     check("tumbling", &tumbling(), reference, [4, 8, 16], [1e-5, 2e-4], [2.3, 3.3]);
 }
 
-/// SH-38. Section vectors are interpolated linearly between nodes, NOTATION eq. (D2): where the beam bends by `κ` they are shorter than 1 by up
-/// to `(κℓ)²/8` on a half of length `ℓ`, so that the rotary inertia of large deflections is of second order. With a hundredth of it the motion
-/// is of fourth order; with four times as much the second order shows from 16 pairs on.
+/// SH-38. Section vectors are interpolated linearly between nodes, NOTATION eq. (D2): where the beam bends by `κ` they are shorter than 1
+/// by up to `(κℓ)²/8` on a half of length `ℓ`, so that the rotary inertia of large deflections converges with second order. With a
+/// hundredth of the rotary inertia the motion converges with fourth order; with four times as much, the second order appears from 16 pairs
+/// on.
 #[test]
 fn sh38_order_of_the_rotary_inertia() {
     let stiffness = symmetric(DIAGONAL, &COUPLINGS);
@@ -130,12 +132,13 @@ fn steady(text: &str, spin_rad_s: f64) -> (Vector3<f64>, f64) {
 
 const CLAMPED: &str = "type = 'clamped'";
 
-/// SH-38. Stretch, and twist by stretch, of a beam in rotation about an axis through its root, closed form at any strain. With the flexibility
-/// `S = C⁻¹` and equal second moments of mass `J` the axis stays straight without moments: `N = (r′ − 1)/S₁₁`, `N′ = −mΩ²r`, so
+/// SH-38. Stretch of a beam that rotates about an axis through its root, and twist due to stretch: closed form at any strain. With the
+/// flexibility `S = C⁻¹` and equal second moments of mass `J` the axis stays straight without moments: `N = (r′ − 1)/S₁₁`, `N′ = −mΩ²r`, so
 /// `r(L) = tan(λL)/λ` with `λ² = S₁₁mΩ²`, and the angle of the tip is `S₄₁/S₁₁ (r(L) − L)`.
 ///
-/// On a mesh, section vectors that are linear between nodes lack `(κℓ)²/6` of `J` on the mean: its centrifugal potential adds `Ω²Jℓ²/6` to the
-/// torsional rigidity. The error is of second order, and of fourth order against the closed form with this rigidity.
+/// On a mesh, with section vectors linear between nodes, `J` is on average too small by its fraction `(κℓ)²/6`: in the centrifugal
+/// potential this adds `Ω²Jℓ²/6` to the torsional rigidity. The error is of second order, and of fourth order against the closed form with
+/// this rigidity.
 #[test]
 fn sh38_steady_stretch_and_twist() {
     let couplings = [(0, 3, -50.0), (1, 4, 30.0), (2, 5, -36.0)];
@@ -168,8 +171,8 @@ fn sh38_steady_stretch_and_twist() {
 }
 
 /// SH-38. Small twist of a spinning beam with different second moments of mass: `φ″ − μ²φ = −S₄₁mΩ²s + S₄₄Ω²J_yz` with
-/// `μ² = S₄₄Ω²(J_yy − J_zz)`, `φ(0) = 0`, and `φ′(L) = 0`, with the torsional rigidity of the mesh, `GJ + Ω²J_yyℓ²/6`. The closed form omits
-/// stretch, 2e-5, and `φ²`, 1e-6.
+/// `μ² = S₄₄Ω²(J_yy − J_zz)`, `φ(0) = 0`, and `φ′(L) = 0`, with the torsional rigidity of the mesh, `GJ + Ω²J_yyℓ²/6`. The closed form
+/// neglects stretch, 2e-5, and `φ²`, 1e-6.
 #[test]
 fn sh38_propeller_moment() {
     let [yy, yz, zz] = [1.2e-3, 5e-7, 5e-4];

@@ -26,7 +26,8 @@ fn crane(command_m: f64, stop_s: f64) -> Machine {
 
 /// SJ-12. The crane of `examples/sliding`: the trolley stops where its drive balances the weight of trolley and load along the jib's
 /// slope, which the load at the trolley causes by `F x² / 2 EI` and the jib's weight by `w (L³ − (L − x)³) / 6 EI`; the mast carries the
-/// moments of the weights. The account of energy closes over the crossings, and a command beyond the end of the jib is held by its stop.
+/// moments of the weights. The energy account closes over the crossings; with a command beyond the end of the jib, the end stop holds the
+/// trolley.
 #[test]
 fn sj12_a_trolley_carries_a_load_along_a_jib() {
     let mut begin_j = None;
@@ -41,7 +42,7 @@ fn sj12_a_trolley_carries_a_load_along_a_jib() {
     let bending_n_m2 = jib.section.at(0.0).stiffness[(2, 2)];
     let (weight_n, own_n_m) = (CARRIED_KG * 9.81, 9.81 * jib.section.mass_kg(jib.length_m) / jib.length_m);
     let own = jib.length_m.powi(3) - (jib.length_m - reach_m).powi(3);
-    // the weights hang below the axis, in the frame of the section, which the slope turns inward
+    // the weights hang below the axis, in the frame of the section, which the slope rotates towards the mast
     let below_n_m = 9.81 * (8.0 * 0.06 + 30.0 * 0.1);
     let slope = (weight_n * reach_m.powi(2) / 2.0 + own_n_m * own / 6.0) / (bending_n_m2 + below_n_m * reach_m);
     let due_m = 2.6 + weight_n * slope.sin() / 150.0;
@@ -54,7 +55,7 @@ fn sj12_a_trolley_carries_a_load_along_a_jib() {
         swing_rad.to_degrees(),
         plant.statistics().events
     );
-    // squares of the slope are neglected, by which the lever arms of the weights are shorter
+    // the squares of the slope, by which the lever arms of the weights are shorter, are neglected
     let share = 2.0 * slope * slope;
     assert!((reach_m - due_m).abs() < share * (due_m - 2.6), "{reach_m} m for {due_m} m");
     assert!((rope.angle_rad + slope).abs() < share * slope, "{} rad for the slope {slope}", rope.angle_rad);

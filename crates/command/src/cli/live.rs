@@ -119,7 +119,7 @@ fn machines(arguments: &Arguments) -> Result<Vec<(String, Plant, Interface)>, Fa
     Ok(found.into_iter().zip(labels).map(|((_, plant, interface), label)| (label, plant, interface)).collect())
 }
 
-/// Names for the legend: those of the machines, or of the files where these are equal, or else numbered.
+/// Names for the legend: those of the machines; of the files if machines have equal names; numbered if both are equal.
 fn labels(names: &[&str], paths: &[&PathBuf]) -> Vec<String> {
     let files: Vec<_> = paths.iter().map(|path| path.file_name().unwrap_or_default().to_string_lossy()).collect();
     let alone = |list: &[&str], one: &str| list.iter().filter(|other| **other == one).count() == 1;

@@ -52,7 +52,7 @@ pub enum Order {
         name: String,
         /// Its value in the variable's unit.
         value: Given,
-        /// Index of the machine [default: all machines that have this name].
+        /// Index of the machine [default: all machines with an input or parameter of this name].
         #[serde(default)]
         machine: Option<usize>,
     },

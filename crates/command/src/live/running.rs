@@ -54,7 +54,7 @@ impl Running {
         made
     }
 
-    /// The scene, its present frame and the outputs that can be plotted, with their units.
+    /// The scene, its current frame and the outputs that can be plotted, with their units.
     pub fn shown(&mut self) -> (&Scene, Frame, Vec<(String, String)>) {
         self.plant.provide(OutputSet::ALL);
         let outputs = self.interface.variables().iter().filter(|row| row.causality == Causality::Output);
@@ -117,12 +117,12 @@ impl Running {
         Ok(())
     }
 
-    /// All events so far, for a page; `label` names the machine if it is not the only one.
+    /// All events so far, for a page; `label` is the name of the machine if there are several.
     pub fn events(&self, label: Option<&str>) -> Vec<serde_json::Value> {
         self.watch.events.iter().map(|one| event(one, label)).collect()
     }
 
-    /// Values of the controls in their order, without the load of a pull.
+    /// Values of the controls in their order, without the force of a pull.
     pub fn values(&mut self) -> Vec<f64> {
         self.without_pull(|machine| {
             let Self { controls, interface, plant, .. } = machine;
@@ -131,7 +131,7 @@ impl Running {
         })
     }
 
-    /// Calls a function while the inputs have the values without the pull.
+    /// Calls a function while the force of the pull is removed from the inputs.
     fn without_pull<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let held = self.pull.as_ref().map(|pull| pull.held);
         let with_pull = held.and_then(|held| Some(self.plant.inputs().stations().get(held.station)?.force_n));
@@ -155,7 +155,7 @@ impl Running {
         self.controls.iter().any(|one| one.name == name)
     }
 
-    /// Present value of a control.
+    /// Current value of a control.
     pub fn value(&mut self, name: &str) -> Option<Given> {
         let at = self.controls.iter().position(|one| one.name == name)?;
         let value = *self.values().get(at)?;
@@ -196,7 +196,7 @@ impl Running {
         self.interface.find(name).is_some_and(|row| row.causality == Causality::Output)
     }
 
-    /// Adds outputs to those plotted, and returns whether they have changed.
+    /// Adds outputs to those plotted, and returns whether any is new.
     pub fn add_watched(&mut self, names: &[&String]) -> Result<bool, String> {
         let mut added = Vec::new();
         for name in names {
@@ -241,7 +241,8 @@ impl Running {
         }
     }
 
-    /// The part of the next frame: samples (time and the values of `names`, row by row), then the state in the format of `run.js`.
+    /// The machine's part of the next frame: samples (time and the values of `names`, row by row), then the state in the format of
+    /// `run.js`.
     pub fn next_part(&mut self, label: Option<&str>) -> Part {
         self.plant.provide(OutputSet::ALL);
         let (rows, state) = numbers_of_frame(&self.scene, &Frame::of(&self.scene, &self.plant));

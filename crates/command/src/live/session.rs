@@ -29,7 +29,7 @@ const SAMPLES_1_S: f64 = 250.0;
 
 /// Simulation paced by the wall clock: one machine, or several in step.
 pub struct Session {
-    /// The machines; the first is that of the fields and values of the page.
+    /// The machines; fields and values of the page are those of the first.
     pub(super) machines: Vec<Running>,
     /// Communication step in s; start time and number of steps since the last jump in time.
     step_s: f64,
@@ -53,8 +53,8 @@ impl Session {
         Self::of_machines([(plant.machine().name.clone(), plant, interface)], speed)
     }
 
-    /// Creates a simulation of machines that step together, from the current states of initialised plants with the same time; each has
-    /// a name for the legend. The communication step is the shortest of the machines.
+    /// Creates a simulation of machines that step together, from the current states of initialised plants with the same time, each with a
+    /// name for the legend. The communication step is the shortest of the machines.
     pub fn of_machines(machines: impl IntoIterator<Item = (String, Plant, Interface)>, speed: f64) -> Self {
         let [shortest_s, longest_s] = STEPS_S;
         let machines: Vec<Running> =
@@ -274,7 +274,7 @@ impl Session {
         Ok(())
     }
 
-    /// Names of the machines in texts, if there are several.
+    /// Name of a machine in texts, if there are several.
     fn label(&self, machine: usize) -> Option<String> {
         (self.machines.len() > 1).then(|| self.machines[machine].label.clone())
     }
@@ -316,7 +316,7 @@ impl Session {
             Some(machine) => vec![machine],
             None => {
                 let having: Vec<_> = (0..count).filter(|i| self.machines[*i].has_control(name)).collect();
-                // the message of the first machine if none has the name
+                // if no machine has the name, the message of the first
                 if having.is_empty() { vec![0] } else { having }
             }
         };
@@ -336,7 +336,7 @@ impl Session {
         Ok(())
     }
 
-    /// Adds outputs to those plotted, of every machine that has them.
+    /// Adds outputs to those plotted, for every machine that has them.
     fn add_watched(&mut self, names: &[String]) -> Result<(), String> {
         let nowhere = |name: &&String| !self.machines.iter().any(|one| one.has_output(name));
         let unknown: Vec<&String> = names.iter().filter(nowhere).collect();
@@ -350,7 +350,7 @@ impl Session {
             any |= one.add_watched(&own)?;
         }
         if any {
-            // all rows of a frame have the same width, and the machines the same times
+            // all rows of a frame have the same width, and all machines the same times
             self.machines.iter_mut().for_each(Running::forget_samples);
         }
         Ok(())
@@ -363,8 +363,8 @@ impl Session {
 
     /// The current frame, if anything has changed: a header in JSON, then numbers in single precision, little-endian.
     ///
-    /// The first four bytes are the length of the header, which is padded with spaces to a multiple of four. The numbers are, for each
-    /// machine, its samples and its state; the header describes the first machine, and in `others` the others.
+    /// The first four bytes are the length of the header, which is padded with spaces to a multiple of four. The numbers are the
+    /// samples and the state of each machine in turn; the header describes the first machine, and in `others` the others.
     pub fn next_frame(&mut self) -> Option<Vec<u8>> {
         if !std::mem::take(&mut self.changed) {
             return None;

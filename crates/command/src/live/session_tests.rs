@@ -328,7 +328,8 @@ fn machines_in_step_run_as_each_alone() {
     assert_eq!(sent_frame(&mut both).1, numbers);
 }
 
-/// A value is set on all machines that have its name or on one; if it is invalid for one of them, none is changed. Pulls belong to one machine.
+/// A value is set on all machines that have its name or on one; if it is invalid for one of them, none is changed. Pulls belong to one
+/// machine.
 #[test]
 fn orders_act_on_all_machines_or_one() {
     let mut both = pair();
@@ -359,8 +360,8 @@ fn orders_act_on_all_machines_or_one() {
     assert!(message.contains("no machine 2"), "{message}");
 }
 
-/// A value that is invalid only for the second machine leaves the first unchanged, and the message has the name of the second. Machines without a name
-/// are left out.
+/// A value that is invalid only for the second machine leaves the first unchanged, and the message has the name of the second. Machines
+/// without a name are left out.
 #[test]
 fn a_value_refused_by_one_machine_changes_none() {
     let (interface, plant) = started("folding_wing");

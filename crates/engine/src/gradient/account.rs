@@ -1,4 +1,4 @@
-//! Energy accounts, work of the inputs and dissipated energy: integrals of their powers, eq. (X22), with jumps at events, eq. (X23).
+//! Energy accounts (work of the inputs, dissipated energy): integrals of powers, eq. (X22), with jumps at events, eq. (X23).
 
 use crate::gradient::parameter::Neighbours;
 use crate::gradient::step::{ONWARD, Variation, time_step_s};
@@ -10,13 +10,14 @@ use crate::solve::point::Point;
 use crate::system::{EnergyOutputs, System};
 use std::mem::offset_of;
 
-/// Difference step of powers by coordinates: rotation in rad, or displacement over the machine's length.
+/// Difference step of powers with respect to coordinates: rotation in rad, or displacement relative to the machine's length.
 const STEP: f64 = 2e-3;
-/// Weights of central differences of fourth order: powers are of third degree in the rates, those of prescribed motions, otherwise of second.
+/// Weights of central differences of fourth order: powers are quadratic in the rates, those of prescribed motions cubic.
 const BY_RATES: [f64; 2] = [8.0 / 12.0, -1.0 / 12.0];
 /// Weight of central differences: powers are linear in the accelerations.
 const BY_ACCELERATIONS: [f64; 1] = [0.5];
-/// Difference between the booked jump of an account and that of the energies, as a share of the energies, beyond which other energies are booked.
+/// Difference between the recorded jump of an account and that of the energies, relative to the energies, above which the account has other
+/// energies.
 const SAME_JUMP: f64 = 1e-9;
 /// Part of the message about an event that is not covered.
 const OTHER_ENERGIES: &str =
@@ -32,13 +33,13 @@ pub(super) enum Account {
 }
 
 impl Account {
-    /// The account that an output is; `None` for other outputs.
+    /// The account of an output; `None` if the output is not an account.
     pub fn of(system: &System, index: usize) -> Option<Self> {
         let place = system.outputs.layout().accounts().iter().position(|account| *account == index)?;
         [Self::Work, Self::Dissipated].get(place).copied()
     }
 
-    /// Its part of the numbers of both accounts.
+    /// Its entry in values of both accounts.
     pub fn of_powers(self, [work, dissipated]: [f64; 2]) -> f64 {
         match self {
             Self::Work => work,
@@ -46,8 +47,8 @@ impl Account {
         }
     }
 
-    /// Its jump at an event by those of the kinetic and the total energy: work is that of the potentials, dissipation the loss of kinetic
-    /// energy by impulses.
+    /// Its jump at an event from those of the kinetic and the total energy: work jumps with the potentials, dissipation by the loss of
+    /// kinetic energy in impulses.
     fn of_jumps(self, [kinetic, total]: [f64; 2]) -> f64 {
         match self {
             Self::Work => total - kinetic,
@@ -80,7 +81,7 @@ pub(super) fn add_slopes_along(
     along: &Variation,
     sum: &mut [f64; 2],
 ) {
-    // only the torques that hold prescribed joints depend on accelerations
+    // only the torques on prescribed joints depend on accelerations
     let accelerated = system.equations.forces.joints().iter().any(|joint| joint.law().is_some());
     let by_coordinates = SIXTH_ORDER.map(|weight| weight / 60.0);
     let parts: [(&[f64], f64, &[f64]); 3] = [
@@ -88,7 +89,7 @@ pub(super) fn add_slopes_along(
         (&along.v, 1.0, &BY_RATES),
         (&along.a, 1.0, if accelerated { &BY_ACCELERATIONS } else { &[] }),
     ];
-    // a step may lead past a torque limit of a motor: its torque continues on the piece of the point itself, (T12)
+    // a difference step may pass a torque limit of a motor: its torque is continued from its piece at the point itself, (T12)
     system.equations.take_pieces(at.time_s, &at.q, &at.v);
     let mut there = at.clone();
     for (kind, (direction, step, weights)) in parts.into_iter().enumerate() {
@@ -111,7 +112,7 @@ pub(super) fn add_slopes_along(
 }
 
 impl Gradient<'_> {
-    /// An account whose slope is defined; otherwise the reason why not.
+    /// Returns an error if slopes of accounts are not available for this run.
     pub(super) fn check_account(&self) -> Result<(), GradientError> {
         if self.sections.is_some() {
             let place = "work and dissipation".into();
@@ -120,7 +121,7 @@ impl Gradient<'_> {
         Ok(())
     }
 
-    /// Slopes of both powers at a point of a step, of each direction with its parameter, along variations of the state.
+    /// Slopes of both powers at a point of a step in each direction: with respect to its parameter, and along its variation of the state.
     pub(super) fn power_slopes(&mut self, step: &Step, at: &Point, variations: &[Variation]) -> Vec<[f64; 2]> {
         let middle_s = step.middle_s();
         let by_neighbours = self.powers_by_neighbours(step, at);
@@ -182,7 +183,7 @@ impl Gradient<'_> {
         self.by_parameters(at.time_s, &by_neighbours)
     }
 
-    /// Subtracts the slopes of the energies before an event at the start of a step from the rows of the accounts.
+    /// Subtracts the slopes of the energies before an event at the start of a step in the rows of the accounts.
     pub(super) fn account_before(
         &mut self,
         index: usize,
@@ -199,7 +200,7 @@ impl Gradient<'_> {
         Ok(())
     }
 
-    /// Adds those behind it.
+    /// Adds the slopes of the energies after an event at the start of a step in the rows of the accounts.
     pub(super) fn account_behind(
         &mut self,
         index: usize,
@@ -220,8 +221,8 @@ impl Gradient<'_> {
         [offset_of!(EnergyOutputs, kinetic), offset_of!(EnergyOutputs, total)].map(|offset| energy.place(0, offset))
     }
 
-    /// Returns an error for an event at which an account changes by other energies than those of (X23), such as the work of a prescribed
-    /// motion in an impulse.
+    /// Returns an error if an account changes at an event by an energy other than those of (X23), such as the work of a prescribed motion
+    /// in an impulse.
     pub(super) fn check_jump(&mut self, index: usize) -> Result<(), GradientError> {
         let tape = self.tape;
         let Some(index_before) = index.checked_sub(1).filter(|_| tape.steps[index].renewed) else { return Ok(()) };
@@ -245,7 +246,7 @@ impl Gradient<'_> {
         Ok(())
     }
 
-    /// Adds `sign` times the slopes of the energies at a point, before or behind an event, to the rows of the accounts; the point varies by
+    /// Adds `sign` times the slopes of the energies at a point before or after an event to the rows of the accounts; the point varies by
     /// `variations`, its time by `shifts_s`.
     pub(super) fn add_energies(
         &mut self,
@@ -274,7 +275,7 @@ impl Gradient<'_> {
         }
     }
 
-    /// Adds `sign` times the derivatives of an account's energy at a point, before or behind an event, to multipliers of the point, of its
+    /// Adds `sign` times the derivatives of an account's energy at a point before or after an event to the multipliers of the point, of its
     /// time and of the parameters.
     pub(super) fn add_energy_seed(
         &mut self,

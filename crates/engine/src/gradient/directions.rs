@@ -11,9 +11,9 @@ use crate::multibody::joint::JointKind;
 
 /// Maximum number of directions in which a solution is sought.
 const MAX_DIRECTIONS: usize = 40;
-/// Factor on the largest distance of `N⁻¹A` from the identity so far, for a last correction whose remainder is not computed.
+/// Safety factor on the largest distance of `N⁻¹A` from the identity so far, for a last correction after which no remainder is computed.
 const SAFETY: f64 = 3.0;
-/// Cost of a factorisation in directions, each a product and a solution.
+/// Cost of a factorisation as a number of directions, each with a product and a solution.
 const FACTORS: usize = 1;
 
 /// Directions of the solutions with one matrix, and their images.
@@ -23,11 +23,11 @@ pub(super) struct Directions {
     rows: Vec<Vec<f64>>,
     /// Number in use.
     count: usize,
-    /// Number of all solutions with the present matrix.
+    /// Number of directions of all solutions with the current matrix.
     added: usize,
-    /// That with the first matrix of the present factors; `None` until it has been solved with.
+    /// This number for the first matrix after a factorisation; `None` until it is known.
     fresh: Option<usize>,
-    /// Number of directions of the later matrices above that.
+    /// Number of directions that later matrices needed in addition to that.
     excess: usize,
     solution: Vec<f64>,
     /// Displacement of the machine in m per unit of each coordinate.
@@ -60,7 +60,7 @@ impl Directions {
         largest_product(change, &self.scales_m)
     }
 
-    /// Drops all directions, for another matrix with the same factors.
+    /// Discards all directions, for another matrix with the same factors.
     pub fn restart(&mut self) {
         let added = std::mem::take(&mut self.added);
         match self.fresh {
@@ -71,20 +71,20 @@ impl Directions {
         self.count = 0;
     }
 
-    /// Drops all directions, for new factors.
+    /// Discards all directions, for new factors.
     pub fn restart_with_factors(&mut self) {
         (self.count, self.added, self.fresh, self.excess) = (0, 0, None, 0);
     }
 
-    /// Whether the factors have become so old that their directions more than with new ones have cost as much as new factors.
+    /// Whether the factors are so old that the directions in excess of those with new factors have cost more than new factors.
     pub fn are_old(&self) -> bool {
         self.excess > FACTORS
     }
 
-    /// Solves `N⁻¹A x = left` for the change of `guess` to the solution. `image` gets a direction and writes `N⁻¹A` times it. It is solved
-    /// when the remainder is below [`SOLVED`] times the solution or `others`: entries of the solution may be the round-off of terms that
-    /// cancel, as accelerations of an arm without stiffness. The last correction is the remainder itself, as soon as the distance of `N⁻¹A` from the
-    /// identity along the directions so far shows that it leaves less than that.
+    /// Solves `N⁻¹A x = left` for the change of `guess` to the solution. `image` is given a direction and writes `N⁻¹A` times it. The
+    /// iteration ends when the remainder is below [`SOLVED`] times the solution or `others`: entries of the solution may be the round-off
+    /// of terms that cancel, such as the accelerations of an arm without stiffness. The last correction is the remainder itself, as soon as
+    /// the distance of `N⁻¹A` from the identity along the directions so far shows that the remainder is then below this limit.
     ///
     /// # Errors
     /// The remaining share, if it does not fall.
@@ -99,7 +99,7 @@ impl Directions {
         left.iter_mut().zip(&self.scales_m).for_each(|(left, scale)| *left *= scale);
         self.solution.clear();
         self.solution.extend_from_slice(guess);
-        // the share of the directions of other solutions
+        // the component along directions of other solutions
         for row in &self.rows[..self.count] {
             remove(&mut left, &mut self.solution, row);
         }

@@ -1,4 +1,4 @@
-//! Integrals over the run by the stages of its steps, whose weights are those of the method: means of outputs, eq. (X20), and energy accounts,
+//! Integrals over the run, with the stages and weights of the integration method: means of outputs, eq. (X20), and energy accounts,
 //! eq. (X22).
 
 use crate::gradient::account::Account;
@@ -30,12 +30,12 @@ pub(super) struct Mean {
     /// Index of the time among those requested, and the step in which it lies.
     pub time: usize,
     pub step: usize,
-    /// Divisor of the integral: the length of the run up to there in s, or 1.
+    /// Divisor of the integral: the length of the run up to that time in s for a mean, otherwise 1.
     divisor: f64,
 }
 
 impl Mean {
-    /// The integral that a result is; `None` for other results.
+    /// The integral of a result; `None` for results that are not integrals.
     pub fn of(result: RunResult, tape: &Tape, system: &System) -> Option<Self> {
         let (integrand, time) = match result {
             RunResult::Mean { index, time, square: false } => (Integrand::Output(index), time),
@@ -51,7 +51,7 @@ impl Mean {
         Some(Self { integrand, time, step: mark.step, divisor })
     }
 
-    /// The energy account that it is.
+    /// The energy account, if it is one.
     pub fn account(&self) -> Option<Account> {
         match self.integrand {
             Integrand::Power(account) => Some(account),
@@ -59,7 +59,7 @@ impl Mean {
         }
     }
 
-    /// The output of which it is the mean.
+    /// The output whose mean it is.
     fn output(&self) -> Option<usize> {
         match self.integrand {
             Integrand::Output(index) | Integrand::Square(index) => Some(index),
@@ -67,7 +67,7 @@ impl Mean {
         }
     }
 
-    /// The quantity whose integral it is, and its slope by the output or power.
+    /// The integrated quantity, and its slope with respect to the output or power.
     fn integrand(&self, value: f64) -> [f64; 2] {
         match self.integrand {
             Integrand::Square(_) => [value * value, 2.0 * value],

@@ -1,7 +1,8 @@
 //! Rigid loops: points that coincide by constraint forces, NOTATION eqs. (C5)–(C7).
 //!
-//! The multipliers of the constraints are unknowns beside the accelerations: the last coordinates, at whose rows the residual has the second
-//! rates of the gaps. The factors of the tree give the small matrix of the constraints, whose pseudo-inverse leaves out redundant rows.
+//! The multipliers of the constraints are unknowns beside the accelerations, stored as the last coordinates; in their rows the residual has
+//! the second rates of the gaps. The small matrix of the constraints follows from the factors of the tree; its pseudo-inverse omits
+//! redundant rows.
 
 use crate::multibody::closure::{Gap, project_unit_force};
 use crate::multibody::factor::solve_bordered;
@@ -14,16 +15,16 @@ use nalgebra::Vector3;
 /// The gap or one of its rates.
 type Rate = fn(&Gap) -> Vector3<f64>;
 
-/// Eigenvalue of the small matrix, relative to its largest, below which a row is redundant: round-off leaves 1e-15 of rows that depend on
-/// others, and loops whose mobilities differ by more than this factor are not of one machine.
+/// Eigenvalue of the small matrix, relative to its largest, below which a row is redundant: round-off of rows that depend on others is
+/// 1e-15, and the mobilities at the loops of one machine do not differ by more than this factor.
 const REDUNDANT: f64 = 1e-11;
-/// Gap, relative to the machine's length, and its rate, relative to the speeds at the loop, that count as round-off.
+/// Largest gap, relative to the machine's length, and largest rate of a gap, relative to the speeds at the loop, that count as round-off.
 const ROUND_OFF: f64 = 2.0 * f64::EPSILON;
 /// Gap relative to the machine's length above which a loop is open, if no correction reduces it further.
 const OPEN: f64 = 1e-12;
-/// Number of corrections before which the gaps may grow: rates at first follow the coordinates.
+/// Number of initial corrections in which the gaps or their rates may grow: the rates are corrected at coordinates that still change.
 const SETTLED: usize = 3;
-/// Maximum number of corrections: each reduces the gap by the change of the directions since the factorisation, a hundredth as a rule.
+/// Maximum number of corrections: each reduces the gap in the ratio of the change of directions since the factorisation, as a rule to 1 %.
 const CORRECTIONS: usize = 30;
 /// Maximum number of sweeps of the Jacobi iteration, which converges quadratically.
 const JACOBI_SWEEPS: usize = 30;
@@ -34,7 +35,7 @@ impl Model {
         self.coordinates - 3 * self.rigid_loops.len()
     }
 
-    /// Indices of the multipliers of a rigid loop: forces on its first point in N, root frame, at the place of accelerations.
+    /// Indices of the multipliers of a rigid loop in vectors of accelerations: components of the force on its first point in N, root frame.
     pub fn multipliers(&self, rigid_loop: usize) -> std::ops::Range<usize> {
         let first = self.tree_coordinates() + 3 * rigid_loop;
         first..first + 3
@@ -44,9 +45,9 @@ impl Model {
 /// Workspace of the rigid loops.
 #[derive(Debug, Clone)]
 pub(crate) struct RigidFactor {
-    /// Columns `Z = A⁻¹ Gᵀ`, one per row of the gaps.
+    /// `Z = A⁻¹ Gᵀ`, one column per row of the gaps.
     columns: Vec<Vec<f64>>,
-    /// `S = G Z` by rows, then its eigenvalues on the diagonal.
+    /// `S = G Z` by rows; after its inversion its eigenvalues on the diagonal.
     small: Vec<f64>,
     /// Eigenvectors of `S` in columns.
     vectors: Vec<f64>,
@@ -68,7 +69,7 @@ impl RigidFactor {
         }
     }
 
-    /// Weight of a column that removes the gaps in `gaps`.
+    /// Weight of the column of a row in the change that removes the gaps in `gaps`.
     fn weight(&self, row: usize) -> f64 {
         let rows = self.gaps.len();
         self.inverse[row * rows..][..rows].iter().zip(&self.gaps).map(|(inverse, gap)| inverse * gap).sum()
@@ -170,8 +171,9 @@ pub(crate) fn factorize(model: &Model, work: &mut Workspace) {
     work.rigid_factor = factor;
 }
 
-/// Corrects a solution without the rigid loops, whose node displacements must be in `work.bias`: `x` holds in the rows of the multipliers
-/// the second rates of the gaps, and then the changes of the multipliers, eq. (C6). Returns the kinematic norm of the solution.
+/// Adds the rigid loops to a solution without them, whose node displacements must be in `work.bias`. In the rows of the multipliers `x`
+/// holds the second rates of the gaps on entry and the changes of the multipliers on return, eq. (C6). Returns the kinematic norm of the
+/// solution.
 pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let mut factor = std::mem::replace(&mut work.rigid_factor, RigidFactor::new(0, 0));
     let (of_tree, rows) = x.split_at_mut(model.tree_coordinates());
@@ -187,8 +189,8 @@ pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64
     kinematic_norm(model, work, x)
 }
 
-/// Moves a state onto the constraints with the last factors, eq. (C7): coordinates, then rates and accelerations at them. Returns the
-/// largest gap relative to the machine's length if it stays above round-off.
+/// Projects a state onto the constraints with the last factors, eq. (C7): coordinates, then rates and accelerations at these. The error is
+/// the largest gap relative to the machine's length, if it stays above round-off.
 pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64]; 3]) -> Result<(), f64> {
     let tree = model.tree_coordinates();
     // integrals of the multipliers have no meaning
@@ -222,8 +224,8 @@ pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64];
     if gap <= OPEN { Ok(()) } else { Err(gap) }
 }
 
-/// Largest gap relative to the machine's length, and largest rate of a gap relative to the speed of its points; below one length per
-/// second, to that.
+/// Largest gap relative to the machine's length, and largest rate of a gap relative to the speed of its points, which counts as at least
+/// one length per second.
 fn openness(model: &Model, work: &Workspace) -> [f64; 2] {
     let length_m = model.reference_length_m;
     let mut largest = [0.0_f64; 2];
@@ -247,7 +249,7 @@ fn openness(model: &Model, work: &Workspace) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// The pseudo-inverse of a matrix with two equal rows is that of Moore and Penrose: it gives the solution of least norm.
+    /// The pseudo-inverse of a matrix with two equal rows is that of Moore and Penrose: it yields the solution of least norm.
     #[test]
     fn redundant_rows_share_their_multipliers() {
         let mut factor = RigidFactor::new(3, 0);

@@ -44,7 +44,8 @@ pub trait EquationsOfMotion {
     /// Projects coordinates, with their rates and accelerations, onto their constraints. Called at the ends of steps.
     fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
 
-    /// Moves a state onto the constraints of closed loops with the last factors, after [`EquationsOfMotion::project`] at the ends of steps.
+    /// Projects a state onto the constraints of closed loops with the last factors, after [`EquationsOfMotion::project`] at the ends of
+    /// steps.
     ///
     /// # Errors
     /// If the loops cannot be closed.

@@ -395,7 +395,7 @@ impl Study<'_> {
     fn conclude_rest(&mut self, time_s: f64) -> Result<(), PlantError> {
         self.system.state.now.v.fill(0.0);
         self.system.state.now.a.fill(0.0);
-        // the search has the multipliers beside the coordinates, motions beside the accelerations
+        // the multipliers are stored with the coordinates in the search, but with the accelerations in a motion
         let tree = self.system.equations.model.tree_coordinates();
         let now = &mut self.system.state.now;
         now.a[tree..].copy_from_slice(&now.q[tree..]);

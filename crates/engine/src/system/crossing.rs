@@ -47,12 +47,12 @@ impl System {
         Ok(())
     }
 
-    /// Whether constraint forces close some loop.
+    /// Whether any loop is closed by constraint forces.
     pub(crate) fn has_rigid_loops(&self) -> bool {
         !self.equations.model.rigid_loops.is_empty()
     }
 
-    /// Returns an error for an analysis that rigid loops do not allow, by its name.
+    /// Returns an error that names an analysis if a rigid loop does not permit it.
     pub(crate) fn refuse_rigid_loop(&self, analysis: &'static str) -> Result<(), PlantError> {
         match self.machine.closures.iter().find(|closure| closure.rigid) {
             None => Ok(()),

@@ -26,8 +26,8 @@ use crate::system::failure_memory;
 use crate::system::joint_forces;
 use crate::system::spatial::SpatialJoint;
 
-/// Weight of the stiffness in s² in the corrections that close loops between steps: joints turn, and beams keep the strains whose modes are
-/// faster than 100 rad/s.
+/// Weight of the stiffness in s² in the corrections that close loops between steps: joints rotate, while strains of beams change little in
+/// modes faster than 100 rad/s.
 const CLOSING_S2: f64 = 1e-4;
 
 /// Equations of motion with their workspace.
@@ -202,8 +202,8 @@ impl Equations {
         Potentials { elastic: stored.elastic, gravity, drive: stored.drive }
     }
 
-    /// Closes rigid loops of a state between the ends of steps, or of a start, with factors of its own: interpolated states meet the
-    /// constraints to the interpolation error only.
+    /// Closes the rigid loops of a start or of an interpolated state, with a factorisation for this state: interpolation meets the
+    /// constraints only to its own error.
     pub(crate) fn close_point(&mut self, point: &mut Point) -> Result<(), NewtonError> {
         if self.model.rigid_loops.is_empty() {
             return Ok(());

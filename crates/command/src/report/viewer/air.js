@@ -49,8 +49,8 @@ function aerofoilOf(run, index) {
 }
 
 // Selections of the positions along the chord for a strip, from all to few, each with the largest distance of its outline from that with all
-// positions, as a part of the chord: those positions are left out first where the outline is straightest. Panels need all of them, since their
-// edges are positions.
+// positions, as a fraction of the chord: positions where the outline is straightest are omitted first. Panels need all positions, since these
+// are their edges.
 function levelsOf({ stations, sides }, strip, panels) {
   const edges = sides.flatMap(side => [side[strip].heights, side[strip + 1].heights]);
   const gap = (a, b) => {
@@ -68,7 +68,7 @@ function levelsOf({ stations, sides }, strip, panels) {
   }
   return found;
 }
-// Largest distance in pixels between an aerofoil and what is drawn of it.
+// Largest distance in pixels between the outline of an aerofoil and the drawn outline.
 const UNSEEN_PIXELS = 0.2;
 
 class SurfaceShape {
@@ -111,7 +111,7 @@ class SurfaceShape {
     if (this.isSolid) this.updateSolid(colours); else this.updateSheet(colours);
     if (run === main) {
       const glass = get("glass").checked, { material } = this.mesh;
-      // of a closed surface only the outside can be seen, through glass also the inside
+      // of a closed surface only the outside is visible, if it is transparent also the inside
       const side = this.isSolid && !glass ? THREE.FrontSide : THREE.DoubleSide;
       if (material.side !== side) Object.assign(material, { side, needsUpdate: true });
       if (material.transparent !== glass) {
@@ -144,7 +144,7 @@ class SurfaceShape {
     setPoints(this.lattice, points);
   }
 
-  // Positions along the chord with which a strip looks as with all of them at the present distance of the camera.
+  // The fewest positions along the chord with which a strip looks the same as with all of them at the current distance of the camera.
   levelOf(strip) {
     const chord = Math.max(...[strip, strip + 1].map(c => Math.hypot(...plus(this.corner(c, 1), this.corner(c, 0), -1))));
     const pixels = chord * pixelsPerMetre() * Math.min(window.devicePixelRatio || 1, 2);

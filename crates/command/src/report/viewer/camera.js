@@ -55,7 +55,7 @@ function frameAll(points) {
   aim();
 }
 
-// Points of the machine at the present time, of a live simulation those of all machines that are drawn.
+// Points of the machine at the current time; in a live simulation those of all machines that are drawn.
 function machinePoints() {
   return (live ? runs.filter(run => run.shown || run === main) : [main]).flatMap(pointsOf);
 }

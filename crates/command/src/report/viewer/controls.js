@@ -5,7 +5,7 @@ const controls = []; // { control, machines: [index of its value per machine], s
 // Index of the machine on which the controls act, or `null` for all.
 const actsOn = () => (get("acts-on").value === "" ? null : Number(get("acts-on").value));
 
-// Controls of all machines: the same name, kind and unit make one.
+// Controls of all machines; controls with the same name, kind and unit are one.
 function controlsOfAll() {
   const found = new Map();
   [live.controls, ...live.others].forEach((list, machine) => list.forEach((control, index) => {
@@ -17,7 +17,7 @@ function controlsOfAll() {
 }
 function buildActsOn() {
   const list = get("acts-on");
-  list.add(new Option(live.machines.length > 2 ? "all machines" : "both machines", ""));
+  list.add(new Option(live.machines.length > 2 ? "all models" : "both models", ""));
   live.machines.forEach((name, machine) => list.add(new Option(name, String(machine))));
   get("acts-on-label").hidden = live.machines.length < 2;
   list.addEventListener("change", showControls);
@@ -135,7 +135,7 @@ function setControls(lists) {
   }
   showControls();
 }
-// Controls that the chosen machine lacks are hidden; where the machines differ, a mark names their values.
+// Controls that the chosen machine lacks are hidden; where the values of the machines differ, a note lists them.
 function showControls() {
   for (const one of controls) {
     const value = one.values[shownMachine(one)] ?? null, { control, row } = one;

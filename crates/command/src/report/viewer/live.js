@@ -224,7 +224,7 @@ function startPull(x, y) {
     return null;
   }
   const nearest = own.reduce((best, i) => (away(i) < away(best) ? i : best)), begin = stationPlace(nearest, run), from = onPlane(x, y, begin);
-  // the same stations of the other machines are pulled in the same way if the controls act on all of them
+  // if the controls act on all machines, stations with the same name on the others are pulled in the same way
   const held = runs.map((other, k) => ({ run: other, machine: k, station: other === run ? nearest : actsOn() !== null ? -1 : other.about.stations.findIndex(({ name }) => name === stations[nearest].name) }))
     .filter(one => one.station >= 0).map(one => ({ ...one, begin: stationPlace(one.station, one.run) }));
   // the spring is unstretched at the start, so that a click has no effect

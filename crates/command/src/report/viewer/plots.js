@@ -136,7 +136,7 @@ class Chart {
     watchCharts();
   }
 
-  // Samples of a live simulation within the window of time and a margin, of the curves of `found`. All machines have the same times.
+  // Samples of the curves of `found` in a live simulation, within the time window and a margin. All machines have the same times.
   recent(found = this.found) {
     const [low, high] = zoomed || plotWindow(), { times } = main;
     const from = Math.max(0, indexAt(times, low) - 1), to = Math.min(times.length, indexAt(times, high) + 2);

@@ -281,7 +281,7 @@ function extentsOf(run) {
   return { least, most, points, size, wing: Math.max(wing, 1e-6) };
 }
 
-// Extents of all machines of a live simulation; sizes of symbols are those of the first.
+// Extents of all machines of a live simulation; symbols are scaled to the first.
 function extentsOfAll() {
   const all = runs.map(extentsOf), end = (name, choose) => [0, 1, 2].map(i => choose(...all.map(one => one[name][i])));
   const least = end("least", Math.min), most = end("most", Math.max), size = Math.max(Math.hypot(...most.map((c, i) => c - least[i])), 1e-6);

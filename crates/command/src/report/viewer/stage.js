@@ -157,7 +157,7 @@ function aimSun(middle, radius) {
   eye.updateProjectionMatrix();
 }
 
-// Draws the shade only where shadows can fall: elsewhere its pixels would be transparent, and each of them costs a look into the shadow map.
+// Computes shadows only where they can fall: elsewhere the pixels would be transparent, and each of them costs a lookup in the shadow map.
 function clipShade(radius) {
   const points = machinePoints(), way = plus(sun.target.position.toArray(), sun.position.toArray(), -1), margin = 0.05 * radius;
   const fallen = points.map(p => plus(p, way, (floorZ - p[2]) / way[2]));

@@ -48,7 +48,7 @@ fn accounts_pass_through_a_rigid_latch() {
     assert!(taken_j > 1e-3, "{taken_j}: the latch takes energy");
 }
 
-/// GR-54: accounts with inputs over time, a command with ramps, a torque with a jump, and a load that jumps, by numbers of the machine.
+/// GR-54: accounts with inputs over time (a command with ramps, a torque and a load that jump), by numbers of the machine.
 #[test]
 fn accounts_with_inputs_over_time() {
     let plant = Plant::new(Arc::new(Numbers::USUAL.machine(true).unwrap_or_else(|error| panic!("{error}"))));
@@ -66,8 +66,9 @@ fn accounts_with_inputs_over_time() {
     agree(&compared, 1e-6, "inputs");
 }
 
-/// GR-55: an arm of 1 kg·m² with a damper `d` and an external torque `τ`, from the rate `ω₀`: with `x = e^{−dt}`, `ω = ω₀ x + τ(1 − x)/d`, the work is
-/// `τ θ` and the dissipated energy `τ θ + (ω₀² − ω²)/2`; by `τ`, `d` and `ω₀`, both ways, to 1e-7 of a run whose own error is 1e-9.
+/// GR-55: an arm of 1 kg·m² with a damper `d` and an external torque `τ`, from the rate `ω₀`: with `x = e^{−dt}`, `ω = ω₀ x + τ(1 − x)/d`,
+/// the work is `τ θ` and the dissipated energy `τ θ + (ω₀² − ω²)/2`; by `τ`, `d` and `ω₀`, both ways, to 1e-7 of a run with an error of
+/// 1e-9.
 #[test]
 fn accounts_of_a_damped_arm() {
     let (time_s, torque, damping, rate) = (1.3, 0.7, 0.4, 0.9);
@@ -128,7 +129,7 @@ fn accounts_of_a_damped_arm() {
     }
 }
 
-/// Accounts of a run with a joint that a prescribed motion drives: the work of the torque that holds it, by the numbers of its law.
+/// Accounts of a run with a prescribed joint: the work of its holding torque, by the coefficients of the prescribed motion.
 #[test]
 fn work_of_a_prescribed_motion() {
     let machine = |numbers: Numbers| {
@@ -146,7 +147,7 @@ fn work_of_a_prescribed_motion() {
     assert!(compared.differences < 1e-6, "{:.1e}", compared.differences);
 }
 
-/// GR-56: means of accounts, and accounts in air, are errors by name.
+/// GR-56: means of accounts, and accounts in air, are errors that name them.
 #[test]
 fn accounts_that_are_not_covered_are_refused_by_name() {
     let refused = |machine: Machine, square: Option<bool>| {

@@ -60,8 +60,8 @@ pub(super) struct Spot {
     pub second: Matrix3<f64>,
     /// Axes of the node in the root frame.
     axes: [Timed; 3],
-    /// `2 ṙ + α r` and `r̈ + α ṙ` of each axis `r`: in `L` of its variation, the factors of the rotation's rate and of the rotation, if the root
-    /// does not rotate.
+    /// `2 ṙ + α r` and `r̈ + α ṙ` of each axis `r`, if the root does not rotate: in the variation of its `L`, the factors of the rate of
+    /// the rotation and of the rotation.
     damped: [[Vector3<f64>; 2]; 3],
     /// `Σ r_k f_kᵀ − Σ r_k·f_k I` of the forces on the axes: derivative of the moment with respect to a rotation of these.
     by_turn: Matrix3<f64>,

@@ -1,7 +1,7 @@
 //! Rigid loops in the tangent, NOTATION eq. (L44): Newton's method for coordinates and multipliers together.
 //!
-//! A support, a spring across each gap, is added to the tangent, so that its factors exist where only the loops hold a freedom; it changes
-//! no solution, since the constraints leave it without force.
+//! A support, a spring across each gap, is added to the tangent, so that its factors exist if only the loops restrain a degree of freedom.
+//! It changes no solution, because its force is zero when the constraints are met.
 
 use crate::multibody::model::Model;
 use crate::multibody::tangent::Tangent;
@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Singular value of the small matrix, relative to its largest, below which a row is redundant.
 const REDUNDANT: f64 = 1e-10;
-/// Stiffness of the support of a machine without beams, relative to its weight over its length.
+/// Stiffness of the support of a machine without beams, relative to its weight divided by its length.
 const OF_WEIGHT: f64 = 100.0;
 
 /// Factor of the constraints of all rigid loops.
@@ -24,7 +24,7 @@ pub(super) struct RigidTangent {
     support_n_m: f64,
 }
 
-/// Stiffness of the support in N/m: that of the stiffest element along its axis.
+/// Stiffness of the support in N/m: the largest axial stiffness of an element.
 pub(super) fn support_n_m(model: &Model) -> f64 {
     let axial = |element: &crate::multibody::model::Element| match &element.sheared {
         Some(own) => own.section_stiffness[0][(0, 0)] / element.length_m,
@@ -82,7 +82,8 @@ impl Tangent {
         DVector::from_iterator(3 * closures.len(), gaps)
     }
 
-    /// Corrects a solution for the constraints: `x` holds in the rows of the multipliers the gaps, and then the changes of the multipliers.
+    /// Adds the constraints to a solution: in the rows of the multipliers `x` holds the gaps on entry and the changes of the multipliers on
+    /// return.
     pub(super) fn correct_rigid(&mut self, model: &Model, x: &mut [f64]) {
         let Some(rigid) = self.rigid.take() else { return };
         let moved = self.rigid_gaps(model, x);
