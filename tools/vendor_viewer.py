@@ -19,7 +19,7 @@ THREE, UPLOT, ESBUILD = "0.187.0", "1.6.32", "0.28.2"
 # The parts of three.js used by the page; a test compares the list with the page's scripts.
 USED = """
 BufferAttribute BufferGeometry CanvasTexture Color ColorManagement ConeGeometry CylinderGeometry DirectionalLight
-DoubleSide Group HemisphereLight InstancedMesh LineBasicMaterial LineDashedMaterial LinearFilter LineSegments LinearSRGBColorSpace
+DoubleSide FrontSide Group HemisphereLight InstancedMesh LineBasicMaterial LineDashedMaterial LinearFilter LineSegments LinearSRGBColorSpace
 Matrix4 Mesh MeshBasicMaterial MeshLambertMaterial OrthographicCamera PCFShadowMap PerspectiveCamera PlaneGeometry
 Quaternion Raycaster Scene ShadowMaterial SphereGeometry Sprite SpriteMaterial TorusGeometry Vector2 Vector3
 WebGLRenderer
