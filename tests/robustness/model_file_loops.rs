@@ -112,8 +112,7 @@ fn places_of_a_loop() {
 fn penalties_of_a_loop() {
     assert_eq!(
         message(&CLOSED.replace("1e5", "0")),
-        "wing.toml:60: key 'loop.pin.stiffness_N_m': 0 is not allowed; allowed: a finite stiffness > 0 N/m, \
-         or rigid = true in its place"
+        "wing.toml:60: key 'loop.pin.stiffness_N_m': 0 is not allowed; allowed: a finite stiffness > 0 N/m"
     );
     assert_eq!(
         message(&CLOSED.replace("1e5", "inf")),
