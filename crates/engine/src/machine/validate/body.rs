@@ -47,8 +47,9 @@ pub(super) fn check(body: &Body, checker: &mut Checker) {
     }
     let ratios = &body.modal_damping_ratios;
     let strains = if body.has_shear() { SHEARED } else { STRAINS };
-    let parts = if body.element == ElementKind::Linear { 2 * body.elements } else { body.elements };
-    let most = if body.is_modal() { 0 } else { MAXIMUM_DAMPED_MODES.min(parts * strains) };
+    // the number of elements is checked elsewhere and may be absurd here
+    let parts = body.elements.saturating_mul(if body.element == ElementKind::Linear { 2 } else { 1 });
+    let most = if body.is_modal() { 0 } else { MAXIMUM_DAMPED_MODES.min(parts.saturating_mul(strains)) };
     if ratios.len() > most || !ratios.iter().all(|ratio| is_finite(*ratio) && *ratio >= 0.0) {
         let allowed =
             format!("up to {most} finite ratios >= 0: one per strain of a beam, no more than {MAXIMUM_DAMPED_MODES}");
