@@ -49,6 +49,7 @@ pub struct Session {
 
 impl Session {
     /// Creates a simulation of one machine, with its clock stopped, from the current state of an initialised plant.
+    #[cfg(test)]
     pub fn new(plant: Plant, interface: Interface, speed: f64) -> Self {
         Self::of_machines([(plant.machine().name.clone(), plant, interface)], speed)
     }
