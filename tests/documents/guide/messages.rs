@@ -57,7 +57,8 @@ fn quotes() -> Vec<Quote> {
 
 /// String literals of Rust source, with `{…}` as `…`, except those of tests in the same file.
 fn literals(text: &str) -> Vec<String> {
-    let code = text.split("#[cfg(test)]").next().unwrap();
+    let end = ["mod tests {", "pub(super) mod tests {"].map(|module| text.find(&format!("#[cfg(test)]\n{module}")));
+    let code = &text[..end.into_iter().flatten().min().unwrap_or(text.len())];
     let mut letters = code.chars().peekable();
     let mut found = Vec::new();
     while let Some(letter) = letters.next() {

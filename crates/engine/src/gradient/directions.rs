@@ -157,3 +157,35 @@ fn remove(left: &mut [f64], solution: &mut [f64], row: &[f64]) {
     add(solution, share, own);
     add(left, -share, image);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The remainder of a solution is below the limit also where it ended by a last correction, after which none is computed; the number of
+    /// products with the matrix tells that it did.
+    #[test]
+    fn the_last_correction_solves() {
+        let n = 12;
+        let mut random = fastrand::Rng::with_seed(5);
+        let matrix: Vec<f64> =
+            (0..n * n).map(|entry| f64::from(u8::from(entry % (n + 1) == 0)) + 3e-5 * (random.f64() - 0.5)).collect();
+        let product = |x: &[f64], image: &mut [f64]| {
+            image.iter_mut().zip(matrix.chunks(n)).for_each(|(image, row)| *image = dot(row, x));
+        };
+        let left: Vec<f64> = (0..n).map(|_| random.f64() - 0.5).collect();
+        let mut directions = Directions { scales_m: vec![2.0; n], ones: vec![1.0; n], ..Directions::default() };
+        let mut products = 0;
+        let counted = |x: &[f64], image: &mut [f64]| {
+            products += 1;
+            product(x, image);
+        };
+        let solution = directions.solve(left.clone(), &vec![0.0; n], 0.0, counted).expect("near the identity").to_vec();
+        let mut image = vec![0.0; n];
+        product(&solution, &mut image);
+        let rest = left.iter().zip(&image).fold(0.0f64, |rest, (a, b)| rest.max((a - b).abs()));
+        let whole = largest_product(&solution, &directions.ones);
+        // the second product is the one by which the distance from the identity is confirmed
+        assert!(products <= 2 && rest < SOLVED * whole, "{products} products, remainder {rest:e} of {whole}");
+    }
+}
