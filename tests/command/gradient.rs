@@ -271,8 +271,9 @@ fn the_figure_has_relative_slopes() {
     assert_eq!(std::fs::read_to_string(folder.path().join("gradient.svg")).unwrap(), "mine");
 }
 
-/// GR-44: a mass on a spring upon a support that moves by a polynomial or through a table: its way by a coefficient is
-/// `−2 (1 − cos ωt)/ω²`, by all rows of the table together that of a shift, none. The time of a row is refused by name.
+/// GR-44: a mass on a spring, on a support that moves by a polynomial or a table. The derivative of its relative displacement with respect
+/// to the coefficient is `−2 (1 − cos ωt)/ω²`; the sum of those with respect to all rows of the table is that with respect to a shift,
+/// zero. An error names the time of a row, which cannot be a parameter.
 #[test]
 fn coefficients_and_rows_of_a_prescribed_motion_are_numbers() {
     let folder = tempfile::tempdir().unwrap();

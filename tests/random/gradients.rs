@@ -1,27 +1,28 @@
 //! gradients of random machines' runs, forward and adjoint.
 //!
-//! Parts whose derivatives are not covered are taken away, by the names in the errors; what is left has the kinds of joint, body, load and event
-//! that gradients cover, in any combination.
+//! Parts whose derivatives are not covered are removed, as named by the errors; the remaining machine has any combination of the joints,
+//! bodies, loads and events that gradients cover.
 
 use crate::machines::{Model, Value, View};
 use crate::{STEPS, Verdict, machine, start, step_s};
 use foldwing::plant::{Gradient, GradientError, Parameter, Plant, RunResult, Tape};
 
-/// Most parts that are taken away.
+/// Maximum number of parts that are removed.
 const TRIES: usize = 40;
-/// Numbers of a machine that are parameters.
+/// Number of parameters per machine.
 const PARAMETERS: usize = 4;
-/// Outputs that are results.
+/// Number of outputs that are results.
 const RESULTS: usize = 6;
-/// One of so many machines has a mean among its results: an adjoint pass of one differences the output by all coordinates at every stage.
+/// One in this many machines has a mean among its results: an adjoint pass for a mean takes finite differences of the output with respect
+/// to all coordinates at every stage.
 const PER_MEAN: usize = 4;
-/// Difference between both ways as a share of the largest entry of a row: outputs are differenced over millimetres, which leaves 1e-8 in stiff
-/// sections.
+/// Allowed difference between forward and adjoint derivatives, relative to the largest entry of a row: derivatives of outputs are
+/// differences over millimetres, with errors of 1e-8 for stiff sections.
 const SAME: f64 = 1e-7;
-/// Slopes below this share of the change of an output by its own size are round-off: those of outputs that a number does not reach.
+/// Derivatives below this fraction of the result are round-off: those of outputs that a parameter does not affect.
 const ROUND_OFF: f64 = 1e-11;
 
-/// Keys of a joint that a clamped one has as well.
+/// Keys of a joint that are valid for a clamped joint too.
 const OF_CLAMPED: [&str; 7] = [
     "parent",
     "child",
@@ -32,10 +33,10 @@ const OF_CLAMPED: [&str; 7] = [
     "mount_rotation_deg",
 ];
 
-/// Tables that only machines in air have.
+/// Tables that exist only in machines with aerodynamics.
 const OF_AIR: [&str; 4] = ["aerodynamics", "wind", "gust", "polar"];
 
-/// Forward and adjoint derivatives agree.
+/// Checks that forward and adjoint derivatives agree.
 pub fn both_ways(model: &Model) -> Verdict {
     let Some((model, mut plant, tape)) = covered(model) else { return Verdict::Silent };
     let mut random = fastrand::Rng::with_seed(model.seed);
@@ -46,7 +47,7 @@ pub fn both_ways(model: &Model) -> Verdict {
         if parameters.len() == PARAMETERS {
             break;
         }
-        // some numbers change the mesh, or have no values beside them that are allowed
+        // some parameters change the mesh, or have no valid values nearby
         let Ok(one) = parameter(&model, (table, key), value) else { continue };
         if Gradient::new(&mut plant, &tape, vec![one]).is_ok() {
             parameters.extend(parameter(&model, (table, key), value).map(|parameter| (parameter, value)));
@@ -78,7 +79,7 @@ pub fn both_ways(model: &Model) -> Verdict {
             (Err(error), _) | (_, Err(error)) => return Verdict::Broken(format!("{result:?} adjoint: {error}")),
         };
         tried += 1;
-        // as changes of the result by a change of each number by its own size
+        // scaled by the value of each parameter
         let by_size = |row: &[f64]| row.iter().zip(&values).map(|(slope, value)| slope * value).collect::<Vec<f64>>();
         let (row, other) = (by_size(&row), by_size(&other));
         let largest = row.iter().chain(&other).fold(0.0f64, |largest, slope| largest.max(slope.abs()));
@@ -101,14 +102,14 @@ fn covered(model: &Model) -> Option<(Model, Plant, Tape)> {
         match plant.run_on_tape(&times_s) {
             Ok(tape) => return Some((model, plant, tape)),
             Err(GradientError::NotCovered { part, place }) => model = without(&model, part, &place)?,
-            // a crossing that has no derivative, or a run that ends with an error
+            // an event without a derivative, or a run that ends with an error
             Err(_) => return None,
         }
     }
     None
 }
 
-/// The machine without a part of an error.
+/// The machine without the part that an error names.
 fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     let remove = |name: &str| {
         let index =
@@ -139,7 +140,7 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     }
 }
 
-/// The machine without the shear of a body, whose copies have its name and a number.
+/// The machine without the shear of a body; copies of a body have its name and a number.
 fn unsheared(model: &Model, body: &str) -> Model {
     let mut model = model.clone();
     let own = |name: &str| name.strip_prefix("body.").is_some_and(|name| body.starts_with(name));
@@ -149,7 +150,7 @@ fn unsheared(model: &Model, body: &str) -> Model {
     model
 }
 
-/// The machine without some keys of the tables whose names begin so; `None` if there are none.
+/// The machine without some keys of the tables whose names begin with `table`; `None` if there are none.
 fn key_removed(model: &Model, table: &str, keys: &[&str]) -> Option<Model> {
     let mut model = model.clone();
     let before: usize = model.tables.iter().map(|table| table.keys.len()).sum();
@@ -160,7 +161,7 @@ fn key_removed(model: &Model, table: &str, keys: &[&str]) -> Option<Model> {
     (behind < before).then_some(model)
 }
 
-/// The machine without air.
+/// The machine without aerodynamics.
 fn still(model: &Model) -> Model {
     let mut model = model.clone();
     let of_air = |name: &str| OF_AIR.iter().any(|table| name == *table || name.starts_with(&format!("{table}.")));
@@ -170,7 +171,7 @@ fn still(model: &Model) -> Model {
     model
 }
 
-/// The machine with a clamped joint in place of one with several freedoms.
+/// The machine with a joint of several degrees of freedom replaced by a clamped one.
 fn clamped(model: &Model, joint: &str) -> Model {
     let mut model = model.clone();
     let name = format!("joint.{joint}");
@@ -182,7 +183,7 @@ fn clamped(model: &Model, joint: &str) -> Model {
     model
 }
 
-/// Numbers that are not zero: table, key, value.
+/// Numbers in the model that are not zero: table, key, value.
 fn numbers(model: &Model) -> Vec<(usize, usize, f64)> {
     let mut found = Vec::new();
     for (t, table) in model.tables.iter().enumerate() {

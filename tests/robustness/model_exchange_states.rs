@@ -1,4 +1,4 @@
-//! FMI Model Exchange: energy accounts among the states or not, nominal rates of strains, the limit of frequencies.
+//! Model Exchange: energy accounts as states or not, nominal rates of strains, the frequency limit.
 
 use crate::fmu::{Attempt, Fmu, Resources, WING};
 use crate::model_exchange::{Outside, Phase};
@@ -26,7 +26,7 @@ fn table(text: &str, kinds: Kinds) -> Interface {
     kinds.interface(&foldwing::config::parse(text, "model.toml").expect("a model"))
 }
 
-/// An instance of Model Exchange alone, with the accounts or without.
+/// An instance for Model Exchange only, with or without the energy accounts.
 fn exchanged(text: &str, accounts: bool) -> Fmu {
     let resources = Resources::with(text);
     let table = table(text, kinds(Version::Fmi2, false, accounts));
@@ -37,8 +37,9 @@ fn exchanged(text: &str, accounts: bool) -> Fmu {
     Fmu { component, messages, table }
 }
 
-/// ME-15. In Model Exchange alone the accounts are neither states nor outputs, unless requested: derivatives, indicators and outputs are
-/// the same bits without them, through an event and after a reset; co-simulation keeps them. Saved states of one do not fit the other.
+/// ME-15. In an FMU for Model Exchange only, the energy accounts are neither states nor outputs unless requested: derivatives, indicators
+/// and outputs are bit-identical without them, through an event and after a reset; co-simulation always has them. Saved states of the two
+/// kinds are incompatible.
 #[test]
 fn me15_accounts_are_states_if_asked_for() {
     for version in [Version::Fmi2, Version::Fmi3] {
@@ -104,8 +105,8 @@ fn serialised(fmu: &Fmu) -> Vec<u8> {
     }
 }
 
-/// ME-16. Nominal rates of stretch are those of the shortest wave on the mesh: for the folding wing, whose half-elements have a length of
-/// 18.75 mm, 0.01 times `2c/l`. Curvatures and hinges keep 10 1/s.
+/// ME-16. The nominal rate of stretch is that of the shortest wave on the mesh: for the folding wing, whose half-elements have a length of
+/// 18.75 mm, 0.01 times `2c/l`. Curvatures and hinges have 10 1/s.
 #[test]
 fn me16_nominal_rates_of_stretch_are_those_of_the_shortest_wave() {
     let table = table(WING, kinds(Version::Fmi2, false, false));
@@ -133,7 +134,7 @@ fn cantilever(element: &str) -> String {
     )
 }
 
-/// A machine under the integrator of the test, with a limit of frequencies in rad/s or 0.
+/// A machine under the integrator of the test, with a frequency limit in rad/s, or 0 for none.
 fn plant(text: &str, limit_rad_s: f64) -> Plant {
     let mut plant = Plant::new(Arc::new(foldwing::config::parse(text, "m").expect("a model")));
     plant.parameters_mut().solver_mut().frequency_limit_rad_s = limit_rad_s;
@@ -176,8 +177,8 @@ fn squares(plant: &mut Plant) -> Vec<f64> {
     squares
 }
 
-/// ME-17. With a limit `ω_c` every natural frequency `ω` of a beam becomes `ω/√(1 + ω²/ω_c²)`, NOTATION (D21): constant and linear elements,
-/// with shear, and with shares of the damping. Tolerance: round-off of the eigenvalues of a matrix whose entries span eight decades.
+/// ME-17. With a limit `ω_c` every natural frequency `ω` of a beam becomes `ω/√(1 + ω²/ω_c²)`, NOTATION (D21): constant and linear
+/// elements, with shear, and with damping factors. Tolerance: round-off of the eigenvalues of a matrix whose entries span eight decades.
 #[test]
 fn me17_a_limit_lowers_frequencies_by_its_formula() {
     let limit_rad_s = 3000.0;
@@ -199,9 +200,9 @@ fn me17_a_limit_lowers_frequencies_by_its_formula() {
     }
 }
 
-/// ME-18. The limit in air, where accelerations and apparent mass are found together: with the inertia `M` of structure and air,
-/// `(M + K/ω_c²) a = M a₀`, so that what the limit takes from accelerations `a₀` is `M⁻¹K a/ω_c²`, the accelerations that strains of
-/// `a/ω_c²` would cause. Air at rest, in which there are no other forces. Tolerance: that of the air's own iteration.
+/// ME-18. The limit with aerodynamics, where accelerations and apparent mass are solved for together: with the inertia `M` of structure and
+/// air, `(M + K/ω_c²) a = M a₀`, so that the limit reduces the accelerations `a₀` by `M⁻¹K a/ω_c²`, the accelerations due to strains of
+/// `a/ω_c²`. In air at rest there are no other forces. Tolerance: that of the iteration for the apparent mass.
 #[test]
 fn me18_the_limit_holds_in_air() {
     let text = GOLAND.replace("wind_m_s = [0.0, -130.0, 0.0]", "wind_m_s = [0.0, 0.0, 0.0]");
@@ -223,8 +224,9 @@ fn me18_the_limit_holds_in_air() {
     assert!((0..n).any(|i| (found[i] - of_strains[i]).abs() > 0.1 * largest), "the limit acts");
 }
 
-/// ME-19. The limit is a fixed parameter of Model Exchange alone, in rad/s: a negative one is refused, later changes are, and co-simulation
-/// with the same table has the bits of none. It survives a saved state and ends with a reset.
+/// ME-19. The limit is a fixed parameter for Model Exchange only, in rad/s: a negative value and later changes are rejected, and
+/// co-simulation of the same FMU gives the same bits with and without a limit. The parameter is part of a saved state and is reset by
+/// `fmi2Reset`.
 #[test]
 fn me19_the_limit_is_a_parameter_of_model_exchange() {
     let acceleration = |outside: &Outside| {

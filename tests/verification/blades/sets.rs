@@ -1,4 +1,5 @@
-//! B-10 to B-16: the paper's test cases. The data of its figures are not available as numbers; what its text leaves open is chosen here.
+//! B-10 to B-16: the paper's test cases. The data of its figures are not available as numbers; data that its text does not give are chosen
+//! here.
 //!
 //! - Taper (its Fig. 2): both factors linear in `s`, 1 at 18 m, where the section is the reference ellipse, and 0.55 at the tip.
 //! - Twist: the text has "20deg/m"; five revolutions over 90 m cannot be meant. Here: 20° over the length, linear, 0 at the root.

@@ -37,14 +37,13 @@ fn flutter_is_an_instability_of_the_lattice_not_of_held_loads() {
     let mut plant = at_rest(220.0, 0.33);
     let found = growing(&mut plant);
     assert!(found.len() == 1 && found[0].im > 40.0 && found[0].re > 1.0, "{found:?}");
-    // a search for a stable branch cannot leave flutter: the state is the only equilibrium, and is reported as unstable
+    // no stable branch exists next to a flutter instability: the state is the only equilibrium, and is reported as unstable
     let search = Search { branch: Branch::Stable, ..Search::default() };
     let rest = plant.study().rest(0.0, Holding::AsReleased, search).unwrap_or_else(|error| panic!("{error}"));
     assert!(rest.departure.is_none() && rest.stability.is_some_and(|judged| !judged.is_stable()));
 }
 
-/// The static analysis with a free wake gives no verdict on stability, and gives the reason; a verdict for constant loads would miss
-/// flutter.
+/// The static analysis with a free wake reports no stability, and gives the reason: with constant loads it would miss flutter.
 #[test]
 fn a_free_wake_is_not_judged() {
     let case = Goland { gust_m_s: 0.0, elastic_axis_fraction: 0.33, pairs: 2, air: FREE, ..Goland::lattice(2, 3) };

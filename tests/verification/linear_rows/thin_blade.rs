@@ -54,9 +54,10 @@ step_s = 0.002
 tolerance = 1e-9
 "#;
 
-/// LR-16. Loads by strains and by the wind of a blade with shear, 16 ms after its release: central differences of the accelerations of
-/// sections by unit accelerations of the coordinates were taken about the current accelerations, beside which they lost digits; the
-/// inverse of the mass matrix, whose smallest entries are rotary inertias of the thin sections, enlarged the loss.
+/// LR-16. Derivatives of loads with respect to strains and wind for a blade with shear, 16 ms after its release. Central differences of the
+/// sections' accelerations with respect to accelerations of the coordinates used to be taken about the current accelerations, and lost
+/// digits because these are large; the inverse of the mass matrix, whose smallest entries are the rotary inertias of the thin sections,
+/// amplified the loss.
 #[test]
 fn lr16_loads_of_a_blade_with_shear_keep_their_digits() {
     let machine = config::parse(BLADE, "thin_blade.toml").unwrap_or_else(|error| panic!("{error}"));
@@ -68,7 +69,7 @@ fn lr16_loads_of_a_blade_with_shear_keep_their_digits() {
     match linear_rows_agree_at(&mut plant) {
         Rows::Agree(off) => {
             println!("LR-16: off by at most {off:.1e} of a row's scale");
-            // the tolerance of the reference's round-off
+            // round-off of the reference
             assert!(off < 1e-8, "{off:.1e}");
         }
         Rows::Miss(why) | Rows::Refused(why) => panic!("{why}"),

@@ -13,9 +13,9 @@ fn attack_deg(row: &[f64; 7]) -> f64 {
     row[3].to_degrees() - twist_deg + across.atan2(along).to_degrees()
 }
 
-/// PL-09. What the paper's Fig. 1 shows: flap and pitch depart rapidly from their start, the coupled oscillation grows for two cycles,
-/// negative stall then limits it, the rotor speed falls, the blade drifts to feather; without stall in the polar the oscillation continues
-/// to grow.
+/// PL-09. The features of the paper's Fig. 1: flap and pitch depart rapidly from their initial values, the coupled oscillation grows for
+/// two cycles and is then limited by negative stall, the rotor speed falls, and the blade drifts to feather; without stall in the polar the
+/// oscillation continues to grow.
 #[test]
 fn pl09_what_the_papers_figure_shows() {
     let rows = series(blade_in_wind(0.0), 8.0);

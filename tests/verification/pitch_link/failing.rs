@@ -87,8 +87,8 @@ pub fn misses(rows: &[[f64; 7]], file: &str) -> (f64, f64) {
     (early, late)
 }
 
-/// PL-06. The series after the failure, without gears and with 30 kg·m²; what the paper's Fig. 1 shows: growth within two cycles of 0.8 s,
-/// limited by negative stall, a rotor that slows down, a blade that drifts towards feather.
+/// PL-06. The series after the failure, without gears and with 30 kg·m², and the features of the paper's Fig. 1: growth within two cycles
+/// of 0.8 s, limited by negative stall, a rotor that slows down, a blade that drifts towards feather.
 #[test]
 fn pl06_the_motion_after_the_link_has_opened() {
     let mut peaks = Vec::new();

@@ -36,9 +36,9 @@ fn alone(beam: BodyBuilder) -> Machine {
     built.unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// LP-10. Modes of the linear model of a clamped beam have exactly the ratios of the list, a ratio of 0 and modes beyond the list none, and
-/// their undamped frequencies: straight, with shear, curved and twisted, of constant elements; with an eccentric mass. 1e-9 (round-off of
-/// eigenvalues).
+/// LP-10. In the linear model of a clamped beam, modes have exactly the damping ratios of the list; those with a ratio of 0 and those
+/// beyond the list are undamped. All have their undamped natural frequencies: straight, with shear, curved and twisted, with constant
+/// elements, and with an eccentric mass. Tolerance 1e-9, round-off of the eigenvalues.
 #[test]
 fn lp10_modes_have_the_given_ratios() {
     let ratios = [0.01, 0.3, 0.0, 0.02, 1e-4];
@@ -65,9 +65,9 @@ fn lp10_modes_have_the_given_ratios() {
     }
 }
 
-/// LP-11. A cantilever released from a small tip load: deflection of its end, the sum of the decays of its bending modes
-/// `4F/(mLω²)·e^(−ζωt)(cos ω_d t + ζω/ω_d sin ω_d t)`, each with a ratio of its own, over five periods of the first, within 1e-4 of the
-/// deflection: the modes beyond the twelfth have 2.4e-5 of it together.
+/// LP-11. A cantilever released from a small tip load: the deflection of its end is the sum of the decaying bending modes,
+/// `4F/(mLω²)·e^(−ζωt)(cos ω_d t + ζω/ω_d sin ω_d t)`, each with its own ratio, over five periods of the first mode. Tolerance 1e-4 of the
+/// deflection, to which the modes beyond the twelfth contribute 2.4e-5 in total.
 #[test]
 fn lp11_decay_of_a_released_cantilever() {
     let ratios = [0.03, 0.05, 0.02, 0.04, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05];
@@ -120,9 +120,10 @@ fn lp11_decay_of_a_released_cantilever() {
     assert!(worst < 1e-4, "{worst:.1e}");
 }
 
-/// LP-12. The factors contain the damping of modes and loops together: their solution inverts the derivative of the residual by rates and
-/// accelerations; two bodies of either element and a sheared one, a loop between them and one on the root. 1e-8: elastic forces
-/// of the strained bodies, a million times those of the damping, drop out of the derivative with their round-off.
+/// LP-12. The factors contain the damping of modes and of loops together: their solution inverts the derivative of the residual with
+/// respect to rates and accelerations, for two bodies of either element type and one with shear, with a loop between them and one on the
+/// root. Tolerance 1e-8: the elastic forces of the strained bodies, a million times those of the damping, cancel in the derivative except
+/// for their round-off.
 #[test]
 fn lp12_factors_contain_the_damping_of_modes() {
     let describe = |index: usize, solid: Solid, kind: ElementKind| BodyDescription {
@@ -183,8 +184,8 @@ fn lp12_factors_contain_the_damping_of_modes() {
     assert!(miss < 1e-8, "{miss:.1e}");
 }
 
-/// LP-13. Energy of large motions of a folding wing whose beams are damped by modes: the balance closes to the tolerance of the steps, the
-/// damping dissipates, and free flight keeps momentum: the damping is inner to the body.
+/// LP-13. Energy in large motions of a folding wing whose beams have modal damping: the balance closes to the tolerance of the steps, and
+/// the damping dissipates. In free flight the momentum is conserved, because the damping is internal to the body.
 #[test]
 fn lp13_energy_and_momentum_with_damped_modes() {
     let half =
@@ -214,7 +215,7 @@ fn lp13_energy_and_momentum_with_damped_modes() {
     for step in 1..=200 {
         plant.step(2e-3 * f64::from(step)).expect("a step");
         drift_j = drift_j.max((balance_j(plant.outputs()) - begin_j).abs());
-        // no force from outside
+        // no external force
         assert!(plant.outputs().root().force_n.norm() < 1e-9);
     }
     let lost_j = plant.outputs().energy().dissipated;
@@ -222,10 +223,10 @@ fn lp13_energy_and_momentum_with_damped_modes() {
     assert!(lost_j > 1e-4 && drift_j < 1e-5 * lost_j, "drift {drift_j:.1e} J, dissipated {lost_j:.1e} J");
 }
 
-/// LP-14. Strains recovered from the wrench at the ends of elements are those of the deformation, without the stress of the damping: in a
-/// beam that decays with ratios near 1, against a mesh of constant elements, which interpolates strains. 0.1 of the largest strain, of waves of
-/// the modes without ratios, which differ by 0.03 between these meshes without damping as well; with the stress of the damping the end would
-/// be off by 1.4.
+/// LP-14. Strains recovered from the wrench at the ends of elements exclude the damping stress: a beam with damping ratios near 1, compared
+/// with a mesh of constant elements, which interpolates strains. Tolerance 0.1 of the largest strain, for waves of the modes without
+/// ratios, which differ by 0.03 between these meshes without damping as well; if the damping stress were included, the strain at the end
+/// would differ by 1.4.
 #[test]
 fn lp14_gauges_with_damped_modes() {
     let strains = |kind: ElementKind, elements: usize| {
@@ -265,7 +266,8 @@ fn lp14_gauges_with_damped_modes() {
     }
 }
 
-/// LP-15. Modes of one frequency have no order: different ratios are refused by name; equal ones damp both modes of a round bar.
+/// LP-15. Modes with equal frequencies have no defined order: different ratios for them are rejected with an error that names the modes;
+/// equal ratios damp both modes of a round bar.
 #[test]
 fn lp15_modes_of_one_frequency() {
     let bar = |ratios: &[f64]| {

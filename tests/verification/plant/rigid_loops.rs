@@ -323,8 +323,8 @@ fn lp26_rotated_linkages_move_alike() {
     assert!(worst < 1e-8, "{worst:.1e}");
 }
 
-/// LP-27. Equilibrium: the pin force of the held linkage is that of the closed form, without a gap; a motion that starts there stays at
-/// rest; and the state is the limit of those with penalties.
+/// LP-27. Equilibrium: the pin force of the locked linkage is that of the closed form, without a gap; a simulation that starts there stays
+/// at rest; and the state is the limit of those with penalties.
 #[test]
 fn lp27_equilibrium_with_a_rigid_loop() {
     let held = |pin: Option<f64>| {
@@ -365,8 +365,8 @@ fn lp27_equilibrium_with_a_rigid_loop() {
     assert!(moved_m < 1e-10 && change_n < 1e-6, "{moved_m:.1e} m, {change_n:.1e} N");
 }
 
-/// LP-28. A pin of two ball joints, whose axial rows depend on each other: the four-bar linkage of the examples with rigid loops has no
-/// gap, both ball joints carry equal axial forces, of least norm, and the motion is that with penalties.
+/// LP-28. A pin made of two ball joints, whose axial constraints are redundant: the four-bar linkage of the examples with rigid loops has
+/// no gap, both ball joints carry the same axial force, the solution of least norm, and the motion is that with penalties.
 #[test]
 fn lp28_redundant_rows_of_a_planar_linkage() {
     let mut plant = start(of_file(FOUR_BAR));
@@ -470,7 +470,8 @@ fn lp30_cost_beside_the_penalty() {
     assert!(rigid.iterations <= 2 * penalty.iterations, "{} iterations for {}", rigid.iterations, penalty.iterations);
 }
 
-/// LP-31. Steps with rigid loops allocate nothing: each method, with communication points inside of steps; the braced wing through its latch.
+/// LP-31. Steps with rigid loops allocate no memory: every method, with communication points inside internal steps; the braced wing through
+/// its latch.
 #[test]
 fn lp31_steps_with_rigid_loops_allocate_nothing() {
     let counted = |label: &str, mut plant: Plant, step_s: f64, steps: u32| {

@@ -18,8 +18,8 @@ fn plate() -> Section {
     Section::rectangle(0.05, 0.004, &material, None)
 }
 
-/// Wing on a hinge, folding outer part, and a strut from the wing to the root. The foot is held by the root, or by the block that is clamped
-/// to the root in either machine, at the foot's position.
+/// A wing on a hinge with a folding outer part, and a strut from the wing to the root. The strut's foot is attached to the root or, with
+/// `end = "block"`, to a block that is clamped to the root at the same position. Both machines contain the block.
 fn braced(end: &str, order: [usize; 2], inertia_kg: f64) -> MachineBuilder {
     let along = Vector3::from(FOOT_M) - Vector3::new(0.3, 0.0, 0.0);
     let x = along.normalize();
@@ -54,10 +54,11 @@ fn built(builder: MachineBuilder) -> Machine {
     builder.build().unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// LP-01. A loop on the root is a loop on a body clamped to the root, in motion, with the root accelerated and turning at varying rates: every
-/// output, those of the loop, of the root and of the energy accounts included; with and without inertia, the root first and second.
+/// LP-01. A loop on the root is equivalent to a loop on a body clamped to the root, in motion, while the root accelerates and rotates at
+/// varying rates: all outputs agree, including those of the loop, the root and the energy accounts; with and without inertia, and with the
+/// root as the first or the second point.
 ///
-/// Both machines are equal except for the arithmetic of the foot: 1e-9 of the largest output of the same kind after 0.2 s.
+/// The two machines differ only in the arithmetic of the foot: 1e-9 of the largest output of the same kind after 0.2 s.
 #[test]
 fn lp01_a_loop_on_the_root_is_one_on_a_body_clamped_to_it() {
     for (order, inertia_kg) in [([0, 1], 0.0), ([1, 0], 0.02)] {
@@ -94,8 +95,8 @@ fn lp01_a_loop_on_the_root_is_one_on_a_body_clamped_to_it() {
     }
 }
 
-/// LP-02. The same at rest and about it: equilibrium, modes and the linear model (whole frequency response of all outputs, both machines have the same
-/// coordinates). 1e-9 and 1e-8.
+/// LP-02. The comparison of LP-01 in equilibrium: shape, modes and linear model (frequency response of all outputs; both machines have the
+/// same coordinates). Tolerances 1e-9 and 1e-8.
 #[test]
 fn lp02_equilibrium_and_linear_model_with_a_loop_on_the_root() {
     let settled = |end: &str| {
@@ -120,7 +121,7 @@ fn lp02_equilibrium_and_linear_model_with_a_loop_on_the_root() {
     let linear = [&mut own, &mut other].map(|plant| {
         let interface = Interface::new(plant.machine());
         let inputs: Vec<_> = interface.real_inputs().collect();
-        // the weld of the block carries the loop in one of the machines only
+        // in one of the machines the weld of the block transmits the loop force
         let outputs: Vec<_> = interface.real_outputs().filter(|row| !row.name.starts_with("weld.")).collect();
         interface.linearize(plant, &inputs, &outputs).unwrap_or_else(|error| panic!("{error}")).matrices
     });
@@ -149,12 +150,12 @@ fn propped() -> Machine {
     )
 }
 
-/// LP-03. Propped cantilever under a small uniform load, which the acceleration of the root makes: the prop carries 3wL/8 less the share of its
-/// own give, 3EI/(kL³); the root carries the load, prop and clamp together; the moment at the clamp is RL − wL²/2. Modes of the beam:
-/// tan βL = tanh βL.
+/// LP-03. Propped cantilever of length L under a small uniform load w due to the acceleration of the root: the prop carries R = 3wL/8
+/// divided by 1 + 3EI/(kL³), because of its own stiffness k; prop and clamp together transmit the whole load to the root; the moment at the
+/// clamp is RL − wL²/2. Modes of the beam: tan βL = tanh βL.
 ///
-/// The load of 1e-6 g leaves the beam linear, with its axial stiffness to spare; 24 elements: 2e-5. The modes, of 4e-3 in the ratio of rotary
-/// inertia h/L squared over 12, 1.3e-6·(βL)²: 1e-4.
+/// At a load of 1e-6 g the beam is linear, and its axial strain is negligible; 24 elements: 2e-5. The modes agree to 1e-4: rotary inertia,
+/// (h/L)²/12 with h/L = 4e-3, changes them by 1.3e-6·(βL)².
 #[test]
 fn lp03_propped_cantilever() {
     let section = plate();
@@ -167,7 +168,7 @@ fn lp03_propped_cantilever() {
     let give = 3.0 * flap_n_m2 / (PROP_N_M * SPAN_M.powi(3));
     let prop_n = 0.375 * load_n_m * SPAN_M / (1.0 + give);
     let outputs = plant.outputs();
-    // the first point is the beam's: the prop pushes it along the acceleration
+    // the first point is on the beam: the prop pushes it in the direction of the acceleration
     let found_n = outputs.loops()[0].force_n.z;
     let miss = (found_n / prop_n - 1.0).abs();
     println!("LP-03 prop {found_n:.6e} N for {prop_n:.6e} N, off by {miss:.1e}");
@@ -190,8 +191,8 @@ fn lp03_propped_cantilever() {
     }
 }
 
-/// LP-04. A rigid body that flies, tied to the root by a spring and damper alone (a loop with small stiffness): the oscillation of its mass, and
-/// of the root's force, in closed form. The body is no longer free in flight, and its root force is the tie's.
+/// LP-04. A free rigid body connected to the root only by a loop of low stiffness with a damper: the oscillation of its mass and the root
+/// force, in closed form. The root force of this flying body is the force of the loop.
 #[test]
 fn lp04_a_flying_body_tied_to_the_root() {
     let (mass_kg, stiffness_n_m, damping_n_s_m) = (2.0, 50.0, 1.5);
@@ -221,7 +222,7 @@ fn lp04_a_flying_body_tied_to_the_root() {
         let outputs = plant.outputs();
         let gap_m = outputs.loops()[0].gap_m;
         assert!((gap_m - Vector3::z() * expected_m).norm() < 1e-8, "{gap_m:?} m for {expected_m} m at {t} s");
-        // the first point is the root's
+        // the first point is on the root
         assert!((outputs.root().force_n - outputs.loops()[0].force_n).norm() < 1e-12, "{:?} N", outputs.root().force_n);
         let arm_m = Vector3::new(0.2, 0.1, 0.4);
         let moment_n_m = arm_m.cross(&outputs.root().force_n);
@@ -230,8 +231,8 @@ fn lp04_a_flying_body_tied_to_the_root() {
     }
 }
 
-/// LP-05. A loop on the root that breaks: the strut's foot is free from then on, the root carries no force of it, the balance of the energies
-/// stays closed.
+/// LP-05. A loop on the root that breaks: from then on the strut's foot is free, the loop exerts no force on the root, and the energy
+/// balance still closes.
 #[test]
 fn lp05_a_loop_on_the_root_breaks() {
     let snap = Failure::loop_weakens("snap", "foot", 0.0).at_time_s(0.0503);
@@ -246,7 +247,7 @@ fn lp05_a_loop_on_the_root_breaks() {
         assert!(drift_j < 1e-5, "drift {drift_j:.1e} J at {time_s} s");
         let pull_n = outputs.loops()[0].force_n.norm();
         assert!(if time_s < 0.0503 { pull_n > 0.1 } else { pull_n == 0.0 }, "{pull_n} N at {time_s} s");
-        // the root carries the joints on it, and the loop before it breaks
+        // the root carries the joints on it and, before it breaks, the loop
         let joints: Vector3<f64> = [0, 3].map(|joint| outputs.joint_reactions()[joint].force_n).iter().sum();
         let sum = outputs.root().force_n + joints + outputs.loops()[0].force_n;
         assert!(sum.norm() < 1e-9, "{sum:?} N at {time_s} s");

@@ -59,9 +59,10 @@ fn against_exudyn(pairs: usize) -> ([f64; 2], Plant) {
     (largest_m, plant)
 }
 
-/// SJ-01. A point mass slides without friction along a cantilever that deflects by 0.65 of its length, against Exudyn (32 ANCF cables,
-/// sliding joint, 0.25 ms; its own error is 5e-5 m). Another program with the same coordinates as here has 2.3e-3, 6.2e-4, 1.8e-4 and
-/// 8.5e-5 m of the mass with 2, 3, 4 and 6 pairs, and loses 2.6e-8, 5.8e-11, 5.6e-12 and 6.6e-14 J at borders.
+/// SJ-01. A point mass slides without friction along a cantilever that deflects by 0.65 of its length, compared with Exudyn (32 ANCF
+/// cables, sliding joint, 0.25 ms; its own error is 5e-5 m). For an independent program with the same coordinates as here, the position of
+/// the mass differs by 2.3e-3, 6.2e-4, 1.8e-4 and 8.5e-5 m with 2, 3, 4 and 6 pairs, and the energy lost at element boundaries is 2.6e-8,
+/// 5.8e-11, 5.6e-12 and 6.6e-14 J.
 #[test]
 fn sj01_a_bead_slides_down_a_flexible_beam() {
     let mut bead_m = Vec::new();
@@ -170,8 +171,8 @@ fn sj02_a_moving_load_and_a_moving_mass() {
     assert!(errors.iter().all(|error| *error < 1e-4), "{errors:?}");
 }
 
-/// SJ-03. A bead on a stiff straight rod that turns freely: `(J + m s²) ω` and `½ (J + m s²) ω² + ½ m ṡ²` are constant while the bead flies
-/// outward over three borders. The rod bends by 1e-7 of its length.
+/// SJ-03. A bead on a stiff straight rod that rotates freely: `(J + m s²) ω` and `½ (J + m s²) ω² + ½ m ṡ²` are constant while the bead
+/// moves outward across three element boundaries. The rod bends by 1e-7 of its length.
 #[test]
 fn sj03_a_bead_on_a_turning_rod() {
     for kind in [ElementKind::Constant, ElementKind::Linear] {
@@ -196,8 +197,8 @@ fn sj03_a_bead_on_a_turning_rod() {
     }
 }
 
-/// SJ-04. A block with rotary inertia `I` and its centre of mass on the axis slides down a stiff arc of radius `1/κ`: it turns with the arc,
-/// so that `½ (m + I κ²) ṡ² = m g h`. Without the part of the column that turns the block, its speed would be 11 % higher.
+/// SJ-04. A block with rotary inertia `I` and its centre of mass on the axis slides down a stiff arc of radius `1/κ` and rotates with the
+/// arc, so that `½ (m + I κ²) ṡ² = m g h`. Without the rotational part of the joint's column, its speed would be 11 % higher.
 #[test]
 fn sj04_a_block_turns_with_the_arc() {
     for (kind, pairs) in [(ElementKind::Constant, 8), (ElementKind::Linear, 3)] {
@@ -229,7 +230,7 @@ fn sj04_a_block_turns_with_the_arc() {
     }
 }
 
-/// A free-flying curved beam with a block off its axis that slides along it, with a spin about all axes.
+/// A curved beam in free flight, with a block that slides along it with an offset from the axis and rotates about all axes.
 fn flying(kind: ElementKind, elements: usize, sheared: bool, motor_kg: f64) -> Machine {
     let mut section = slender(1e4, 1.0, 1e-3);
     if sheared {
@@ -240,16 +241,16 @@ fn flying(kind: ElementKind, elements: usize, sheared: bool, motor_kg: f64) -> M
     let inertia = Matrix3::new(2e-3, 1e-4, 0.0, 1e-4, 3e-3, 2e-4, 0.0, 2e-4, 4e-3);
     let slide = Joint::sliding("slide").on("beam").start_position_m(0.1).start_rate_m_s(1.0);
     let slide = slide.offset_m([0.02, 0.03, -0.05]).mount_rotation_rad([0.3, -0.2, 0.5]);
-    // a motor without force whose mass moves with the position only
+    // a motor without force; its mass moves only with the coordinate
     let slide = slide.motor(LinearMotor { mass_kg: motor_kg, ..LinearMotor::default() });
     let mut machine = rail((beam, fly), (Body::rigid("block").inertia(0.3, [0.05, 0.02, 0.1], inertia), slide), &[]);
     machine.solver.tolerance = 1e-8;
     machine
 }
 
-/// SJ-05. The energy account of a free-flying beam with a sliding block off its axis closes over borders, with a loss that is not
-/// negative: pairs, constant elements, elements with shear, a motor with a mass. The loss and the work contain no energy of the motor's
-/// mass, whose speed hardly changes.
+/// SJ-05. The energy balance of a beam in free flight with an eccentric sliding block closes across element boundaries, with a loss that is
+/// not negative: pairs, constant elements, elements with shear, a motor with a mass. The mass of the motor contributes neither to the loss
+/// nor to the work, because its speed hardly changes.
 #[test]
 fn sj05_the_energy_account_closes_over_borders() {
     for (kind, elements, sheared, motor_kg) in [
@@ -274,7 +275,7 @@ fn sj05_the_energy_account_closes_over_borders() {
     }
 }
 
-/// SJ-06. A run across borders continues bit-identically from a saved state, and does not depend on the communication step.
+/// SJ-06. A run across element boundaries continues bit-identically from a saved state, and does not depend on the communication step.
 #[test]
 fn sj06_states_across_borders_are_restored() {
     let mut plant = start(bead(4, 1e-6));
@@ -294,7 +295,7 @@ fn sj06_states_across_borders_are_restored() {
     assert!(differs_m < 1e-12);
 }
 
-/// SJ-11. Steps across borders allocate nothing, from before the first border on.
+/// SJ-11. Steps allocate no memory across element boundaries, including the first one.
 #[test]
 fn sj11_steps_across_borders_allocate_nothing() {
     for method in [Method::Esdirk4, Method::GeneralizedAlpha] {
@@ -311,12 +312,12 @@ fn sj11_steps_across_borders_allocate_nothing() {
     }
 }
 
-/// A carriage without mass on a cantilever, with a pendulum on a hinge: a body that slides and turns.
+/// A massless carriage on a cantilever, with a pendulum on a hinge: a body that slides and rotates.
 pub fn crane(change: impl Fn(JointBuilder) -> JointBuilder) -> Machine {
     crane_with(Joint::revolute("pin", [0.0, 1.0, 0.0]), [4.0, 0.0, -9.0], change)
 }
 
-/// The same with another joint of the pendulum, and another gravity in m/s².
+/// The same with another joint for the pendulum, and another gravity in m/s².
 pub fn crane_with(pin: JointBuilder, gravity_m_s2: [f64; 3], change: impl Fn(JointBuilder) -> JointBuilder) -> Machine {
     let beam = body("beam", 1.0, &slender(1e4, 2.0, 1e-6), ElementKind::Linear, 4);
     let bob = Body::rigid("bob").inertia(0.2, [0.0, 0.0, -0.2], Matrix3::from_diagonal_element(1e-4));
@@ -330,8 +331,8 @@ pub fn crane_with(pin: JointBuilder, gravity_m_s2: [f64; 3], change: impl Fn(Joi
     built.unwrap_or_else(|refused| panic!("{refused}"))
 }
 
-/// SJ-07. Springs, dampers, end stops, motors, rigid latches, locks and prescribed motions act on a sliding joint as on a prismatic one: the
-/// energy account closes, stops turn the carriage back, the latch holds it, the prescribed motion is kept.
+/// SJ-07. Springs, dampers, end stops, motors, rigid latches, locks and prescribed motions act on a sliding joint as on a prismatic joint:
+/// the energy balance closes, end stops reverse the carriage, the latch holds it, and prescribed motions are followed.
 #[test]
 fn sj07_forces_on_a_sliding_joint() {
     let at = |joint: JointBuilder, s_m: f64| joint.start_position_m(s_m);
@@ -378,12 +379,12 @@ fn sj07_forces_on_a_sliding_joint() {
     assert!(plant.outputs().energy().work.abs() > 0.1 && plant.statistics().events >= 2);
 }
 
-/// Text of the refusal of a machine.
+/// Error message for a machine that is rejected.
 fn refused(machine: foldwing::machine::builder::MachineBuilder) -> String {
     machine.build().expect_err("a fault").to_string()
 }
 
-/// SJ-08. Machines, analyses and motions that a sliding joint does not allow are refused by name.
+/// SJ-08. Machines, analyses and motions that are not allowed with a sliding joint are rejected with an error that names the joint.
 #[test]
 fn sj08_refusals_name_the_joint() {
     let beam = || (body("beam", 1.0, &slender(1e4, 1.0, 1e-7), ElementKind::Linear, 2), clamped());
@@ -431,7 +432,7 @@ fn sj08_refusals_name_the_joint() {
     assert!(leaving.time_s() < 0.26, "{} s", leaving.time_s());
 }
 
-/// SJ-08. Parts of a model file that a sliding joint excludes are refused with the name of the joint.
+/// SJ-08. Parts of a model file that are not allowed with a sliding joint are rejected with an error that names the joint.
 #[test]
 fn sj08_parts_that_exclude_it() {
     let text = include_str!("sliding.toml");
@@ -448,7 +449,7 @@ fn sj08_parts_that_exclude_it() {
     }
 }
 
-/// SJ-09. A model file with a sliding joint gives the machine of the builder.
+/// SJ-09. A model file with a sliding joint gives the same machine as the builder.
 #[test]
 fn sj09_model_file() {
     let text = include_str!("sliding.toml");
@@ -472,8 +473,9 @@ fn sj09_model_file() {
     }
 }
 
-/// SJ-10. Internal loads of a beam inside the pair along which a body slides: a body of 0.1 kg that is prescribed to move at constant speed
-/// along a stiff beam loads the sections inboard of it by its weight, and none outboard; the beam's own weight acts outboard of each.
+/// SJ-10. Internal loads of a beam inside the pair along which a body slides: a body of 0.1 kg with prescribed constant speed along a stiff
+/// beam loads the inboard sections by its weight, and none of the outboard sections; each section also carries the weight of the beam
+/// outboard of it.
 #[test]
 fn sj10_internal_loads_beside_a_sliding_body() {
     let beam = body("beam", 1.0, &slender(1e9, 1e7, 1e-8), ElementKind::Linear, 2);

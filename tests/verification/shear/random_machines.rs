@@ -220,8 +220,8 @@ fn sh39_statics_of_random_machines() {
     assert!(least > 1e-8, "{least:.1e}");
 }
 
-/// Momentum in kg·m/s and angular momentum about the origin in kg·m²/s: slopes of the kinetic energy along rigid velocities, exact for its
-/// quadratic form.
+/// Momentum in kg·m/s and angular momentum about the origin in kg·m²/s: derivatives of the kinetic energy with respect to rigid-body
+/// velocities, exact for its quadratic form.
 fn momenta(plant: &mut Plant) -> [Vector3<f64>; 2] {
     let system = plant.system_mut();
     system.begin_exchange().expect("has states");

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 
 const MODEL: &str = include_str!("../../../examples/braced/braced_wing.toml");
-/// Wing, from hinge to strut and to the tip, and height of the hinge above the foot, m.
+/// Distances along the wing from the hinge to the strut and to the tip, and height of the hinge above the foot, m.
 const STRUT_M: f64 = 1.0;
 const SPAN_M: f64 = 1.6;
 const HEIGHT_M: f64 = 0.6;
@@ -16,9 +16,9 @@ fn balance_j(plant: &Plant) -> f64 {
     energy.total - energy.work + energy.dissipated
 }
 
-/// LP-20. The wing rises, the knee latches within its range, and the braced wing comes to rest: the strut's force on the root is that of the
-/// moments of the weights about the hinge, the root carries the whole weight, and the loops stay closed to their force over the stiffness.
-/// The energy balance closes through the latch's impulse.
+/// LP-20. The wing rises, the knee latches within its range, and the braced wing settles: the horizontal force of the strut on the root
+/// balances the moments of the weights about the hinge, the root carries the whole weight, and the gaps of the loops are their forces
+/// divided by the stiffness. The energy balance closes through the impulse of the latch.
 #[test]
 fn lp20_braced_wing_deploys_and_is_held_by_its_strut() {
     let machine = config::parse(MODEL, "braced_wing.toml").unwrap_or_else(|error| panic!("{error}"));
@@ -46,7 +46,7 @@ fn lp20_braced_wing_deploys_and_is_held_by_its_strut() {
     assert!(latch.closed.is_on() && knee.angle_rad.to_degrees().abs() < 1.0 + 1e-6);
     let tip = outputs.tips()[0];
     assert!(tip.position_m.x > 0.99 * SPAN_M, "{:?} m", tip.position_m);
-    // force of the foot on the strut: along it, but for the weight of the links, half of which it carries at either end
+    // force of the foot on the strut: along the strut, except for the weight of the links, half of which acts at either end
     let foot: Vector3<f64> = outputs.loops().iter().map(|closure| closure.force_n).sum();
     let mass = |body: usize| {
         let body = &plant.machine().bodies[body];
@@ -54,13 +54,13 @@ fn lp20_braced_wing_deploys_and_is_held_by_its_strut() {
     };
     let (wing_n, link_n) = (9.81 * mass(0), 9.81 * mass(1));
     let length_m = (STRUT_M * STRUT_M + HEIGHT_M * HEIGHT_M).sqrt();
-    // about the hinge: weights of the wing at half the span and of the strut at half its reach, and the foot's force
+    // about the hinge: weight of the wing at half the span, of the strut at half its horizontal extent, and the force of the foot
     let moment_n_m = wing_n * 0.5 * SPAN_M + 2.0 * link_n * 0.5 * STRUT_M;
-    // the foot is straight below the hinge
+    // the foot is vertically below the hinge
     let across_n = moment_n_m / HEIGHT_M;
     let miss = (foot.x / across_n - 1.0).abs();
     println!("LP-20 foot {foot:?} N, across {across_n:.2} N, off by {miss:.1e}; strut {length_m:.3} m");
-    // the knee at up to 1 degree and the bent wing change the arms by 1e-3 and less
+    // the angle of the knee, up to 1 degree, and the bending of the wing change the lever arms by 1e-3 or less
     assert!(miss < 5e-3, "{} N for {across_n} N", foot.x);
     let weight_n = 9.81 * plant.mass_kg();
     assert!(

@@ -15,7 +15,7 @@ fn balance_j(plant: &Plant) -> f64 {
     energy.total - energy.work + energy.dissipated
 }
 
-/// The crane with a command, over a given time.
+/// The crane with a given command and stop time.
 fn crane(command_m: f64, stop_s: f64) -> Machine {
     let changes = [
         ("command_m = 2.6", format!("command_m = {command_m}")),
@@ -24,10 +24,10 @@ fn crane(command_m: f64, stop_s: f64) -> Machine {
     machine(CRANE, &changes.each_ref().map(|(old, new)| (*old, new.as_str())))
 }
 
-/// SJ-12. The crane of `examples/sliding`: the trolley stops where its drive balances the weight of trolley and load along the jib's
-/// slope, which the load at the trolley causes by `F x² / 2 EI` and the jib's weight by `w (L³ − (L − x)³) / 6 EI`; the mast carries the
-/// moments of the weights. The energy account closes over the crossings; with a command beyond the end of the jib, the end stop holds the
-/// trolley.
+/// SJ-12. The crane of `examples/sliding`: the trolley stops where its drive balances the component of the weight of trolley and load along
+/// the slope of the jib. The load at the trolley contributes `F x² / 2 EI` to this slope, the weight of the jib `w (L³ − (L − x)³) / 6 EI`;
+/// the mast carries the moments of the weights. The energy balance closes across element boundaries. With a command beyond the end of the
+/// jib, the end stop holds the trolley.
 #[test]
 fn sj12_a_trolley_carries_a_load_along_a_jib() {
     let mut begin_j = None;
@@ -42,7 +42,7 @@ fn sj12_a_trolley_carries_a_load_along_a_jib() {
     let bending_n_m2 = jib.section.at(0.0).stiffness[(2, 2)];
     let (weight_n, own_n_m) = (CARRIED_KG * 9.81, 9.81 * jib.section.mass_kg(jib.length_m) / jib.length_m);
     let own = jib.length_m.powi(3) - (jib.length_m - reach_m).powi(3);
-    // the weights hang below the axis, in the frame of the section, which the slope rotates towards the mast
+    // the centres of mass are below the axis, in the frame of the section, which the slope rotates towards the mast
     let below_n_m = 9.81 * (8.0 * 0.06 + 30.0 * 0.1);
     let slope = (weight_n * reach_m.powi(2) / 2.0 + own_n_m * own / 6.0) / (bending_n_m2 + below_n_m * reach_m);
     let due_m = 2.6 + weight_n * slope.sin() / 150.0;
@@ -55,7 +55,7 @@ fn sj12_a_trolley_carries_a_load_along_a_jib() {
         swing_rad.to_degrees(),
         plant.statistics().events
     );
-    // the squares of the slope, by which the lever arms of the weights are shorter, are neglected
+    // the reduction of the lever arms by the square of the slope is neglected
     let share = 2.0 * slope * slope;
     assert!((reach_m - due_m).abs() < share * (due_m - 2.6), "{reach_m} m for {due_m} m");
     assert!((rope.angle_rad + slope).abs() < share * slope, "{} rad for the slope {slope}", rope.angle_rad);

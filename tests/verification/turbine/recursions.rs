@@ -261,8 +261,9 @@ fn wt11_places_move_as_their_positions_change() {
         let (before, now, after) = (moving(-step), moving(0.0), moving(step));
         let velocity = (after.motion.position_m - before.motion.position_m) / (2.0 * step);
         let acceleration = (after.motion.velocity_m_s - before.motion.velocity_m_s) / (2.0 * step);
-        // differences have an error of the square of the step: on the tower, whose positions are polynomials of fourth order in time, 1e-8 of
-        // about 1e2 m/s³; farther out, where bodies turn at a few rad/s, of up to 1e5 m/s³, beside Coriolis terms of 1 m/s² and more
+        // differences have an error of the square of the step: on the tower, whose positions are polynomials of fourth degree in time, 1e-8
+        // of about 1e2 m/s³; further outboard, where bodies rotate at a few rad/s, of up to 1e5 m/s³, in addition to Coriolis terms of 1
+        // m/s² and more
         let allowed = if place.body == 0 { 1e-5 } else { 1e-3 };
         assert!((velocity - now.motion.velocity_m_s).norm() < allowed, "station {index}: {velocity}");
         let off = (acceleration - now.acceleration_m_s2).norm();

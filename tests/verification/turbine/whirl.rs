@@ -267,9 +267,9 @@ fn wt20_speeds_beyond_reason_have_an_answer() {
     }
 }
 
-/// WT-85. Modes over the speed from standstill, where the modes of equal blades have one frequency and any combination of them is a mode:
-/// none is lost up to 12 rpm, nor on the way back, at steps of 1 to 12 rpm, on stands of several stiffnesses. At each speed there are as
-/// many as at 3 rpm, and on a stiff stand each motion of the blades occurs once.
+/// WT-85. Modes as functions of the rotor speed, from standstill, where the modes of equal blades have one frequency and any combination of
+/// them is a mode: none is lost up to 12 rpm and back, in steps of 1 to 12 rpm, on stands of several stiffnesses. At each speed there are
+/// as many modes as at 3 rpm, and on a stiff stand each motion of the blades occurs once.
 #[test]
 fn wt85_no_mode_is_lost_from_standstill() {
     let on_tower = |factor: f64| {
