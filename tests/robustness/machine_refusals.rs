@@ -149,7 +149,7 @@ fn names_and_tree() {
     (empty.bodies, empty.gauges, empty.closures, empty.air) = (Vec::new(), Vec::new(), Vec::new(), None);
     assert_eq!(
         empty.validate()[0].to_string(),
-        "body: a machine without bodies is not allowed; allowed: at least one body"
+        "body: a model without bodies is not allowed; allowed: at least one body"
     );
 }
 
@@ -655,7 +655,7 @@ fn parts_by_name() {
     let inner = || Machine::builder("wing").body(beam("inner"), Joint::clamped("mount"));
     let fold = || Joint::revolute("fold", [0.0, 1.0, 0.0]);
     let cases: Vec<(MachineBuilder, &str)> = vec![
-        (Machine::builder("wing"), "body: a machine without bodies"),
+        (Machine::builder("wing"), "body: a model without bodies"),
         (
             inner().body(beam("outer"), fold().on("iner")),
             "joint \"fold\", parent: \"iner\" is not allowed; allowed: the root or a body: \"root\" or \"inner\" or \"outer\"",
@@ -747,7 +747,7 @@ fn parts_by_name() {
         ),
         (
             inner().surface(LiftingSurface::on("inner", 4)),
-            "surface \"inner\": a surface, gust or flap without aerodynamics",
+            "surface \"inner\": a surface, gust or control surface without aerodynamics",
         ),
         (inner().air(Air::strips()), "air, model: aerodynamics without a surface"),
         (inner().air(Air::strips()).surface(LiftingSurface::on("x", 4)), "surface \"x\", body: \"x\""),

@@ -128,8 +128,8 @@ fn gusts_of_turbulence_and_by_a_table() {
         (
             gust.replace("[0, 0, 2]", "[0, 1, 2]"),
             "wing.toml:64: key 'gust.rough.velocity_m_s': [0, 1, 2] is not allowed; allowed: a velocity parallel or \
-             perpendicular to the direction of travel, for which the spectra differ; write one gust for each \
-             component, with separate seeds",
+             perpendicular to the direction of travel, because the spectra along and across it differ; write one gust \
+             for each component, with separate seeds",
         ),
         (
             gust.replace("scale_m = 0.5\n", ""),

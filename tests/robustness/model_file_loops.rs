@@ -146,7 +146,7 @@ fn loops_that_are_open_at_the_start() {
     assert_eq!(
         message_of(&model(1.0, CLOSED)),
         "wing.toml:56: key 'loop.pin': a gap of 0.001754 m, from the first point to the second [0.000190, 0.000000, \
-         0.001744], is not allowed; allowed: points that coincide in the unstrained machine at its start angles within \
+         0.001744], is not allowed; allowed: points that coincide in the unstrained model at its start angles within \
          1.5e-4 m, 0.001 of the length of the longer body"
     );
     let curved =
@@ -154,7 +154,7 @@ fn loops_that_are_open_at_the_start() {
     assert_eq!(
         message_of(&curved),
         "wing.toml:57: key 'loop.pin': a gap of 0.092571 m, from the first point to the second [0.058650, 0.071621, \
-         0.000000], is not allowed; allowed: points that coincide in the unstrained machine at its start angles within \
+         0.000000], is not allowed; allowed: points that coincide in the unstrained model at its start angles within \
          1.5e-4 m, 0.001 of the length of the longer body"
     );
 }

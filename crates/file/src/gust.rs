@@ -90,8 +90,8 @@ fn turbulence(
     let component = match (direction.try_normalize(0.0), velocity_m_s.try_normalize(0.0)) {
         (Some(direction), Some(velocity)) if direction.cross(&velocity).norm() <= ALIGNED => Component::Longitudinal,
         (Some(direction), Some(velocity)) if direction.dot(&velocity).abs() > ALIGNED => {
-            let allowed = "a velocity parallel or perpendicular to the direction of travel, for which the spectra \
-                           differ; write one gust for each component, with separate seeds";
+            let allowed = "a velocity parallel or perpendicular to the direction of travel, because the spectra along and \
+                           across it differ; write one gust for each component, with separate seeds";
             checker.refuse(&["gust", name, "velocity_m_s"], allowed);
             return None;
         }

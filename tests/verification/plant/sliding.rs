@@ -442,10 +442,7 @@ fn sj08_parts_that_exclude_it() {
         "[loop.pin]\nbodies = [\"bead\", \"root\"]\noffsets_m = [[0, 0, 0], [0.25, 0, 0]]\nstiffness_N_m = 1e4\n";
     for (part, key) in [(air, "'aerodynamics'"), (closed, "'loop.pin'")] {
         let refused = foldwing::config::parse(&format!("{text}\n{part}"), "sliding.toml").expect_err(key).to_string();
-        assert!(
-            refused.contains(key) && refused.contains("in a machine with a sliding joint (\"slide\")"),
-            "{refused}"
-        );
+        assert!(refused.contains(key) && refused.contains("in a model with a sliding joint (\"slide\")"), "{refused}");
     }
 }
 

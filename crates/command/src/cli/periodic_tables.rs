@@ -93,7 +93,7 @@ fn notes(floquet: &Floquet, text: &mut String) {
         );
     }
     if let Some(cause) = &floquet.unseen {
-        let _ = writeln!(text, "frequencies are in the coordinates of the machine, not in the fixed frame: {cause}");
+        let _ = writeln!(text, "frequencies are in the coordinates of the model, not in the fixed frame: {cause}");
     }
 }
 

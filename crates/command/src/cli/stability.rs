@@ -14,12 +14,12 @@ pub fn text(plant: &Plant, stability: &Stability, departure: Option<Departure>) 
             directions(count)
         ),
         Some(Departure::PathEnds(factor)) => format!(
-            "The load path ends at {factor:.4} of the load: under the full load the machine snaps through to this \
+            "The load path ends at {factor:.4} of the load: under the full load the model snaps through to this \
              equilibrium (--path arc-length follows a path through limit points).\n"
         ),
         Some(Departure::PathInAirEnds(factor)) => format!(
             "The equilibrium path from still air ends at {factor:.4} of the dynamic pressure: this equilibrium is not \
-             connected to the path, and the machine may not reach it.\n"
+             connected to the path, and the model may not reach it.\n"
         ),
         None => String::new(),
     };

@@ -408,5 +408,5 @@ impl Session {
 }
 
 fn no_machine(machine: usize, count: usize) -> String {
-    format!("there is no machine {machine}: they are numbered from 0 to {}", count.saturating_sub(1))
+    format!("there is no model {machine}: models are numbered from 0 to {}", count.saturating_sub(1))
 }

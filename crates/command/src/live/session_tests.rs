@@ -346,7 +346,7 @@ fn orders_act_on_all_machines_or_one() {
     both.execute(&on("fold.external_torque", 0.03, Some(1))).unwrap();
     assert_eq!(torques(&mut both), [Given::Number(0.02), Given::Number(0.03)]);
     let message = both.execute(&on("fold.external_torque", 0.03, Some(2))).unwrap_err();
-    assert_eq!(message, "there is no machine 2: they are numbered from 0 to 1");
+    assert_eq!(message, "there is no model 2: models are numbered from 0 to 1");
     let message = both.execute(&on("fold.motor_damping", -1.0, Some(1))).unwrap_err();
     assert!(message.starts_with("b: variable fold.motor_damping cannot be -1"), "{message}");
     let target_m = [0.3, 0.0, 0.1];
@@ -357,7 +357,7 @@ fn orders_act_on_all_machines_or_one() {
     both.execute(&Order::Release {}).unwrap();
     assert!(both.machines.iter().all(|one| one.pull.is_none()));
     let message = both.execute(&Order::Pull { station: 7, target_m, stiffness_n_m: 5.0, machine: 2 }).unwrap_err();
-    assert!(message.contains("no machine 2"), "{message}");
+    assert!(message.contains("no model 2"), "{message}");
 }
 
 /// A value that is invalid only for the second machine leaves the first unchanged, and the message has the name of the second. Machines

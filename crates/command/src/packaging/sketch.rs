@@ -43,7 +43,7 @@ pub fn sketch(machine: &Machine) -> String {
     let wing = undeformed(machine, 1.0);
     let mut painter = Painter::new(machine, &wing);
     if !painter.scale_m.is_finite() {
-        return "  (no drawing: the machine is too large)\n".to_owned();
+        return "  (no drawing: the model is too large)\n".to_owned();
     }
     let mut text = String::new();
     for (title, up) in [("from above: x to the right, y up", 1), ("from the side: x to the right, z up", 2)] {
@@ -295,7 +295,7 @@ mod tests {
             let mut machine = two_body_machine();
             machine.bodies[0].joint.parent =
                 foldwing_engine::machine::Parent::Root { position_m: Vector3::repeat(position_m) };
-            assert_eq!(sketch(&machine), "  (no drawing: the machine is too large)\n");
+            assert_eq!(sketch(&machine), "  (no drawing: the model is too large)\n");
         }
     }
 

@@ -97,7 +97,7 @@ pub struct Powers {
 /// The constraints of closed loops are not met at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "rigid loops stay open by {gap:.1e} of the machine's length: prescribed motions, locks or the lengths of the bodies contradict them; \
+    "rigid loops stay open by {gap:.1e} of the model's length: prescribed motions, locks or the lengths of the bodies contradict them; \
      release a joint of the loop, or give it stiffness_N_m in place of rigid = true"
 )]
 pub struct Open {

@@ -164,7 +164,7 @@ impl Study<'_> {
         let sections = self.sections_at(&self.system.state.now.q.clone(), None, None);
         let motions: Vec<_> = sections.into_iter().map(|(motion, _)| motion).collect();
         let Some(slopes) = self.system.lattice_slopes(&motions, gusts)? else {
-            return Err(refused("the machine has no lattice"));
+            return Err(refused("the model has no lattice"));
         };
         let [by_place, by_velocity] = self.answers_of_motion(&freedoms, &slopes);
         let units = DMatrix::identity(ENTRIES * slopes.sections, ENTRIES * slopes.sections);

@@ -73,7 +73,7 @@ impl Study<'_> {
         if !rest && !self.system.equations.spatial.is_empty() {
             return Err(PlantError::Linearization {
                 time_s: now.time_s,
-                cause: "machines with universal, ball or free joints are linearised at rest only".into(),
+                cause: "models with universal, ball or free joints are linearised at rest only".into(),
             });
         }
         let mut tangent = Tangent::new(&self.system.equations.model);

@@ -133,7 +133,7 @@ impl Study<'_> {
         let growing =
             if by_pivots && negative_directions == 0 || too_many || rigid { Vec::new() } else { self.growing()? };
         let not_judged = (!by_pivots).then_some(()).and_then(|()| match (rigid, too_many) {
-            (true, _) => Some("a machine with rigid loops has no modes; use stiffness_N_m in the loops".to_owned()),
+            (true, _) => Some("a model with rigid loops has no modes; use stiffness_N_m in the loops".to_owned()),
             (false, true) => Some(format!(
                 "{coordinates} coordinates exceed {MAXIMUM_COORDINATES}, the maximum for modes; use fewer elements"
             )),

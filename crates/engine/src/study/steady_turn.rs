@@ -53,7 +53,7 @@ impl Study<'_> {
         }
         Err(refused(format!(
             "no steady state at {speed_rad_s} rad/s: the equilibrium of structure and aerodynamics still changes by \
-             {size:.1e} (rotation in rad, or displacement divided by the machine's length) after {MAXIMUM_CORRECTIONS} \
+             {size:.1e} (rotation in rad, or displacement divided by the model's length) after {MAXIMUM_CORRECTIONS} \
              corrections"
         )))
     }

@@ -113,8 +113,8 @@ pub enum PlantError {
     },
     /// Two lattices coincide.
     #[error(
-        "no aerodynamic loads at t = {time_s} s: the lattices of {} and {} lie on each other, {gap_m:.1e} m or {gap_panels:.2} \
-         panels apart at the widest place; at least {} panels are needed: open their joint further, use more strips, or strip \
+        "no aerodynamic loads at t = {time_s} s: the lattices of {} and {} are folded onto each other, at most {gap_m:.1e} m or \
+         {gap_panels:.2} panels apart; at least {} panels are needed: open their joint further, use more strips, or use strip \
          theory",
         .bodies[0], .bodies[1], crate::aero::near_sheets::CLOSED_PANELS
     )]

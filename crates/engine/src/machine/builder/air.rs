@@ -315,7 +315,11 @@ pub(super) fn build(
         let stray = stray.or(gusts.first().map(|gust| ["gust", gust.name.as_str()]));
         let stray = stray.or(flaps.first().map(|flap| ["control_surface", flap.name.as_str()]));
         if let Some(place) = stray {
-            checker.refuse_state(&place, "a surface, gust or flap without aerodynamics", "a machine with aerodynamics");
+            checker.refuse_state(
+                &place,
+                "a surface, gust or control surface without aerodynamics",
+                "a model with aerodynamics",
+            );
         }
         return None;
     };

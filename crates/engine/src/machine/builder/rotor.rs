@@ -56,7 +56,7 @@ impl RotorSettings {
         if let Some(blades) =
             self.features.blades.filter(|blades| *blades == 0 || blades % machine.max(1) != 0 || *blades > 100)
         {
-            let allowed = format!("a multiple of {machine}, the number of blades of the machine, up to 100");
+            let allowed = format!("a multiple of {machine}, the number of blades of the model, up to 100");
             checker.refuse(&["air", "blades"], blades.to_string(), allowed);
             return None;
         }

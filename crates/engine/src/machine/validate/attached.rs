@@ -199,7 +199,7 @@ pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
                     shown.z
                 ),
                 format!(
-                    "points that coincide in the unstrained machine at its start angles within {} m, {START_GAP} of \
+                    "points that coincide in the unstrained model at its start angles within {} m, {START_GAP} of \
                      the length of the longer body",
                     shortest(limit_m)
                 ),

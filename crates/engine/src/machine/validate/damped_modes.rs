@@ -1,4 +1,4 @@
-//! Check of damping by modes: modes of the same frequency have no order, so that their ratios must be equal.
+//! Check of damping by modes: the order of modes with equal frequencies is arbitrary, so that their ratios must be equal.
 
 use crate::beam::element::rigid_body_mass;
 use crate::machine::Machine;
@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 /// Relative distance of two frequencies below which their modes count as one: the shapes are determined to round-off over this distance.
 const CLOSE: f64 = 1e-6;
 
-/// Reports different ratios for modes of the same frequency. The bodies must have no faults.
+/// Reports different ratios for modes with equal frequencies. The bodies must have no faults.
 pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     for body in machine.bodies.iter().filter(|body| body.modal_damping_ratios.iter().any(|ratio| *ratio > 0.0)) {
         let alone = BodyDescription {
@@ -46,7 +46,7 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
             .find(|(i, pair)| ratio(*i) != ratio(*i + 1) && pair[1] - pair[0] < CLOSE * pair[1]);
         if let Some((i, pair)) = pair {
             let allowed = format!(
-                "equal ratios for modes {} and {}, which have the same frequency, {} Hz, and no order",
+                "equal ratios for modes {} and {}, whose frequencies are equal ({} Hz), so that their order is arbitrary",
                 i + 1,
                 i + 2,
                 shortest(pair[0] / TAU)

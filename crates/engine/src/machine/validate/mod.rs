@@ -56,7 +56,7 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     }
     checker.array(&["gravity_m_s2"], machine.gravity_m_s2.as_slice());
     if machine.bodies.is_empty() {
-        checker.refuse_state(&["body"], "a machine without bodies", "at least one body");
+        checker.refuse_state(&["body"], "a model without bodies", "at least one body");
     }
     names("body", machine.bodies.iter().map(|body| body.name.as_str()), checker);
     names("joint", machine.bodies.iter().map(|body| body.joint.name.as_str()), checker);

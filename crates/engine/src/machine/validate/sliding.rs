@@ -34,12 +34,12 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     carried(&machine.bodies, checker);
     let Some(joint) = machine.sliding_joint() else { return };
     if let Some(closure) = machine.closures.first() {
-        let allowed = format!("no loop in a machine with a sliding joint ({joint:?})");
+        let allowed = format!("no loop in a model with a sliding joint ({joint:?})");
         checker.refuse_state(&["loop", &closure.name], "a loop", allowed);
     }
     for body in machine.bodies.iter().filter(|body| body.modal_damping_ratios.iter().any(|ratio| *ratio > 0.0)) {
         let allowed = format!(
-            "no damped modes in a machine with a sliding joint ({joint:?}); write stiffness_damping_s on the body"
+            "no damped modes in a model with a sliding joint ({joint:?}); write stiffness_damping_s on the body"
         );
         checker.refuse(&["body", &body.name, "modal_damping_ratios"], array_text(&body.modal_damping_ratios), allowed);
     }
@@ -49,11 +49,11 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     }
 }
 
-/// Reports aerodynamics in a machine with a sliding joint.
+/// Reports aerodynamics in a model with a sliding joint.
 pub(super) fn in_air(machine: &Machine, checker: &mut Checker) {
     if let (Some(joint), true) = (machine.sliding_joint(), machine.air.is_some()) {
         let allowed =
-            format!("no aerodynamics in a machine with a sliding joint ({joint:?}); state loads at load stations");
+            format!("no aerodynamics in a model with a sliding joint ({joint:?}); state loads at load stations");
         checker.refuse_state(&["aerodynamics"], "aerodynamics", allowed);
     }
 }

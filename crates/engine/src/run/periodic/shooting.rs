@@ -453,7 +453,7 @@ impl<'p> Shooting<'p> {
     fn no_contraction(&self, nearest: f64, accuracy: f64) -> PlantError {
         self.refused(format!(
             "no periodic revolution of the shaft was found: in {} revolutions the smallest difference between start \
-             and end is {nearest:.1e} (rotation in rad, or displacement divided by the machine's length), \
+             and end is {nearest:.1e} (rotation in rad, or displacement divided by the model's length), \
              {accuracy:.1e} is required; check for undamped motions, start closer to the solution, use more steps per \
              revolution, or a larger tolerance",
             self.turns
