@@ -66,7 +66,7 @@ fn flaps_that_cannot_be() {
                 .replace("to_m = 0.1", "to_m = 0.12")
         )
     };
-    refused(&second, &["control_surface.g.from_m", "overlaps flap \"f\"", "side by side"]);
+    refused(&second, &["control_surface.g.from_m", "overlaps control surface \"f\"", "side by side"]);
     refused(&replaced("strips = 6", "strips = 2"), &["surface.in.strips", "at least 3 strips"]);
     refused(&|text: &str| format!("{text}lower_deg = 5\nupper_deg = -5\n"), &["control_surface.f.lower_deg"]);
     refused(&|text: &str| format!("{text}command_deg = 45\n"), &["control_surface.f.command_deg", "limits"]);

@@ -122,8 +122,11 @@ pub(super) fn check(
             };
             if let Some(other) = flaps[..index].iter().find(meets) {
                 let [begin_m, end_m] = other.ends_m(length_m).map(shortest);
-                let state = format!("a flap that overlaps flap {:?}, from {begin_m} to {end_m} m", other.name);
-                checker.refuse_state(&place("from_m"), state, "flaps side by side on a body");
+                let state = format!(
+                    "a control surface that overlaps control surface {:?}, from {begin_m} to {end_m} m",
+                    other.name
+                );
+                checker.refuse_state(&place("from_m"), state, "control surfaces side by side on a body");
             }
         }
         fine &= checker.faults.len() == before;

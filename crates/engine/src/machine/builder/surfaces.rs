@@ -368,7 +368,7 @@ fn place(
             let parts = breaks_m.len() + 1;
             if surface.strips < parts {
                 let allowed = format!(
-                    "at least {parts} strips, because the ends of the flaps divide the surface into {parts} parts"
+                    "at least {parts} strips, because the ends of the control surfaces divide the surface into {parts} parts"
                 );
                 checker.refuse(&["surface", &surface.body, "strips"], surface.strips, allowed);
                 return None;

@@ -92,8 +92,8 @@ fn check_flaps(air: &Air, checker: &mut Checker) {
         if air.flaps[..index].iter().any(meets) {
             checker.refuse_state(
                 &place("strips"),
-                "a flap that overlaps another one",
-                "flaps side by side on a surface",
+                "a control surface that overlaps another one",
+                "control surfaces side by side on a surface",
             );
         }
         if !(flap.hinge_fraction > 0.0 && flap.hinge_fraction < 1.0) {

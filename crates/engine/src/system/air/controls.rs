@@ -39,7 +39,7 @@ fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
     // in degrees, as in the model file, without the round-off of the conversion
     let degrees = [*lower_rad, *upper_rad].map(|rad| (rad.to_degrees() * 1e6).round() / 1e6);
     let cause = format!(
-        "aero.control_surface.{name}.angle_command moves flap {name} to {angle_rad} rad; allowed: from {lower_rad:.6} \
+        "aero.control_surface.{name}.angle_command rotates control surface {name} to {angle_rad} rad; allowed: from {lower_rad:.6} \
          to {upper_rad:.6} rad (lower_deg = {}, upper_deg = {})",
         degrees[0], degrees[1]
     );
