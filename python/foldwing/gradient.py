@@ -168,7 +168,7 @@ class GradientStudies:
         max_runs: int = 200,
     ) -> Optimum:
         """Find numbers of the model that minimise a result of its run, with the exact gradient of the run (needs SciPy): design of a
-        machine, or of a command over time.
+        model, or of a command over time.
 
         Args:
             objective: the result to minimise, as `of` in `gradient`, or weights by result, whose weighted sum is minimised; a negative

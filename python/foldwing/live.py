@@ -31,12 +31,12 @@ class Live:
     address: str
 
     def __init__(self, machines: Sequence[Machine], port: int, speed: float) -> None:
-        """Start the server with the machines, each given by the text of its model and the bytes of a state."""
+        """Start the server with the models, each given by the text of its model and the bytes of a state."""
         self._folder = Path(tempfile.mkdtemp(prefix="foldwing-live-"))
         self._notes: List[str] = []
         command = [sys.executable, "-m", "foldwing", "live", "--no-browser", "--port", str(port), "--speed", repr(speed)]
         for number, (text, state) in enumerate(machines, 1):
-            # all files have the same name, so that the legend numbers machines with equal names
+            # all files have the same name, so that the legend numbers models with equal names
             model, start = self._folder / str(number) / "model.toml", self._folder / str(number) / "state"
             model.parent.mkdir()
             model.write_bytes(text.encode())
@@ -114,7 +114,7 @@ class Live:
 
 
 def start(machines: Sequence[Machine], port: int, speed: float, show: bool) -> Live:
-    """Start a live simulation of machines in step and show its page, unless `show` is false."""
+    """Start a live simulation of several models in step and show its page, unless `show` is false."""
     if not 0 <= port <= 65535:
         raise UsageError(f"port={port}: must be from 0 to 65535; 0 selects any free port")
     if not 1e-3 <= speed <= 100.0:

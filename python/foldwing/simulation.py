@@ -69,8 +69,8 @@ class Simulation(_native.Simulation):
             clock.sleep(left_s)
 
     def view(self, *, compare: Union[Simulation, Sequence[Simulation]] = (), port: int = 0, speed: float = 1.0, show: bool = True) -> live.Live:
-        """Show the machine live in the browser, from its present state on: it runs on the wall clock; in the page one can start and stop
-        it, go back in time, set inputs and parameters, and pull on it with a spring. The command `foldwing live` serves the page in a
+        """Show the model live in the browser, starting from its current state and paced by the wall clock; on the page one can run and pause
+        it, roll back, set inputs and parameters, and pull on it with a spring. The command `foldwing live` serves the page in a
         separate process: this simulation is not changed. Other simulations can run in step with it: one clock, drawn together, shared sliders.
 
         >>> import foldwing as fw

@@ -34,8 +34,8 @@ class Equilibrium:
         self.root_moment_N_m: NDArray[np.float64] = np.array(data["root"]["moment_N_m"])
         """Moment of the model on the root in N·m, root frame, shape (3,)."""
         self.warnings: List[str] = list(data["warnings"])
-        """Warnings: assumptions of the aerodynamic models that the machine does not meet, and joints that may not be where they are meant
-        to be: open latches, hinges that have rotated by more than half a revolution."""
+        """Warnings: assumptions of the aerodynamic models that are not met, and joints whose positions may not be the
+        intended ones: open latches, hinges that have rotated by more than half a revolution."""
 
     @property
     def stable(self) -> Optional[bool]:
@@ -158,7 +158,7 @@ class Flutter(Shapes):
         """Other events between two speeds: `kind` ("latch", "jump" of the equilibrium, "unstable": a growing mode, "divergence": a change of
         sign without a converged speed), `between_m_s`, `text`."""
         self.warnings: List[str] = list(data["warnings"])
-        """Warnings: assumptions of the aerodynamic models that the machine does not meet at one of the speeds."""
+        """Warnings: assumptions of the aerodynamic models that are not met at one of the speeds."""
         self.modes_tracked: int = int(data["modes_tracked"])
         """Number of modes tracked."""
 

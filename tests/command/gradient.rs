@@ -272,8 +272,8 @@ fn the_figure_has_relative_slopes() {
 }
 
 /// GR-44: a mass on a spring, on a support that moves by a polynomial or a table. The derivative of its relative displacement with respect
-/// to the coefficient is `−2 (1 − cos ωt)/ω²`; the sum of those with respect to all rows of the table is that with respect to a shift,
-/// zero. An error names the time of a row, which cannot be a parameter.
+/// to the quadratic coefficient is `−2 (1 − cos ωt)/ω²`; a shift has no effect: the derivative with respect to the constant coefficient and
+/// the sum of those with respect to all rows of the table are zero. The time of a row cannot be a parameter, which is an error.
 #[test]
 fn coefficients_and_rows_of_a_prescribed_motion_are_numbers() {
     let folder = tempfile::tempdir().unwrap();

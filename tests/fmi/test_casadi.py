@@ -20,11 +20,11 @@ def unfolding(foldwing, tmp_path_factory):
     return wing, study.package(foldwing, folder, 1, "cs")
 
 
-# intervals; allowed difference of the replayed strain, over the bound
+# intervals; allowed difference of the replayed strain, relative to the bound
 @pytest.mark.parametrize("intervals, allowed", [(20, 0.01), pytest.param(60, 0.01, marks=whole)])
 def test_ca03_the_fastest_unfolding_is_what_co_simulation_does(unfolding, intervals, allowed):
     """CA-03. IPOPT finds the fastest torque with the FMU's derivatives: it holds the folded wing at first, the strain reaches its bound and
-    does not pass it, and co-simulation with that torque has the predicted strain, latches at the predicted time, and rests after it."""
+    does not pass it, and co-simulation with that torque has the predicted strain, latches at the predicted time, and is at rest afterwards."""
     wing, fmu = unfolding
     optimum = study.solve(wing, intervals)
     assert optimum.converged

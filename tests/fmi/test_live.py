@@ -283,7 +283,7 @@ def test_controls_and_pulls_act_on_both_machines_or_one(foldwing, browser, tmp_p
 
 
 def test_machines_that_cannot_run_in_step_are_refused(foldwing, tmp_path):
-    """What cannot be shown beside the first machine is an error that states its name and the remedy."""
+    """A second model that cannot be shown with the first one is an error with its name and the remedy."""
     late = tmp_path / "late.toml"
     late.write_text(WING.read_text().replace("[simulation]\n", "[simulation]\nstart_time_s = 0.1\n"))
     state = tmp_path / "state"

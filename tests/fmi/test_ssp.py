@@ -1,4 +1,4 @@
-"""`package --ssp`: a system with parameters and their mapping, and a controller beside the wing, as one model does it."""
+"""`package --ssp`: a system with parameters and their mapping, and a controller with the wing, compared with a single model."""
 
 import math
 import subprocess
@@ -81,8 +81,8 @@ def test_im02_what_is_no_system_is_refused_by_name(foldwing, tmp_path, more, wor
 
 
 def by_hand(fmu, folder, steps, step_s):
-    """Fold angle after each step by direct calls in the order of FMPy's SSP run: both components step with the connected values of the step
-    before, at first 0."""
+    """Fold angle after each step by direct calls in the order of FMPy's SSP run: both components step with the connected values of the
+    previous step, initially 0."""
     wing, angles = Instance(Fmu(fmu, folder)), []
     law, torque, seen = study.CONTROLLER, 0.0, (0.0, 0.0)
     try:
@@ -99,7 +99,7 @@ def by_hand(fmu, folder, steps, step_s):
 
 
 def test_im03_controller_beside_the_wing_is_the_same_loop(controlled, tmp_path):
-    """IM-03. FMPy's run of the system gives the fold angles of the FMU alone that is fed the controller's torque of the step before."""
+    """IM-03. FMPy's run of the system gives the fold angles of the FMU alone with the torque of the controller from the previous step as input."""
     members, fmu = controlled
     step_s = 5e-4
     steps = round(STOP_S / step_s)
@@ -110,8 +110,8 @@ def test_im03_controller_beside_the_wing_is_the_same_loop(controlled, tmp_path):
 
 
 def test_im04_system_converges_to_the_model_with_that_motor(controlled, tmp_path):
-    """IM-04. A spring in the controller is that of a motor in one model; the controller is late by a step or two, so that the
-    difference falls in proportion to the step."""
+    """IM-04. A spring in the controller is equivalent to that of a motor in a single model; the controller has a delay of one or two
+    steps, so that the difference falls in proportion to the step."""
     members, fmu = controlled
     single = {"fold.start_angle": math.radians(START_DEG), "solver.tolerance": 1e-8}
     rows = read_model_description(str(fmu)).modelVariables

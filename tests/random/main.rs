@@ -195,7 +195,7 @@ fn x13_gradients_are_the_same_both_ways() {
 /// directions, on constant elements and on pairs, with shear and without.
 #[test]
 fn x14_sliding_bodies_cross_borders() {
-    // what they are on, and whether they move outboard
+    // element type, shear, and whether the body moves outboard
     let mut crossings = BTreeMap::<(&str, &str, bool), usize>::new();
     let (mut machines, mut crossed, mut silent) = (0, 0, 0);
     for seed in SLIDING..SLIDING + 60 {

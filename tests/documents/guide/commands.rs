@@ -167,7 +167,7 @@ fn f246_the_lines_of_the_guide_run() {
             let _ = std::fs::remove_file(folder.path().join(&words[1])); // the command does not overwrite files
         }
         if words[0] == "view" {
-            words.push("--no-open".to_owned()); // nobody watches
+            words.push("--no-open".to_owned()); // do not open a browser
         }
         if words[0] == "package" && !words.iter().any(|word| word == "--description-only" || word == "--library") {
             words.extend(["--library".to_owned(), library().to_str().unwrap().to_owned()]);

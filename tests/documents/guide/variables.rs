@@ -131,7 +131,7 @@ This page is generated from the program's table of variables; a test keeps it cu
   `fmi2Discard` and has no effect.
 - Inputs are constant during a step, or linear in time if `fmi2SetRealInputDerivatives` sets their rates (FMI 2.0). Outputs are evaluated
   at the current time with the current inputs: a force set between steps affects accelerations and reactions that are read before the
-  next step. Air loads, locks and latches are updated only in the step.
+  next step. Aerodynamic loads, locks and latches are updated only in the step.
 - **fixed** parameters can be set before the end of the initialisation, **tunable** ones at any time.
 ";
 
@@ -342,7 +342,7 @@ fn page() -> String {
         (
             Causality::Input,
             "Inputs",
-            "Start values come from the model file: loads from `[load.<name>]`, gravity from `gravity_m_s2`, wind from `aerodynamics.wind_m_s`; they are 0 by default. `<joint>.release` and `<joint>.latch_enable` start as true unless the model file says otherwise, so that the wing unfolds with default values.",
+            "Start values come from the model file: loads from `[load.<name>]`, gravity from `gravity_m_s2`, wind from `aerodynamics.wind_m_s`; they are 0 by default. `<joint>.release` and `<joint>.latch_enable` start as true unless the model file sets them, so that the wing unfolds with default values.",
         ),
         (
             Causality::Output,

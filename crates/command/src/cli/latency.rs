@@ -30,7 +30,7 @@ pub struct Arguments {
     /// Seed of the turbulence: the same seed gives the same forces on every computer
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Start every step at its time of the wall clock, as a real-time loop does: the run then takes as long as the simulated time
+    /// Start every step at its wall-clock time, as a real-time loop does: the run then takes as long as the simulated time
     #[arg(long)]
     paced: bool,
     /// Start value of an input or parameter; may be repeated

@@ -23,7 +23,7 @@ pub struct Arguments {
     model: PathBuf,
     /// Input or parameter to solve for, or `attitude.roll`, `attitude.pitch`, `attitude.yaw`, which rotate the model relative to gravity
     /// and wind, or `turn.rate` of a steady turn to the right; as many as there are targets. Names joined by commas share a value; `-NAME`
-    /// takes the negative of it
+    /// gets the negative of this value
     #[arg(long = "solve-for", value_name = "NAME", required = true, value_parser = NonEmptyStringValueParser::new())]
     free: Vec<String>,
     /// Output and its target value at equilibrium, in SI units; may be repeated. The forces and moments on free joints are always

@@ -61,7 +61,7 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
     });
     html.push_str(&format!(
         " Density {} kg/m³, wind {} m/s at the start, aerodynamic steps of {} s, {}. The aerodynamic loads of a step are \
-         constant and turn with the sections; wind and other inputs act from the end of the present aerodynamic step \
+         constant and rotate with the sections; wind and other inputs act from the end of the current aerodynamic step \
          on.</p>\n",
         number(air.density_kg_m3),
         vector(air.wind_m_s.as_slice()),

@@ -25,7 +25,7 @@ struct Terminal {
 pub(super) fn document(machine: &Machine, interface: &Interface) -> String {
     let root = Terminal {
         name: "root".to_owned(),
-        description: "flange at the root: loads on what carries the wing, motion of the root".to_owned(),
+        description: "flange at the root: loads on the support, motion of the root".to_owned(),
         prefix: "root.".to_owned(),
         further: &["gravity"],
     };

@@ -1,7 +1,7 @@
 //! Damping of a beam by the damping ratios of its modes, NOTATION eqs. (D30) and (D31).
 //!
 //! The modes are those of the undamped body with its attached masses, clamped at its inner end, without loads, in its natural shape. The
-//! damping `Σ 2ζω (Mφ)(Mφ)ᵀ` acts on the rates of the strains of this body alone: it is objective and inner to the body. It has the rank of
+//! damping `Σ 2ζω (Mφ)(Mφ)ᵀ` acts on the rates of the strains of this body alone: it is objective and internal to the body. It has the rank of
 //! the number of ratios and is added to the factors of the tree together with the closed loops.
 
 use crate::load::RootMotion;

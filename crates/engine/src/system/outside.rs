@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Manner {
     /// The energy accounts are not states.
     pub(super) without_accounts: bool,
-    /// `1/ω_c²` of the frequency limit in s², eq. (D21); 0 without a limit, and while the model takes steps of its own.
+    /// `1/ω_c²` of the frequency limit in s², eq. (D21); 0 without a limit, and while the model is integrated by its own solver.
     pub(super) strain_inertia_s2: f64,
 }
 

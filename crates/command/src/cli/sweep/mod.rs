@@ -43,7 +43,7 @@ pub struct Arguments {
     /// CSV file for the results, one row for each variant; `OUT.csv.sweep` next to it keeps finished rows
     #[arg(short = 'o', long = "output", value_name = "OUT.csv")]
     out: PathBuf,
-    /// HTML page with all variants: the one in the middle as by `simulate --view`, the others as lines, and bands of their values in the
+    /// HTML page with all variants: the middle one as with `simulate --view`, the others as lines, and bands of their values in the
     /// plots; rows taken over from an earlier run are simulated again
     #[arg(long, value_name = "OUT.html")]
     view: Option<PathBuf>,

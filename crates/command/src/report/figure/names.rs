@@ -84,7 +84,7 @@ impl Figure {
         for (row, curve) in named.enumerate() {
             let y = layout::WIDE.top() + layout::WIDE.border + 12 + 22 * row as u32;
             if y + 22 > size[1] {
-                break; // a figure of so many curves is read from its file, not from its legend
+                break; // a figure with this many curves is read from its file, not from its legend
             }
             let stroke = line(colour(curve), 2.2);
             match curve.look {
@@ -111,7 +111,7 @@ impl Figure {
     ) -> Drawn<B> {
         for ([x, row], curve) in layout::rows(self, size) {
             if row >= layout.rows {
-                break; // a figure of so many curves is read from its file, not from its legend
+                break; // a figure with this many curves is read from its file, not from its legend
             }
             let y = layout.border + layout.title + layout::ROW * row + layout::ROW / 2;
             let stroke = line(colour(curve), 1.8);

@@ -44,7 +44,7 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
         checker.refuse(&["body", &body.name, "modal_damping_ratios"], array_text(&body.modal_damping_ratios), allowed);
     }
     if machine.experiment.start == StartState::Equilibrium {
-        let allowed = format!("\"unstrained\": no static equilibrium is sought with a sliding joint ({joint:?})");
+        let allowed = format!("\"unstrained\": there is no static equilibrium with a sliding joint ({joint:?})");
         checker.refuse(&["simulation", "start"], "\"equilibrium\"", allowed);
     }
 }
