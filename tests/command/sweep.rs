@@ -234,7 +234,7 @@ fn k06_a_changed_sweep_is_refused() {
     assert_eq!(fs::read_to_string(record_of(&out)).unwrap(), "something else\n");
 }
 
-/// K-07. Mistakes are rejected before anything runs, with the key, the value and what is allowed.
+/// K-07. Invalid options and tables are rejected before any run, with the key, the value and the allowed values.
 #[test]
 fn k07_slips_are_refused_before_anything_runs() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,7 +7,7 @@ const GOLAND: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/golan
 const TUNNEL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/wind_tunnel/sideslip_wing.toml");
 
 /// Goland's wing with its axis at half the chord, at incidence, diverges below 160 m/s: the command used to report only flutter, because
-/// the sign of the stiffness changes where no equilibrium is found. It reports what happens, and how far the sweep reached.
+/// the sign of the stiffness changes where no equilibrium is found. It reports the event and the speed at which the sweep ended.
 #[test]
 fn flutter_names_what_no_speed_stands_for() {
     let folder = tempfile::tempdir().unwrap();

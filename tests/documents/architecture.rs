@@ -1,5 +1,5 @@
 //! The rules of `docs/ARCHITECTURE.md`, executable: allowed imports, the location of `unsafe`, restrictions of the physics modules, and
-//! existence of what the documents mention.
+//! existence of the files and names in the documents.
 //!
 //! A failure names the file and the rule. Changing a table here is a design decision: change the same row in `docs/ARCHITECTURE.md` and
 //! give the reason in the commit.

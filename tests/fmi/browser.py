@@ -110,7 +110,7 @@ class Browser:
         return result["result"].get("value")
 
     def await_value(self, expression, wanted):
-        """Waits until a JavaScript expression has a value: what the page does in later frames takes its own time on a busy machine."""
+        """Waits until a JavaScript expression has a value: on a busy computer the page may need several frames."""
         stop = time.monotonic() + PATIENCE_S
         while (value := self.value(expression)) != wanted:
             assert time.monotonic() < stop, f"{expression} is {value!r}, not {wanted!r}, after {PATIENCE_S:.0f} s"

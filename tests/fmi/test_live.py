@@ -1,4 +1,4 @@
-"""`foldwing live`: a machine that is simulated in wall-clock time and handled by the user, as shown by a browser."""
+"""`foldwing live`: a model that is simulated in wall-clock time and controlled by the user, as shown by a browser."""
 
 import json
 import math
@@ -116,7 +116,7 @@ def test_a_body_without_load_input_says_so(foldwing, browser):
 
 
 def test_pause_step_and_roll_back(foldwing, browser):
-    """Time is paused, continues in single steps, and goes back by dragging the bar, together with the machine, its events and plots."""
+    """The simulation is paused, continues in single steps, and is rolled back by dragging the time bar, with its events and plots."""
     with live(foldwing, WING, "--speed", "0.2") as (address, _):
         opened(browser, address)
         browser.value("get('play').click()")
@@ -249,7 +249,7 @@ def test_two_machines_run_in_step(foldwing, browser, tmp_path, dark, width):
 
 
 def test_controls_and_pulls_act_on_both_machines_or_one(foldwing, browser, tmp_path):
-    """A slider acts on both machines, or on the one that is chosen; where they differ, the page shows it. A pull acts on the same stations of both."""
+    """A slider acts on both machines, or on the selected one; the page shows differences between them. A pull acts on the same stations of both."""
     with live(foldwing, WING, "--compare", damped(tmp_path)) as (address, _):
         opened(browser, address)
         row = lambda name: f"controls.find(one => one.control.name === '{name}')"  # noqa: E731

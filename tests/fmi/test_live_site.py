@@ -1,6 +1,6 @@
 """The models of the documentation run in its pages: the engine as WebAssembly in Node, and the page in a browser.
 
-`make live-site` builds what is tested; it needs a compiler with the target wasm32-unknown-unknown, and lists the packages to install if it
+`make live-site` builds the pages under test; it needs a compiler with the target wasm32-unknown-unknown, and lists the packages to install if it
 is missing.
 """
 

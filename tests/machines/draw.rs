@@ -149,7 +149,7 @@ pub fn begin(dice: &mut Dice) -> Draft {
     draft
 }
 
-/// What a machine carries, its failures, its solver, its experiment, and the actions on it.
+/// Adds masses, loads and gauges, failures, solver and simulation settings, and the actions on the machine.
 pub fn end(dice: &mut Dice, mut draft: Draft, seed: u64) -> Model {
     carry(dice, &mut draft);
     failures(dice, &mut draft);

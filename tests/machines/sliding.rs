@@ -188,7 +188,7 @@ fn move_along(table: &mut Table, by_m: f64) {
     }
 }
 
-/// Removes what is not supported with sliding joints: damped modes, starts in equilibrium, and gauges on the beam if its elements are
+/// Removes parts that are not supported with sliding joints: damped modes, starts in equilibrium, and gauges on the beam if its elements are
 /// linear. Shifts the bounds of failures to the positions of the joints.
 fn allowed(model: &mut Model, beam_of_pairs: Option<usize>) {
     let starts: Vec<(String, f64)> = (model.tables.iter())

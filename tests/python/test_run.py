@@ -350,7 +350,7 @@ def test_ctrl_c_ends_whatever_lasts(wing, interruptible):
         finally:
             timer.cancel()
             timer.join()
-        # processor time: how long the work continues, whatever the load of the computer
+        # duration for which the work continues, in processor time, which does not depend on the load of the computer
         assert time.process_time() - sent[0] < 5.0
 
 

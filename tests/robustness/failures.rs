@@ -96,7 +96,7 @@ fn em01_out_of_order() {
     }
 }
 
-/// EM-02. Invalid arguments: each message gives the argument, its value and what is allowed.
+/// EM-02. Invalid arguments: each message gives the argument, its value and the allowed values.
 #[test]
 fn em02_arguments() {
     let fmu = Fmu::stepping();
@@ -290,7 +290,7 @@ fn em05_failures_at_the_begin_of_a_step() {
     assert_eq!(found, causes.map(told));
 }
 
-/// EM-11. A torque too large for any step: the message names the joint and what was tried; the state is unchanged.
+/// EM-11. A torque too large for any step: the message gives the joint and the smallest step tried; the state is unchanged.
 #[test]
 fn em11_a_torque_beyond_measure() {
     let fmu = Fmu::stepping();

@@ -1,5 +1,4 @@
-//! Optional capabilities through the C functions: what they do, what they reject, and that every flag of the model description is covered
-//! by a test.
+//! Optional capabilities through the C functions: their effects, their errors, and a test for every flag of the model description.
 
 use crate::fmu::{Fmu, WING};
 use foldwing::config;

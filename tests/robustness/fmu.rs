@@ -1,4 +1,4 @@
-//! A minimal importer: calls the exported functions and records what is logged.
+//! A minimal importer: calls the exported functions and records the log messages.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 
@@ -138,7 +138,7 @@ impl Attempt {
         }
     }
 
-    /// The component, null if rejected, and what was logged.
+    /// The component, null if rejected, and the log messages.
     pub fn run(&self) -> (fmi2Component, Box<Messages>) {
         let messages = Box::new(Messages::default());
         let component = self.call(&callbacks(&messages));

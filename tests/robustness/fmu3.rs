@@ -1,4 +1,4 @@
-//! A minimal importer of FMI 3.0: calls the exported functions and records what is logged.
+//! A minimal importer of FMI 3.0: calls the exported functions and records the log messages.
 
 #![allow(dead_code, reason = "each test uses a part of it")]
 

@@ -109,7 +109,7 @@ impl Outside {
         outside.in_phase(Phase::Continuous)
     }
 
-    /// The new instance brought to a phase.
+    /// The new instance after the calls that lead to a phase.
     pub fn in_phase(mut self, phase: Phase) -> Self {
         let c = self.fmu.component;
         unsafe {

@@ -1,4 +1,4 @@
-//! Every kind of error in a model file: the whole message, with line, key, value and what is allowed.
+//! Every kind of error in a model file: the whole message, with line, key, value and the allowed values.
 //!
 //! A case is the small model below with one text replaced. Each message is written here in full, so that a change of wording is noticed.
 

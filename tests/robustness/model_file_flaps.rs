@@ -35,7 +35,7 @@ fn flaps_reach_the_tip_of_a_lattice() {
     assert_eq!(air.flaps[0].strips, 0..6);
 }
 
-/// Each error gives location, value, what is allowed and the remedy.
+/// Each error gives location, value, allowed values and the remedy.
 #[test]
 fn flaps_that_cannot_be() {
     let refused = |change: &dyn Fn(&str) -> String, parts: &[&str]| {

@@ -29,7 +29,7 @@ const MAXIMUM_STATES: usize = 6;
 const ANY: &[fmi2Status] = &[fmi2OK, fmi2Discard, fmi2Error];
 
 /// Random machines of a session, in addition to the shipped models: rotors, modal and rigid bodies, failures, end stops, generators,
-/// springs, control surfaces, polars, loops. Each is created anew from time to time, so their number determines the duration.
+/// springs, control surfaces, polars, loops. Each is created again from time to time, so their number determines the duration.
 const DRAWN: usize = 12;
 
 /// Models by name: all shipped models except the twin with strips, with a coarser lattice, and the generator's first valid machines. With

@@ -1,4 +1,4 @@
-"""Every build compiles the shared packages with the same features, so that `make test` reuses what `make` has compiled."""
+"""Every build compiles the shared packages with the same features, so that `make test` reuses the packages that `make` has compiled."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""What a release uploads: crates that contain the files they include, and the checks of `make release-check`."""
+"""Contents of a release: crates that contain the files they include, and the checks of `make release-check`."""
 
 import io
 import json

@@ -690,7 +690,7 @@ fn f248_every_message_of_the_program_is_quoted() {
     assert!(missing.is_empty(), "docs/guide/messages.md does not know\n{}", missing.join("\n"));
 }
 
-/// Texts that no user sees unchanged: they are wrapped by others, or end a command silently.
+/// Texts that are never shown to users unchanged: they are parts of other messages, or end a command silently.
 const INTERNAL: &[&str] = &[
     "standard output was closed",
     "figure `…`",

@@ -1,4 +1,4 @@
-//! Outputs that depend on accelerations of which the largest hardly affect them.
+//! Outputs that depend on accelerations, of which the largest have almost no effect on them.
 
 use super::Rows;
 use super::compare::linear_rows_agree_at;

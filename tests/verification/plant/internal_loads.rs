@@ -437,8 +437,8 @@ const CENTRE_M: [f64; 3] = [0.1, 0.05, -0.04];
 /// gravity equal `m a` and `J α + ω × J ω` for its centre of mass, computed only from the accelerations of its load station, on a moving
 /// root. Moments about hinges are the torque outputs of the joint.
 ///
-/// Forces follow from the accelerations, to round-off; what a joint transmits along its degrees of freedom follows from its torques, to the
-/// error of the values between steps, at a tolerance of 1e-9.
+/// Forces follow from the accelerations, to round-off; the loads that a joint transmits along its degrees of freedom follow from its
+/// torques, to the error of the values between steps, at a tolerance of 1e-9.
 #[test]
 fn p147_newton_and_euler_for_every_rigid_body() {
     let drive = Motor { stiffness_n_m_rad: 0.4, damping_n_m_s_rad: 0.02, inertia_kg_m2: 0.003, ..Motor::default() };

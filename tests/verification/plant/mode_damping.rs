@@ -1,4 +1,4 @@
-//! Beams damped by the ratios of their modes: closed forms of decays, factors of the Newton matrix, accounts and gauges.
+//! Beams with modal damping ratios: closed forms of decays, factors of the Newton matrix, energy balances and gauges.
 
 use crate::plant::machines::*;
 use foldwing::beam::section::{Material, Section, Solid};

@@ -387,8 +387,8 @@ fn lp28_redundant_rows_of_a_planar_linkage() {
     assert!(miss < 2e-3, "{miss:.1e} rad");
 }
 
-/// LP-29. Errors name what rigid loops do not support: external integrators, linear models, modes, gradients, penalties and failures of the
-/// loop; so do errors for motions that contradict a loop.
+/// LP-29. Features that are not supported with rigid loops are errors that name them: external integrators, linear models, modes,
+/// gradients, penalties and failures of the loop; prescribed motions that contradict a loop are errors too.
 #[test]
 fn lp29_refusals_name_the_loop() {
     let mut plant = start(elastic(JointMotion::Free, None, solver(Method::Esdirk4, 1e-6)));

@@ -13,7 +13,7 @@ use std::sync::Arc;
 const METHODS: [Method; 5] =
     [Method::Esdirk4, Method::Esdirk3, Method::TrBdf2, Method::Sdirk2, Method::GeneralizedAlpha];
 
-/// Outputs of some steps from the present on, with a torque that changes at every third step.
+/// Outputs of some steps from the current time on, with a torque that changes at every third step.
 fn steps(plant: &mut Plant, count: usize) -> Vec<Outputs> {
     let begin_s = plant.time_s();
     (1..=count)

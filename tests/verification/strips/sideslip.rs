@@ -92,7 +92,7 @@ fn w48_twisted_wings_in_sideslip_are_those_of_the_lattice() {
     }
 }
 
-/// W-49. A twisted plate in spanwise flow is equivalent to a pitching plate: the flow past a section sees the pitch rate `u_s dθ/ds`. Lift
+/// W-49. A twisted plate in spanwise flow is equivalent to a pitching plate: in a frame that moves with the flow, a section has the pitch rate `u_s dθ/ds`. Lift
 /// and moment agree to second order in the twist.
 #[test]
 fn w49_twist_in_air_along_the_span_is_a_rate_of_pitch() {
