@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""A controller beside the wing in one SSP system, with the parameters of both in SSV files, run by FMPy and, if installed, libcosim and Ecos.
+"""A wing with a controller in one SSP system, with the parameters of both in SSV files, run by FMPy and, if installed, libcosim and Ecos.
 
     python examples/controlled_wing_ssp.py --foldwing target/release/foldwing --output controlled_wing.ssp
 
 `foldwing package --ssp` writes a system of the wing alone: structure (SSD), parameters (SSV, angles in degrees) and their mapping onto the
-variables of the FMU (SSM). This script adds a controller, made by PythonFMU (`pip install pythonfmu`), that turns the hinge like a spring
-of the motor, and a start angle of 120 degrees and a tolerance in the SSV. What importers leave out of SSP 1.0:
+variables of the FMU (SSM). This script adds a controller, made by PythonFMU (`pip install pythonfmu`), that acts on the hinge like a spring
+of the motor, and a start angle of 120 degrees and a tolerance in the SSV. Features of SSP 1.0 that importers do not support:
 
 - FMPy 0.3 ignores parameters, and sets input connectors without a connection to 0: `for_fmpy` removes these, and `start_values` reads
   SSV and SSM.

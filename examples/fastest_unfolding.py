@@ -5,7 +5,7 @@ Usage: fastest_unfolding.py --foldwing target/release/foldwing [--picture OUT.pn
 
 The Model Exchange FMU of the wing provides the equations and, with its directional derivatives, their exact Jacobian; CasADi
 (`pip install casadi`, 3.8.2) collocates them in time (Radau, three points per interval), IPOPT finds times, states and torque. The torque
-at the hinge is linear between the ends of the intervals, limited in size and slope; it begins with what holds the folded wing against its
+at the hinge is linear between the ends of the intervals, limited in magnitude and slope; its initial value holds the folded wing against its
 motor. It is then replayed in co-simulation: on the wing of the optimisation, with one element per body, and on the shipped one with four. `--twice` solves with twice as many intervals too.
 """
 
