@@ -39,7 +39,7 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     }
     for body in machine.bodies.iter().filter(|body| body.modal_damping_ratios.iter().any(|ratio| *ratio > 0.0)) {
         let allowed = format!(
-            "no damped modes in a model with a sliding joint ({joint:?}); write stiffness_damping_s on the body"
+            "no modal damping in a model with a sliding joint ({joint:?}); write stiffness_damping_s on the body"
         );
         checker.refuse(&["body", &body.name, "modal_damping_ratios"], array_text(&body.modal_damping_ratios), allowed);
     }
@@ -53,7 +53,7 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
 pub(super) fn in_air(machine: &Machine, checker: &mut Checker) {
     if let (Some(joint), true) = (machine.sliding_joint(), machine.air.is_some()) {
         let allowed =
-            format!("no aerodynamics in a model with a sliding joint ({joint:?}); state loads at load stations");
+            format!("no aerodynamics in a model with a sliding joint ({joint:?}); apply loads at load stations");
         checker.refuse_state(&["aerodynamics"], "aerodynamics", allowed);
     }
 }
