@@ -105,7 +105,7 @@ fn check_flaps(air: &Air, checker: &mut Checker) {
         if !(flap.lower_rad..=flap.upper_rad).contains(&flap.command_rad) || flap.lower_rad >= flap.upper_rad {
             checker.refuse_state(
                 &place("command_rad"),
-                "limits that do not hold the start value",
+                "limits that exclude the start value",
                 "lower_rad <= command_rad <= upper_rad",
             );
         }

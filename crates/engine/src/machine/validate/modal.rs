@@ -16,7 +16,7 @@ const MAXIMUM_COEFFICIENTS: usize = 20;
 pub(super) fn check(body: &Body, law: &ModalLaw, checker: &mut Checker) {
     let name = body.name.as_str();
     if law.length_m != body.length_m || law.cells != body.elements {
-        let allowed = "the length and the number of cells that its law states";
+        let allowed = "the length and the number of cells of its law";
         checker.refuse_state(&["body", name, "length_m"], "another length or number of cells", allowed);
         return;
     }
