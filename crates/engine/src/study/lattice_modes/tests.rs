@@ -249,3 +249,24 @@ fn q89_strong_flutter_beside_a_wake_of_many_rows_is_an_instability() {
         assert!((value - rows[0]).norm() < 1e-4 * rows[0].norm(), "{rows:?}");
     }
 }
+
+/// A disc about a point off the real axis yields estimates of the eigenvalues above and below the height of its centre: the moments
+/// determine them up to their mirror image at this height.
+#[test]
+fn estimates_above_and_below_the_centre_of_a_disc() {
+    let mut plant = LEAVES.at_rest();
+    let study = plant.study();
+    let system = study.sampled_lattice(false).unwrap_or_else(|error| panic!("{error}"));
+    let delays = Delays::new(&system);
+    let step_s = LEAVES.step_s();
+    let eigenvalue_1_s = Complex::new(0.181, 0.113) / step_s;
+    let radius_1_s = 0.08 / step_s;
+    for height in [-0.5, 0.5] {
+        let center_1_s = eigenvalue_1_s + Complex::new(0.1, height) * radius_1_s;
+        let (guesses, _) = delays.within(Disc { center_1_s, radius_1_s }).expect("moments");
+        let apart = guesses.iter().map(|(z, _)| (z.ln() / step_s - eigenvalue_1_s).norm() / eigenvalue_1_s.norm());
+        let nearest = apart.fold(f64::INFINITY, f64::min);
+        // the eigenvalue above is quoted with three digits
+        assert!(nearest < 5e-3, "at {height} of the radius below the centre: {guesses:?}");
+    }
+}
