@@ -1,4 +1,4 @@
-//! Closed loops in the tangent as data: the points that a loop holds together, and the factors of what couples distant branches.
+//! Closed loops in the tangent as data: the points that a loop holds together, and the factors of the coupling of distant branches.
 
 use crate::multibody::tangent::twist::twist;
 use crate::multibody::workspace::Pair;

@@ -3,7 +3,8 @@
 use crate::math::so3::hat;
 use crate::math::strain::LINEAR;
 use crate::multibody::model::Element;
-use crate::multibody::slope::{self, Slope};
+use crate::multibody::slope;
+use crate::multibody::slope_vector::Slope;
 use crate::multibody::tangent::block::{Cross, SlopeTangent};
 use crate::multibody::tangent::twist::{add_turning, shares, spread};
 use crate::multibody::workspace::Node;
