@@ -5,57 +5,15 @@
 //! Woodbury formula adds the loops.
 
 use crate::math::strain::{SHEARED, STRAINS};
-use crate::multibody::factor::{Weights, solve_tree};
+use crate::multibody::elimination::Weights;
+use crate::multibody::loops::ClosureFactor;
 use crate::multibody::model::{Base, Model};
 use crate::multibody::norm::kinematic_norm;
+use crate::multibody::tree_factor::solve_tree;
 use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::Vector3;
 
-/// Penalty on the gap of a closed loop.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Penalty {
-    /// Inertia `m` in kg.
-    pub inertia_kg: f64,
-    /// Damping `c` in N·s/m.
-    pub damping_n_s_m: f64,
-    /// Stiffness `k` in N/m.
-    pub stiffness_n_m: f64,
-}
-
-/// Description of a closure for meshing: two points that coincide.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ClosureDescription {
-    /// Bodies and the distances of the sections from their inner ends in m; `None` for a point on the root.
-    pub places: [Option<(usize, f64)>; 2],
-    /// Positions of the points relative to the sections' axes, section frames, m; on the root its position in the root frame.
-    pub offsets_m: [Vector3<f64>; 2],
-    /// Whether constraint forces hold the points together; the penalty is then zero.
-    pub rigid: bool,
-    /// Penalty on the gap.
-    pub penalty: Penalty,
-}
-
-/// Closure in the tree: two points that must coincide.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Closure {
-    /// Nodes that carry the points; `None` for a point on the root.
-    pub nodes: [Option<usize>; 2],
-    /// Positions of the points relative to the nodes, node frames, m; on the root its position in the root frame.
-    pub offsets_m: [Vector3<f64>; 2],
-    /// Penalty on the gap.
-    pub penalty: Penalty,
-}
-
-/// Gap of a closure with its rates, root frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gap {
-    /// Position of the second point relative to the first in m.
-    pub position_m: Vector3<f64>,
-    /// Rate of the gap in m/s.
-    pub velocity_m_s: Vector3<f64>,
-    /// Second rate of the gap in m/s².
-    pub acceleration_m_s2: Vector3<f64>,
-}
+pub use crate::multibody::loops::{Closure, ClosureDescription, Gap, Penalty};
 
 impl Closure {
     /// Gap at the motion of the last sweep, eq. (C1).
@@ -156,23 +114,6 @@ pub(crate) fn apply_all(model: &Model, work: &mut Workspace, a: &[f64]) -> Optio
     on_root
 }
 
-/// Workspace for the closures and the damped modes of a model.
-#[derive(Debug, Clone)]
-pub(crate) struct ClosureFactor {
-    /// Columns `Z = A⁻¹ Gᵀ`, one per row of the gaps, then one per damped mode.
-    columns: Vec<Vec<f64>>,
-    /// Lower Cholesky factor of `S = D⁻¹ + G Z`, by rows.
-    cholesky: Vec<f64>,
-    gaps: Vec<f64>,
-}
-
-impl ClosureFactor {
-    /// Workspace for `rows` rows and `coordinates` coordinates.
-    pub(crate) fn new(rows: usize, coordinates: usize) -> Self {
-        Self { columns: vec![vec![0.0; coordinates]; rows], cholesky: vec![0.0; rows * rows], gaps: vec![0.0; rows] }
-    }
-}
-
 /// Value that replaces an absent penalty; its inverse and the square of the inverse are still finite.
 const ABSENT: f64 = 1e-150;
 
@@ -242,6 +183,12 @@ pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64
     }
     work.closure_factor = factor;
     kinematic_norm(model, work, x)
+}
+
+/// Solves for the tree with the closures and damped modes, without rigid loops; the displacements of the nodes stay in `bias`.
+pub(crate) fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
+    let norm = solve_tree(model, work, x);
+    if model.is_bordered() { correct(model, work, x) } else { norm }
 }
 
 /// Generalised forces due to a unit force across a closure's gap.

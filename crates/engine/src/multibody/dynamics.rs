@@ -11,11 +11,12 @@ pub use crate::multibody::elastic::Damping;
 use crate::multibody::elastic::elastic_forces;
 use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::{Base, Body, Model};
+use crate::multibody::nodal::{multiply, multiply_transposed, product, transposed_product, wrench_of};
 use crate::multibody::rigid_loop;
 use crate::multibody::slope;
 use crate::multibody::station_load;
 use crate::multibody::workspace::{Node, Pair, Workspace};
-use nalgebra::{Matrix3, Matrix4, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// External actions on the tree.
 #[derive(Debug, Clone, Copy)]
@@ -103,6 +104,13 @@ pub(super) fn sweep_forces<const PROJECT: bool>(
     if let Some(moment) = rotors_on_root {
         work.root_moment += moment;
     }
+}
+
+/// Adds the momenta in the directions of the coordinates of a field of velocities to `momenta`. `work` holds the poses, and the velocities
+/// as accelerations of nodes at rest; its wrenches are overwritten. `motion` has zero rates and accelerations.
+pub(crate) fn momenta(model: &Model, work: &mut Workspace, motion: Motion, damping: &[Damping], momenta: &mut [f64]) {
+    let root = &RootMotion { gravity_m_s2: Vector3::zeros(), ..RootMotion::default() };
+    sweep_forces::<true>(model, work, motion, Environment { root, damping, stations: &[] }, momenta);
 }
 
 /// Computes the rates of the nodal vectors that are multiplied by the mass, and the wrenches of attached masses, eq. (D5).
@@ -252,39 +260,6 @@ pub(crate) fn beam_force<'a, const SLIM: bool>(
     forces
 }
 
-/// [`multiply`], reduced for blocks that couple only `r` and `r_x`.
-#[inline]
-pub(super) fn product<const SLIM: bool>(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
-    if !SLIM {
-        return multiply(mass, vectors);
-    }
-    let [origin, x, y, z] = vectors;
-    [
-        origin * mass[(0, 0)] + x * mass[(0, 1)],
-        origin * mass[(1, 0)] + x * mass[(1, 1)],
-        y * mass[(2, 2)],
-        z * mass[(3, 3)],
-    ]
-}
-
-/// [`multiply_transposed`], reduced for blocks that couple only `r` and `r_x`.
-#[inline]
-pub(super) fn transposed_product<const SLIM: bool>(
-    mass: &Matrix4<f64>,
-    vectors: &[Vector3<f64>; 4],
-) -> [Vector3<f64>; 4] {
-    if !SLIM {
-        return multiply_transposed(mass, vectors);
-    }
-    let [origin, x, y, z] = vectors;
-    [
-        origin * mass[(0, 0)] + x * mass[(1, 0)],
-        origin * mass[(0, 1)] + x * mass[(1, 1)],
-        y * mass[(2, 2)],
-        z * mass[(3, 3)],
-    ]
-}
-
 /// `[α]× + [ω]×²`: maps a vector fixed to the node to its acceleration.
 #[inline]
 fn turning(spin_rate: &Vector3<f64>, spin: &Vector3<f64>) -> Matrix3<f64> {
@@ -302,30 +277,6 @@ fn nodal_rates(origin: Vector3<f64>, turn: &Matrix3<f64>, rotation: &Matrix3<f64
         gradients.fixed_view::<3, 1>(0, 1).into_owned(),
         gradients.fixed_view::<3, 1>(0, 2).into_owned(),
     ]
-}
-
-/// Products `f_i = Σ_j m[i,j] e_j` of a mass block with nodal vectors.
-#[inline]
-pub(crate) fn multiply(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
-    std::array::from_fn(|i| {
-        vectors[0] * mass[(i, 0)] + vectors[1] * mass[(i, 1)] + vectors[2] * mass[(i, 2)] + vectors[3] * mass[(i, 3)]
-    })
-}
-
-/// Products `f_j = Σ_i m[i,j] e_i` of the transposed mass block with nodal vectors.
-#[inline]
-pub(crate) fn multiply_transposed(mass: &Matrix4<f64>, vectors: &[Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
-    std::array::from_fn(|j| {
-        vectors[0] * mass[(0, j)] + vectors[1] * mass[(1, j)] + vectors[2] * mass[(2, j)] + vectors[3] * mass[(3, j)]
-    })
-}
-
-/// Force and moment of nodal forces: `F = f₀`, `M = Σ r_k × f_k`, eq. (D6).
-#[inline]
-pub(crate) fn wrench_of(rotation: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) -> (Vector3<f64>, Vector3<f64>) {
-    let column = |k: usize| rotation.fixed_view::<3, 1>(0, k).into_owned();
-    let moment = column(0).cross(&forces[1]) + column(1).cross(&forces[2]) + column(2).cross(&forces[3]);
-    (forces[0], moment)
 }
 
 /// Projects the node wrenches on the coordinates, from the tips to the root, eq. (D9).

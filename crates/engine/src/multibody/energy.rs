@@ -3,9 +3,10 @@
 use crate::load::RootMotion;
 use crate::math::so3::hat;
 use crate::math::strain::{SHEARED, STRAINS, Strain};
-use crate::multibody::dynamics::{Damping, multiply};
+use crate::multibody::dynamics::Damping;
 use crate::multibody::joint::JointWork;
 use crate::multibody::model::{Base, Body, Element, Model, Strained};
+use crate::multibody::nodal::multiply;
 use crate::multibody::node::Node;
 use crate::multibody::slope;
 use crate::multibody::workspace::Workspace;

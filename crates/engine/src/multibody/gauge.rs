@@ -11,9 +11,10 @@
 
 use crate::beam::element::ElementKind;
 use crate::math::strain::{CURVATURES, SHEAR_Y, SHEAR_Z, SHEARED, STRAINS, STRETCH, Strain, StrainMatrix};
-use crate::multibody::dynamics::{Damping, multiply, wrench_of};
+use crate::multibody::dynamics::Damping;
 use crate::multibody::model::{Element, Model, Strained};
 use crate::multibody::motion::Motion;
+use crate::multibody::nodal::{multiply, wrench_of};
 use crate::multibody::slope;
 use crate::multibody::workspace::Workspace;
 use nalgebra::Vector3;

@@ -7,10 +7,10 @@
 use crate::beam::element::{ElementMass, shape_at};
 use crate::beam::law::SectionLaw;
 use crate::load::{LoadFrame, Wrench};
-use crate::multibody::dynamics::{multiply, multiply_transposed, wrench_of};
 use crate::multibody::gauge::{Side, section_wrench};
 use crate::multibody::model::{Model, Station};
 use crate::multibody::motion::Motion;
+use crate::multibody::nodal::{multiply, multiply_transposed, wrench_of};
 use crate::multibody::node::Node;
 use crate::multibody::slide;
 use crate::multibody::station;

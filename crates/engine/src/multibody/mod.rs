@@ -1,6 +1,7 @@
 //! The tree of beams and joints, and the recursions over it: kinematics, residual, solve. All O(n).
 
 pub(crate) mod block_slopes;
+pub(crate) mod carriage;
 mod carried;
 mod cholesky;
 pub mod closure;
@@ -16,18 +17,23 @@ pub mod gauge;
 pub mod internal_load;
 pub mod joint;
 pub mod kinematics;
+pub(crate) mod loops;
 pub mod modal;
 pub mod mode_damping;
 pub mod model;
 pub(crate) mod motion;
+pub(crate) mod nodal;
 pub(crate) mod node;
 pub mod norm;
+mod rigid_factor;
 pub(crate) mod rigid_loop;
 pub mod slide;
 pub(crate) mod slope;
+pub(crate) mod slope_vector;
 pub mod station;
 pub(crate) mod station_load;
 pub mod tangent;
+mod tree_factor;
 pub mod workspace;
 
 pub use model::Model;

@@ -8,12 +8,12 @@ use crate::beam::law::{NaturalStrain, SectionLaw};
 use crate::beam::modal::ModalElement;
 use crate::load::LoadFrame;
 use crate::math::strain::{SHEARED, Strain, StrainMatrix};
-use crate::multibody::closure::{Closure, ClosureDescription};
+use crate::multibody::carriage::Slide;
 use crate::multibody::damped_mode::DampedMode;
 pub use crate::multibody::element::{Elastic, Element, Strained};
 use crate::multibody::joint::{Joint, JointKind};
+use crate::multibody::loops::{Closure, ClosureDescription};
 use crate::multibody::modal::Modal;
-use crate::multibody::slide::Slide;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
 /// Description of a body for meshing.

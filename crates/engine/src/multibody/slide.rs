@@ -6,26 +6,18 @@
 //! eq. (K5) with `Θ`, its rate and its acceleration. The element is part of the discrete state, and constant within a step.
 
 use crate::beam::element::ElementKind;
-use crate::load::RootMotion;
 use crate::math::se3::LinkGeometry;
 use crate::math::so3::hat;
 use crate::math::strain::{SHEARED, STRAINS, STRETCH, StrainMatrix, strains_at};
-use crate::multibody::dynamics::{self, Damping, Environment};
-use crate::multibody::kinematics::Motion;
+use crate::multibody::carriage::SlideWork;
 use crate::multibody::model::{Element, Model, Strained};
+use crate::multibody::motion::Motion;
 use crate::multibody::station::sibling;
 use crate::multibody::workspace::{ArticulatedInertia, Node, Pair, Workspace};
 use nalgebra::Vector3;
 use std::array::from_fn;
 
-/// A beam with a body that slides along it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slide {
-    /// Index of the beam.
-    pub beam: usize,
-    /// Index of the body that slides; its joint has one coordinate, the arc length from the beam's inner end in m.
-    pub rider: usize,
-}
+pub use crate::multibody::carriage::Slide;
 
 impl Slide {
     /// Arc lengths in m at which the beam's elements, or pairs, start, and its end.
@@ -46,25 +38,6 @@ impl Slide {
     }
 }
 
-/// Workspace of one sliding joint at the poses of the last sweep; all vectors in the root frame.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct SlideWork {
-    /// Element, or inner half of the pair, that contains the carriage; set from the state.
-    pub element: usize,
-    /// Vector from the inner node of the element or pair to the carriage, m.
-    arm: Vector3<f64>,
-    /// Position of the carriage in m.
-    position: Vector3<f64>,
-    /// Wrench of the body on the carriage from the last inward sweep: inertia forces minus loads.
-    wrench: Pair,
-    /// Twist of the carriage per rate of each strain of the element or inner half, then of the outer half.
-    by_strain: [[Pair; SHEARED]; 2],
-    /// Twist of the carriage per rate of the arc length.
-    pub column: Pair,
-    /// Articulated inertia of the body that slides, at the carriage.
-    pub inertia: ArticulatedInertia,
-}
-
 /// One link of the path to the carriage: its length, the weight of the strains of the first half, and their slopes over the arc length.
 #[derive(Clone, Copy)]
 struct Part {
@@ -75,19 +48,6 @@ struct Part {
 }
 
 impl SlideWork {
-    /// Workspace of a joint whose carriage is in `element`.
-    pub fn new(element: usize) -> Self {
-        Self {
-            element,
-            arm: Vector3::zeros(),
-            position: Vector3::zeros(),
-            wrench: Pair::ZERO,
-            by_strain: [[Pair::ZERO; SHEARED]; 2],
-            column: Pair::ZERO,
-            inertia: ArticulatedInertia::ZERO,
-        }
-    }
-
     /// Inner node of the element or pair.
     fn inner_node(&self, model: &Model, slide: &Slide) -> usize {
         let beam = &model.bodies[slide.beam];
@@ -291,13 +251,6 @@ pub(crate) fn reduce(model: &Model, work: &mut Workspace, index: usize, p: &Pair
 pub(crate) fn displaced(model: &Model, work: &Workspace, index: usize, change: &[f64]) -> Pair {
     let (slide, own) = (&model.slides[index], &work.slides[index]);
     own.displaced(model, slide, &work.bias[own.inner_node(model, slide)], change)
-}
-
-/// Adds the momenta in the directions of the coordinates of a field of velocities to `momenta`. `work` holds the poses, and the velocities
-/// as accelerations of nodes at rest; its wrenches are overwritten. `motion` has zero rates and accelerations.
-pub(crate) fn momenta(model: &Model, work: &mut Workspace, motion: Motion, damping: &[Damping], momenta: &mut [f64]) {
-    let root = &RootMotion { gravity_m_s2: Vector3::zeros(), ..RootMotion::default() };
-    dynamics::sweep_forces::<true>(model, work, motion, Environment { root, damping, stations: &[] }, momenta);
 }
 
 /// Contribution of the bodies that slide along an element, or along a pair, to its elimination, eq. (J14).

@@ -6,80 +6,14 @@
 
 use crate::load::RootMotion;
 use crate::math::strain::{LINEAR, STRETCH};
-use crate::multibody::dynamics::{product, transposed_product, wrench_of};
 use crate::multibody::model::{Body, Element, Model};
 use crate::multibody::motion::Motion;
+use crate::multibody::nodal::{lump, product, transposed_product, wrench_of};
 use crate::multibody::node::{ArticulatedInertia, Node};
+use crate::multibody::slope_vector::Slope;
 use crate::multibody::workspace::Workspace;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use std::array::from_fn;
-
-/// Slope of the axis at one end of an element with shear, root frame.
-#[derive(Debug, Clone, Copy)]
-pub struct Slope {
-    /// `e_x + ε` in the section's axes.
-    local: Vector3<f64>,
-    /// Slope vector `d`.
-    pub(crate) vector: Vector3<f64>,
-    /// Rate of the slope in the section's axes, `R ε̇`, in 1/s.
-    strained: Vector3<f64>,
-    /// Second rate of the slope in the section's axes, `R ε̈`, in 1/s².
-    pulled: Vector3<f64>,
-    /// `d̈ + α ḋ`, inertial: multiplied by the mass, like [`Node::load_rate`].
-    load_rate: Vector3<f64>,
-}
-
-impl Slope {
-    /// Zero slope and rates.
-    pub(crate) const ZERO: Self = {
-        let zero = Vector3::new(0.0, 0.0, 0.0);
-        Self { local: zero, vector: zero, strained: zero, pulled: zero, load_rate: zero }
-    };
-
-    /// Axes `[d r_y r_z]` of the section, with the slope in place of `r_x`.
-    #[inline]
-    pub(crate) fn axes(&self, node: &Node) -> Matrix3<f64> {
-        let mut axes = node.rotation;
-        axes.set_column(0, &self.vector);
-        axes
-    }
-
-    /// Nodal vectors `(r, d, r_y, r_z)`.
-    #[inline]
-    pub(crate) fn vectors(&self, node: &Node) -> [Vector3<f64>; 4] {
-        [node.position, self.vector, axis(node, 1), axis(node, 2)]
-    }
-
-    /// Rates of the nodal vectors relative to the root frame.
-    #[inline]
-    pub(crate) fn velocities(&self, node: &Node) -> [Vector3<f64>; 4] {
-        self.moved(node, &node.velocity, &node.spin)
-    }
-
-    /// Rates of the nodal vectors relative to the rigid-body motion of a carrier, or to the root frame.
-    #[inline]
-    pub(crate) fn relative_velocities(&self, node: &Node, carrier: Option<&Node>) -> [Vector3<f64>; 4] {
-        let (velocity, spin) = carrier.map_or((node.velocity, node.spin), |carrier| node.relative_to(carrier));
-        self.moved(node, &velocity, &spin)
-    }
-
-    #[inline]
-    fn moved(&self, node: &Node, velocity: &Vector3<f64>, spin: &Vector3<f64>) -> [Vector3<f64>; 4] {
-        let slope = spin.cross(&self.vector) + self.strained;
-        [*velocity, slope, spin.cross(&axis(node, 1)), spin.cross(&axis(node, 2))]
-    }
-
-    /// Rates that are multiplied by the mass.
-    #[inline]
-    pub(crate) fn load_rates(&self, node: &Node) -> [Vector3<f64>; 4] {
-        let [origin, _, y, z] = node.load_rate;
-        [origin, self.load_rate, y, z]
-    }
-}
-
-fn axis(node: &Node, k: usize) -> Vector3<f64> {
-    node.rotation.fixed_view::<3, 1>(0, k).into_owned()
-}
 
 /// Computes the slopes of all elements with shear, and with `RATES` their rates; poses of the nodes must be current.
 pub(super) fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion) {
@@ -268,7 +202,7 @@ impl SlopeInertia {
         let turned = rotations[1].tr_mul(rotations[0]) * cross[(1, 1)];
         Self {
             axes,
-            lumps: from_fn(|end| super::factor::lump(&own[end], &axes[end])),
+            lumps: from_fn(|end| lump(&own[end], &axes[end])),
             couplings,
             own: Matrix3::from_diagonal_element(own[0][(1, 1)] + own[1][(1, 1)]) + turned + turned.transpose(),
         }

@@ -4,14 +4,14 @@ use crate::math::local_jacobian::LocalJacobian;
 use crate::math::local_link::{LANES, LocalLinks, LocalMotions};
 use crate::math::se3::Link;
 use crate::math::strain::{SHEARED, STRAINS};
-use crate::multibody::closure::ClosureFactor;
+use crate::multibody::carriage::SlideWork;
 use crate::multibody::joint::JointWork;
+use crate::multibody::loops::ClosureFactor;
 use crate::multibody::modal::ModalWork;
 use crate::multibody::model::{Base, Model};
 use crate::multibody::node::Eliminated;
-use crate::multibody::rigid_loop::RigidFactor;
-use crate::multibody::slide::SlideWork;
-use crate::multibody::slope::Slope;
+use crate::multibody::rigid_factor::RigidFactor;
+use crate::multibody::slope_vector::Slope;
 use nalgebra::Vector3;
 
 pub use crate::multibody::node::{ArticulatedInertia, ElementFactor, Node, Pair};

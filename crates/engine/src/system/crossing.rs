@@ -5,7 +5,7 @@ use crate::force::memory::JointMemory;
 use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::Base;
 use crate::multibody::workspace::Pair;
-use crate::multibody::{energy, slide};
+use crate::multibody::{dynamics, energy};
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Singular};
 use crate::system::brake::Stopped;
@@ -127,12 +127,12 @@ impl Equations {
         sweep_motion(&self.model, &mut self.work, Motion { q, v: zero, a: v });
         let still = Motion { q, v: zero, a: zero };
         jump.fill(0.0);
-        slide::momenta(&self.model, &mut self.work, still, &self.damping, jump);
+        dynamics::momenta(&self.model, &mut self.work, still, &self.damping, jump);
         for (node, carried) in self.work.nodes.iter_mut().zip(&self.work.carried) {
             (node.acceleration, node.spin_rate) = (carried.linear, carried.angular);
         }
         before.fill(0.0);
-        slide::momenta(&self.model, &mut self.work, still, &self.damping, before);
+        dynamics::momenta(&self.model, &mut self.work, still, &self.damping, before);
         jump.iter_mut().zip(before.iter()).for_each(|(jump, before)| *jump -= before);
     }
 

@@ -5,8 +5,9 @@
 use crate::load::RootMotion;
 use crate::math::so3::hat;
 use crate::multibody::derivative::chain::{STILL, Shift, Timed, fixed, second};
-use crate::multibody::dynamics::{Environment, beam_force, multiply};
+use crate::multibody::dynamics::{Environment, beam_force};
 use crate::multibody::model::{Body, Model};
+use crate::multibody::nodal::multiply;
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 

@@ -5,7 +5,6 @@ use crate::load::{LoadFrame, Wrench};
 use crate::math::se3::{Link, link_curvature};
 use crate::math::so3::hat;
 use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
-use crate::multibody::tangent::slope::SlopeTangent;
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
 /// Maximum number of unknowns of a block: the strains of a pair without shear, or the shapes of a modal body; a joint has at most six
@@ -223,4 +222,24 @@ pub(super) fn turned(load: &Wrench, frame: LoadFrame, rotation: &Matrix3<f64>) -
         LoadFrame::Root => (load.force_n, load.moment_n_m),
         LoadFrame::Section => (rotation * load.force_n, rotation * load.moment_n_m),
     }
+}
+
+/// Changes of the inertia forces of an element with its strains, and of the forces on its strains, eq. (L43).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SlopeTangent<const N: usize> {
+    /// Forces on the strains per twist of the inner and outer node.
+    pub rows: [StrainsByTwist<N>; 2],
+    /// Wrenches of the inner and outer node per strain.
+    pub columns: [TwistByStrains<N>; 2],
+    /// Forces on the strains per strain.
+    pub own: StrainMatrix<N>,
+}
+
+impl<const N: usize> SlopeTangent<N> {
+    /// Zero tangent.
+    pub const ZERO: Self = Self {
+        rows: [SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; 6])); 2],
+        columns: [SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; N])); 2],
+        own: SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; N])),
+    };
 }

@@ -6,37 +6,11 @@
 
 use crate::math::so3::hat;
 use crate::multibody::model::Model;
-use crate::multibody::tangent::factor::twist;
-use crate::multibody::tangent::{SingularTangent, Tangent, add, rigid};
-use crate::multibody::workspace::{Pair, Workspace};
-use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3, Matrix3x6, Vector3};
-
-/// One closure linearised about the current poses.
-#[derive(Debug, Clone)]
-pub(super) struct ClosureTangent {
-    /// Nodes that carry the points; `None` for a point on the root.
-    pub(super) nodes: [Option<usize>; 2],
-    /// Displacement of each point per twist of its node; zero on the root.
-    pub(super) points: [Matrix3x6<f64>; 2],
-    pub(super) stiffness_n_m: f64,
-}
-
-impl ClosureTangent {
-    /// Displacement of a point due to those of the nodes.
-    pub(super) fn displacement(&self, side: usize, displaced: &[Pair]) -> Vector3<f64> {
-        self.nodes[side].map_or_else(Vector3::zeros, |n| self.points[side] * twist(&displaced[n]))
-    }
-}
-
-/// Factor of the coupling of all closures.
-#[derive(Debug, Clone)]
-pub(super) struct Coupling {
-    /// `K⁻¹Gᵀ`, one column per coordinate of a closure's points.
-    columns: DMatrix<f64>,
-    /// Number of positive eigenvalues of the symmetric part of the small matrix, eq. (L16).
-    pub(super) positive: usize,
-    lu: LU<f64, Dyn, Dyn>,
-}
+use crate::multibody::tangent::loops::{ClosureTangent, Coupling};
+use crate::multibody::tangent::twist::add;
+use crate::multibody::tangent::{SingularTangent, Tangent, rigid};
+use crate::multibody::workspace::Workspace;
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3x6, Vector3};
 
 impl Tangent {
     /// Linearises the closures at the poses in `work`; their forces rotate with the arms.

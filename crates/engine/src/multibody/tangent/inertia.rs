@@ -2,7 +2,8 @@
 
 use crate::multibody::Model;
 use crate::multibody::tangent::Tangent;
-use crate::multibody::tangent::factor::Factor;
+use crate::multibody::tangent::elimination::Factor;
+use crate::multibody::tangent::links::{strains_of, stride};
 use nalgebra::{Const, DimMin};
 
 impl Tangent {
@@ -66,7 +67,7 @@ impl Tangent {
                 spread(factor, &mut scale[modal.coordinate..modal.coordinate + modal.modes]);
             }
             for e in body.first_element..body.first_element + body.elements {
-                let own = super::strains_of(model, e, super::stride(body).min(body.first_element + body.elements - e));
+                let own = strains_of(model, e, stride(body).min(body.first_element + body.elements - e));
                 if body.sheared {
                     self.sheared.factors[e].iter().for_each(|factor| spread(factor, &mut scale[own.clone()]));
                 } else {

@@ -6,12 +6,12 @@ use crate::math::se3::LinkGeometry;
 use crate::math::strain::{SHEARED, Strain};
 use crate::multibody::model::{Body, Element, Model, Station, Strained};
 use crate::multibody::station;
-use crate::multibody::tangent::block::{Block, LinkTangent, Unknowns, turned};
-use crate::multibody::tangent::factor::{Factor, twist};
-use crate::multibody::tangent::slope::SlopeTangent;
-use crate::multibody::tangent::{accumulate, add, follower, strains_of, stride};
+use crate::multibody::tangent::block::{Block, LinkTangent, SlopeTangent, Unknowns, turned};
+use crate::multibody::tangent::elimination::Factor;
+use crate::multibody::tangent::twist::{accumulate, add, follower, twist};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::{Const, DimMin, Matrix6, SMatrix};
+use std::ops::Range;
 
 /// Links of all elements; used for those with `N` strains.
 #[derive(Debug, Clone)]
@@ -170,4 +170,14 @@ fn station_block<const N: usize, const U: usize>(
         block.mix(&mixing);
     }
     block
+}
+
+/// Number of elements eliminated together: both halves of a pair.
+pub(super) fn stride(body: &Body) -> usize {
+    if body.kind == ElementKind::Linear { 2 } else { 1 }
+}
+
+/// Indices in `q` of the strains of an element, or of the pair that starts with it.
+pub(super) fn strains_of(model: &Model, element: usize, stride: usize) -> Range<usize> {
+    model.elements[element].coordinate..model.elements[element + stride - 1].range().end
 }

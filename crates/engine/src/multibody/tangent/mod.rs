@@ -10,34 +10,34 @@
 
 mod block;
 mod closure;
+mod elimination;
 mod factor;
 mod inertia;
 mod joint;
 mod links;
+mod loops;
 mod modal;
 mod rigid;
 mod slope;
+mod twist;
 
 pub use joint::JointTangent;
 
-use crate::beam::element::ElementKind;
 use crate::load::{LoadFrame, RootMotion, Wrench};
 use crate::math::so3::hat;
 use crate::math::strain::{SHEARED, STRAINS, Strain};
-use crate::multibody::dynamics::multiply;
 use crate::multibody::model::{Base, Body, Model};
+use crate::multibody::nodal::multiply;
 use crate::multibody::station;
 use crate::multibody::workspace::{Pair, Workspace};
-use block::{Cross, SHEARED_UNKNOWNS, UNKNOWNS};
-use closure::{ClosureTangent, Coupling};
-use factor::{Factor, twist};
+use block::{Cross, SHEARED_UNKNOWNS, SlopeTangent, UNKNOWNS};
+use elimination::Factor;
 use joint::JointBlock;
 use links::{Links, link_tangent};
+use loops::{ClosureTangent, Coupling, RigidTangent};
 use modal::ModalTangent;
-use nalgebra::{DMatrix, Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
-use rigid::RigidTangent;
-use slope::SlopeTangent;
-use std::ops::Range;
+use nalgebra::{DMatrix, Matrix3, Matrix6, Vector3, Vector6};
+use twist::{add, add_turning, follower, inertia, pair, twist};
 
 /// No solution: the tangent has a zero pivot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -301,85 +301,4 @@ impl Tangent {
             body.joint.expand_freedoms(joint, x);
         }
     }
-}
-
-/// Number of elements eliminated together: both halves of a pair.
-fn stride(body: &Body) -> usize {
-    if body.kind == ElementKind::Linear { 2 } else { 1 }
-}
-
-/// Indices in `q` of the strains of an element, or of the pair that starts with it.
-fn strains_of(model: &Model, element: usize, stride: usize) -> Range<usize> {
-    model.elements[element].coordinate..model.elements[element + stride - 1].range().end
-}
-
-/// Adds as many of the values as `y` has entries.
-fn accumulate<const N: usize>(y: &mut [f64], values: &SVector<f64, N>) {
-    for (y, value) in y.iter_mut().zip(values.iter()) {
-        *y += value;
-    }
-}
-
-fn pair(twist: &Vector6<f64>) -> Pair {
-    Pair { linear: twist.fixed_rows::<3>(0).into_owned(), angular: twist.fixed_rows::<3>(3).into_owned() }
-}
-
-fn add(sum: &mut Pair, wrench: &Vector6<f64>) {
-    let more = pair(wrench);
-    sum.linear += more.linear;
-    sum.angular += more.angular;
-}
-
-/// Nodal forces due to the acceleration `frame·e`, in twist form: rows for the node with axes `row`, columns for the one with axes
-/// `column`, eq. (L4).
-fn inertia(mass: &Matrix4<f64>, frame: &Matrix3<f64>, row: &Matrix3<f64>, column: &Matrix3<f64>) -> Matrix6<f64> {
-    if *frame == Matrix3::zeros() {
-        return Matrix6::zeros();
-    }
-    shares(mass, frame, &spread(row), &spread(column))
-}
-
-/// Map from the twist of a node with the given axes to its nodal vectors.
-fn spread(axes: &Matrix3<f64>) -> SMatrix<f64, 12, 6> {
-    let mut map = SMatrix::<f64, 12, 6>::zeros();
-    map.fixed_view_mut::<3, 3>(0, 0).copy_from(&Matrix3::identity());
-    for k in 0..3 {
-        map.fixed_view_mut::<3, 3>(3 * k + 3, 3).copy_from(&-hat(&axes.column(k).into_owned()));
-    }
-    map
-}
-
-/// Generalised forces on the variables of `row` due to the acceleration `frame·e`, for changes of nodal vectors according to `column`.
-fn shares<const R: usize, const C: usize>(
-    mass: &Matrix4<f64>,
-    frame: &Matrix3<f64>,
-    row: &SMatrix<f64, 12, R>,
-    column: &SMatrix<f64, 12, C>,
-) -> SMatrix<f64, R, C> {
-    let mut forces = SMatrix::<f64, 12, C>::zeros();
-    for i in 0..4 {
-        for j in 0..4 {
-            let share = frame * column.fixed_view::<3, C>(3 * j, 0) * mass[(i, j)];
-            let mut rows = forces.fixed_view_mut::<3, C>(3 * i, 0);
-            rows += share;
-        }
-    }
-    // virtual power: the transpose of the map converts nodal forces to a wrench
-    row.transpose() * forces
-}
-
-/// Adds the effect of constant nodal forces on gradients that rotate: `M = Σ r_k × f_k`, `δM = Σ [f_k][r_k] δφ`.
-fn add_turning(tangent: &mut Matrix6<f64>, axes: &Matrix3<f64>, forces: &[Vector3<f64>; 4]) {
-    let mut spin = tangent.fixed_view_mut::<3, 3>(3, 3);
-    for k in 0..3 {
-        spin += hat(&forces[k + 1]) * hat(&axes.column(k).into_owned());
-    }
-}
-
-/// Tangent of a load that rotates with its node, with the sign of the residual (loads are negative).
-fn follower(force_n: &Vector3<f64>, moment_n_m: &Vector3<f64>) -> Matrix6<f64> {
-    let mut tangent = Matrix6::zeros();
-    tangent.fixed_view_mut::<3, 3>(0, 3).copy_from(&hat(force_n));
-    tangent.fixed_view_mut::<3, 3>(3, 3).copy_from(&hat(moment_n_m));
-    tangent
 }

@@ -5,24 +5,13 @@
 
 use crate::multibody::model::Model;
 use crate::multibody::tangent::Tangent;
+use crate::multibody::tangent::loops::RigidTangent;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular value of the small matrix, relative to its largest, below which a row is redundant.
 const REDUNDANT: f64 = 1e-10;
 /// Stiffness of the support of a machine without beams, relative to its weight divided by its length.
 const OF_WEIGHT: f64 = 100.0;
-
-/// Factor of the constraints of all rigid loops.
-#[derive(Debug, Clone)]
-pub(super) struct RigidTangent {
-    /// `Z = K⁻¹ Gᵀ`, one column per row of the gaps.
-    columns: DMatrix<f64>,
-    /// Pseudo-inverse of `S = G Z`.
-    inverse: DMatrix<f64>,
-    /// Number of negative eigenvalues of the symmetric part of `S`.
-    pub(super) negative: usize,
-    support_n_m: f64,
-}
 
 /// Stiffness of the support in N/m: the largest axial stiffness of an element.
 pub(super) fn support_n_m(model: &Model) -> f64 {

@@ -2,34 +2,16 @@
 
 use crate::math::so3::hat;
 use crate::math::strain::LINEAR;
-use crate::math::strain::StrainMatrix;
 use crate::multibody::model::Element;
-use crate::multibody::slope::{self, Slope};
-use crate::multibody::tangent::block::{Cross, StrainsByTwist, TwistByStrains};
-use crate::multibody::tangent::{add_turning, shares, spread};
+use crate::multibody::slope;
+use crate::multibody::slope_vector::Slope;
+use crate::multibody::tangent::block::{Cross, SlopeTangent};
+use crate::multibody::tangent::twist::{add_turning, shares, spread};
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Matrix6, SMatrix};
 use std::array::from_fn;
 
-/// Changes of the inertia forces of an element with its strains, and of the forces on its strains, eq. (L43).
-#[derive(Debug, Clone, Copy)]
-pub(in crate::multibody::tangent) struct SlopeTangent<const N: usize> {
-    /// Forces on the strains per twist of the inner and outer node.
-    pub rows: [StrainsByTwist<N>; 2],
-    /// Wrenches of the inner and outer node per strain.
-    pub columns: [TwistByStrains<N>; 2],
-    /// Forces on the strains per strain.
-    pub own: StrainMatrix<N>,
-}
-
 impl<const N: usize> SlopeTangent<N> {
-    /// Zero tangent.
-    pub const ZERO: Self = Self {
-        rows: [SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; 6])); 2],
-        columns: [SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; N])); 2],
-        own: SMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; N])),
-    };
-
     /// Tangent of an element between two nodes: also adds its lumped inertias to the tangents of the nodes, and returns the coupling of the
     /// nodes. `frame` maps nodal vectors to their accelerations.
     pub fn new(
