@@ -151,6 +151,75 @@ def test_lw06_an_error_is_shown_in_its_line(live, browser):
     assert not browser.value("document.querySelectorAll('#engine-marks .error').length")
 
 
+OFFERED = "[...document.querySelectorAll('.cm-tooltip-autocomplete li')].map(row => row.querySelector('.cm-completionLabel').textContent)"
+CHOSEN = "document.querySelector('.cm-tooltip-autocomplete li[aria-selected] .cm-completionLabel')?.textContent ?? null"
+
+
+def press(browser, key, code, number, modifiers=0):
+    """A key with its code, its number and its modifiers (2: Ctrl)."""
+    for kind in ("rawKeyDown", "keyUp"):
+        browser.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number, modifiers=modifiers)
+
+
+def at_the_end(browser, text):
+    """Appends text and sets the cursor behind it."""
+    browser.value(f"editor.focus(), editor.dispatch({{ changes: {{ from: editor.state.doc.length, insert: {json.dumps(text)} }} }}), "
+                  "editor.dispatch({ selection: { anchor: editor.state.doc.length } }), 0")
+
+
+def accepted(browser, word, line):
+    """Waits until the word is selected, accepts it with Enter, and compares the last line; the editor ignores Enter in the first 75 ms of a list."""
+    browser.await_value(CHOSEN, word)
+    time.sleep(0.2)
+    press(browser, "Enter", "Enter", 13)
+    browser.await_value("editor.state.doc.toString().split('\\n').pop()", line)
+
+
+def test_f390_completion_while_the_engine_runs(live, browser):
+    """F-390. While the texts being typed are refused by the engine, the list stays: table, key with its unit, and word are completed with the
+    keyboard, and the completed text runs with as many steps as in the command. While the tunnel runs, Ctrl-Space opens a list before the run
+    ends, and neither its pictures nor its end close it; Escape does. The console stays empty.
+    """
+    browser.open(live / "index.html")
+    browser.value("location.hash = '#folding_wing', 0")
+    first = shown(browser)
+    at_the_end(browser, "\n")
+    for letter in "[sol":
+        browser.call("Input.insertText", text=letter)
+    accepted(browser, "solver", "[solver]")
+    at_the_end(browser, "\n")
+    for letter in "max_st":
+        browser.call("Input.insertText", text=letter)
+    shown(browser, "page.refused && page.refused.id === page.latest")
+    detail = "document.querySelector('.cm-tooltip-autocomplete li[aria-selected] .cm-completionDetail').textContent"
+    browser.await_value(CHOSEN, "max_step_s")
+    assert browser.value(detail).startswith("s") and browser.value("page.shown.id") >= first["id"]
+    accepted(browser, "max_step_s", "max_step_s = ")
+    browser.call("Input.insertText", text="0.0005")
+    shown(browser)
+    at_the_end(browser, "\nmethod = ")
+    browser.call("Input.insertText", text='"')
+    browser.await_value(f"{OFFERED}.includes('\"rk4\"')", True)
+    browser.call("Input.insertText", text="sd")
+    accepted(browser, '"sdirk2"', 'method = "sdirk2"')
+    last = shown(browser)
+    assert last["summary"]["failure"] is None and last["summary"]["steps"] >= 0.4 / 0.0005 - 1 > first["summary"]["steps"]
+    # while the tunnel runs
+    browser.value("location.hash = '#folding_wing_in_tunnel', 0")
+    shown(browser, "page.model === 'folding_wing_in_tunnel' && page.shown.id === page.latest && !page.shown.done")
+    at_the_end(browser, "\n[solver]\n")
+    begun = time.monotonic()
+    press(browser, " ", "Space", 32, modifiers=2)
+    browser.await_value(f"{OFFERED}.includes('tolerance')", True)
+    print(f"list {1e3 * (time.monotonic() - begun):.0f} ms after Ctrl-Space, while the tunnel runs")
+    assert not browser.value("page.shown.done && page.shown.id === page.latest"), "the run was over before the list was open"
+    shown(browser)
+    assert "tolerance" in browser.value(OFFERED)
+    press(browser, "Escape", "Escape", 27)
+    browser.await_value(OFFERED, [])
+    assert not browser.complaints()
+
+
 def test_lw08_editor_has_its_notice():
     """Names, versions and licence are in the bundle and next to it; the tool that updates it has the same versions."""
     folder = ROOT / "crates/web/page/vendor"
