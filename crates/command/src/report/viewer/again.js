@@ -48,6 +48,7 @@ function dispose() {
     for (const material of [object.material].flat()) material?.dispose();
     if (object.isInstancedMesh) object.dispose();
   });
+  for (const { made } of symbols) for (const geometry of made.values()) geometry.dispose();
   sun.dispose();
 }
 return { renderer, textPictures, main, about, charts, keptNow, endRun, endPlots, dispose };
