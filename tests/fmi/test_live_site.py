@@ -223,6 +223,26 @@ def test_f390_completion_while_the_engine_runs(live, browser):
     assert not browser.complaints()
 
 
+def test_f392_shaders_are_kept_from_run_to_run(live, browser):
+    """F-392. Once two runs of a model have been drawn, further runs link no shader program, whatever is visible in their first pictures: without
+    a GPU a program takes 50 to 200 ms.
+    """
+    browser.open(live / "index.html")
+    for name in ("two_body", "flying_wing"):
+        browser.value(f"location.hash = '#{name}', 0")
+        shown(browser, f"page.model === '{name}' && page.shown && page.shown.done && page.shown.id === page.latest")
+        for number in range(6):
+            if number == 2:
+                browser.value("""(gl => { globalThis.linked = 0; const own = gl.linkProgram.bind(gl);
+                    gl.linkProgram = program => { linked++; own(program); }; })(page.viewer.renderer.getContext())""")
+            before = browser.value("page.latest")
+            browser.value("editor.dispatch({ changes: { from: 0, insert: '#\\n' } }), 0")
+            shown(browser, f"page.shown.done && page.shown.id > {before}")
+        assert browser.value("linked") == 0, name
+        browser.value("delete page.viewer.renderer.getContext().linkProgram, 0")
+    assert not browser.complaints()
+
+
 def test_lw08_editor_has_its_notice():
     """Names, versions and licence are in the bundle and next to it; the tool that updates it has the same versions."""
     folder = ROOT / "crates/web/page/vendor"

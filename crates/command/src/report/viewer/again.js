@@ -34,6 +34,8 @@ function keep(kept) {
   main.goTo(main.positionAt(Math.min(kept.time, main.timeOf(main.last))));
   setScales();
   show();
+  // shaders of items that are not visible at first, as a shadow outside of the ground, would be freed with the previous run
+  renderer?.compile(scene, lens());
   if (kept.playing || again.play) play(true);
 }
 if (again.kept) keep(again.kept); else if (again.play) play(true);
