@@ -13,7 +13,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples"))
 
-from house_style import BLACK, BLUE, GREEN, INK, ORANGE, SMALL, VERMILION, label_ends, save, use  # noqa: E402
+from house_style import BLACK, BLUE, GREEN, INK, ORANGE, SMALL, VERMILION, label_ends, number, save, use  # noqa: E402
 
 FLOOR = 1e-18  # below round-off: replaces zero on a logarithmic axis
 CONSTRAINTS = {
@@ -29,6 +29,7 @@ COMPARED = (
     (("fx_n", "fy_n", "fz_n"), ("X", "Y", "Z"), "joint force on B (N)", "N"),
 )
 COLOURS = (BLUE, VERMILION, GREEN)
+WIDTH_IN = 8.6  # width at which the documents show the figures, so that letters have their size
 
 
 def table(path):
@@ -36,14 +37,19 @@ def table(path):
     return np.genfromtxt(path, delimiter=",", names=True)
 
 
+def powers(axis):
+    """Labels powers of ten of a logarithmic axis without exponents, which would be smaller than the other letters."""
+    axis.set_major_formatter(lambda value, _: number(f"1e{round(np.log10(value))}"))
+
+
 def pendulum(results, joint, reference, output):
-    """Draws one double pendulum: motion on top, difference of the two methods below; energies and the constraint."""
+    """Draws one double pendulum: motion at the left, difference of the two methods at the right; energies and the constraint."""
     ours = table(results / f"double_pendulum_{joint}_joint_parameters.csv")
     dae = table(results / f"double_pendulum_{joint}_dae.csv")
     product = table(results / f"double_pendulum_{joint}_product.csv")
-    figure, grid = plt.subplots(2, 5, figsize=(18.0, 6.6), sharex=True)
-    figure.subplots_adjust(left=0.038, right=0.955, top=0.84, bottom=0.085, wspace=0.42, hspace=0.22)
-    for (upper, lower), (columns, names, heading, unit) in zip(grid.T, COMPARED):
+    figure, grid = plt.subplots(5, 2, figsize=(WIDTH_IN, 11.0), sharex=True)
+    figure.subplots_adjust(left=0.075, right=0.89, top=0.915, bottom=0.045, wspace=0.36, hspace=0.30)
+    for (upper, lower), (columns, names, heading, unit) in zip(grid, COMPARED):
         factor = 1e6 if columns == ("ex",) else 1.0
         for column, name, colour in zip(columns, names, COLOURS):
             upper.plot(ours["t_s"], factor * ours[column], color=colour, linewidth=1.2, label=name)
@@ -51,7 +57,7 @@ def pendulum(results, joint, reference, output):
             lower.semilogy(ours["t_s"], difference, color=colour, linewidth=1.0, label=name)
         upper.set_title(heading, fontsize=10)
         lower.set_title(f"difference of the two methods ({unit})", fontsize=10)
-    tip, tip_error = grid[:, 2]
+    tip = grid[2, 0]
     for column in ("tip_x_m", "tip_y_m", "tip_z_m"):
         tip.plot(product["t_s"][::8], product[column][::8], ".", color=INK, markersize=3.5)
     others = "dots: O(n) of the product"
@@ -61,9 +67,9 @@ def pendulum(results, joint, reference, output):
             tip.plot(rows["t_s"][::8], sign * rows[column][::8], "+", color=INK, markersize=6, markeredgewidth=0.6)
         others += "; +: Exudyn"
     tip.set_ylim(bottom=-4.4)
-    tip.annotate(others, (0.03, 0.03), xycoords="axes fraction", fontsize=SMALL - 0.5, color=INK)
+    tip.annotate(others, (0.03, 0.03), xycoords="axes fraction", fontsize=SMALL, color=INK)
 
-    energy, constraint = grid[:, 4]
+    energy, constraint = grid[4]
     for column, name, colour in (("kinetic_j", "kinetic", BLUE), ("elastic_j", "elastic", ORANGE), ("gravity_j", "gravity", GREEN)):
         energy.plot(ours["t_s"], ours[column], color=colour, linewidth=1.2, label=name)
     total = ours["kinetic_j"] + ours["elastic_j"] + ours["gravity_j"]
@@ -76,19 +82,22 @@ def pendulum(results, joint, reference, output):
     constraint.set_ylim(FLOOR, 1e-10)
     for axes in grid.flat:
         axes.set_xlim(ours["t_s"][0], ours["t_s"][-1])
-    for axes in grid[1]:
+    for axes in grid[4]:
         axes.set_xlabel("time (s)")
+    for axes in grid[:, 1]:
+        powers(axes.yaxis)
     for axes in grid.flat:
         label_ends(axes)
-    figure.text(0.012, 0.955, f"Double pendulum, ball and {joint} joint", fontsize=13.5, weight="bold")
-    figure.text(0.012, 0.915, "above: joint parameters; below: their difference to the index-1 DAE of the conventional form", fontsize=SMALL + 1)
+    figure.text(0.012, 0.973, f"Double pendulum, ball and {joint} joint", fontsize=13.5, weight="bold")
+    figure.text(0.012, 0.950, "left: joint parameters; right: their difference to the index-1 DAE of the conventional form", fontsize=SMALL + 1)
     save(figure, output / f"double_pendulum_{joint}.png")
 
 
 def two_bodies(results, reference, output):
     """Draws the free end over time, its difference from the reference, and the error of its RMS over the number of sections."""
-    figure, grid = plt.subplots(1, 3, figsize=(16.0, 4.9))
-    figure.subplots_adjust(left=0.045, right=0.87, top=0.80, bottom=0.12, wspace=0.62)
+    figure, found = plt.subplot_mosaic([["end", "error"], ["difference", "difference"]], figsize=(WIDTH_IN, 7.8))
+    figure.subplots_adjust(left=0.08, right=0.84, top=0.88, bottom=0.07, wspace=0.75, hspace=0.32)
+    grid = [found[name] for name in ("end", "difference", "error")]
     rows = table(reference)
     shown = (
         ("constant", 6, BLUE, "constant, 6"),
@@ -104,7 +113,7 @@ def two_bodies(results, reference, output):
         if name == "segments_whole_root_spring" and sections == 6:
             grid[0].plot(path["t_s"], path["tip_z_m"], color=colour, linewidth=1.1, label=label)
         grid[1].semilogy(rows["t_s"], np.maximum(np.abs(at - rows["tip_Z_m"]), 1e-6), color=colour, linewidth=1.1, label=label)
-    grid[0].set(xlabel="time (s)", ylabel="Z of the free end (m)", title="The free end: reference and coarsest meshes")
+    grid[0].set(xlabel="time (s)", ylabel="Z of the free end (m)", title="Free end, coarsest mesh")
     grid[1].set(xlabel="time (s)", ylabel="difference in Z to Exudyn (m)", title="Difference; number: sections per body")
     for name, colour, label in (
         ("segments_whole_root_spring", VERMILION, "segments, EI/l\nat clamp: order 1"),
@@ -114,13 +123,15 @@ def two_bodies(results, reference, output):
     ):
         errors = table(results / f"two_body_error_{name}.csv")
         grid[2].loglog(errors["sections"], errors["error_converged"], "o-", color=colour, markersize=3.5, label=label)
-    grid[2].set(xlabel="sections per body", ylabel="relative error of RMS(Z) (–)", title="Error relative to the converged value")
+    grid[2].set(xlabel="sections per body", ylabel="relative error of RMS(Z) (–)", title="Error of the RMS")
     grid[2].set_xticks([2, 4, 6, 10, 20, 30, 50], ["2", "4", "6", "10", "20", "30", "50"])
     grid[2].minorticks_off()
+    powers(grid[1].yaxis)
+    powers(grid[2].yaxis)
     for axes in grid:
         axes.set_xlim(axes.get_xlim()[0] if axes is grid[2] else 0.0, axes.get_xlim()[1] if axes is grid[2] else rows["t_s"][-1])
         label_ends(axes)
-    figure.text(0.012, 0.93, "Two bodies and a joint: elements of strain against rigid segments", fontsize=13.5, weight="bold")
+    figure.text(0.012, 0.955, "Two bodies and a joint: elements of strain against rigid segments", fontsize=13.5, weight="bold")
     save(figure, output / "two_body_convergence.png")
 
 

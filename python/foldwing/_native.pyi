@@ -103,6 +103,7 @@ class Model:
         self,
         output: Union[str, os.PathLike[str]],
         *,
+        ssp: Union[None, str, os.PathLike[str]],
         model: Union[None, str, os.PathLike[str]],
         libraries: Sequence[Union[str, os.PathLike[str]]],
         linear: Optional[str],

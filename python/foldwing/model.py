@@ -598,6 +598,7 @@ class Model(RotorStudies, GradientStudies):
         self,
         output: Union[str, os.PathLike[str]],
         *,
+        ssp: Union[None, str, os.PathLike[str]] = None,
         linear: Union[None, str, float] = None,
         fmi: int = 2,
         interface: Union[str, Sequence[str]] = "cs",
@@ -611,6 +612,8 @@ class Model(RotorStudies, GradientStudies):
 
         Args:
             output: output file, ending in `.fmu`.
+            ssp: second output file, ending in `.ssp`: a system of this FMU alone (SSP 1.0) with its parameters in files of their own, values with
+                angles in degrees (SSV) and their mapping onto the variables of the FMU (SSM). With `fmi=3` it needs `scalars=True`.
             linear: operating point of a linear model to include: `start`, `equilibrium`, or a time in s.
             fmi: version of FMI, 2 or 3; with 3, stations and vectors are arrays, latch closings are events, and reference results are omitted.
             interface: `cs` (co-simulation), `me` (Model Exchange), or both: `("cs", "me")`.
@@ -627,6 +630,7 @@ class Model(RotorStudies, GradientStudies):
             raise UsageError(f"interface={interface!r}: allowed are 'cs', 'me' and ('cs', 'me')")
         self._native.package(
             os.fspath(output),
+            ssp=None if ssp is None else os.fspath(ssp),
             model=self.file if os.path.exists(self.file) else None,
             libraries=[os.fspath(path) for path in libraries] or [library()],
             linear=None if linear is None else str(linear),

@@ -60,7 +60,8 @@ def test_lw02_every_model_of_the_gallery_runs(engine):
 
 def test_lw03_latch_times_are_those_of_the_command(engine, foldwing):
     """Latch times agree to 1e-12 s, the round-off of functions such as the sine from different libraries, with the same number of steps: it
-    is the same program.
+    is the same program. In machines with loops of springs, round-off grows: the last digit of gravity moves the latch time of the braced
+    wing by 5e-7 s and its thirteenth digit by 1e-6 s in the command, so that these may differ by 1e-5 s.
     """
     compared = 0
     for row in GALLERY:
@@ -71,11 +72,13 @@ def test_lw03_latch_times_are_those_of_the_command(engine, foldwing):
         native = json.loads(done.stdout)
         assert native["solver"]["steps"] == found["steps"], row["name"]
         times = {joint["name"]: joint["latch_time_s"] for joint in native["joints"]}
+        allowed_s = 1e-5 if "[loop." in (ROOT / row["model"]).read_text(encoding="utf-8") else 1e-12
         for latch in found["latches"]:
             expected = times[latch["joint"]]
             assert (expected is None) == (latch["time_s"] is None), (row["name"], latch)
             if expected is not None:
-                assert abs(latch["time_s"] - expected) < 1e-12, (row["name"], latch, expected)
+                print(f"{row['name']}: latch {latch['joint']} {latch['time_s'] - expected:.1e} s after that of the command")
+                assert abs(latch["time_s"] - expected) < allowed_s, (row["name"], latch, expected)
                 compared += 1
     assert compared >= 10, compared
 
@@ -149,6 +152,95 @@ def test_lw06_an_error_is_shown_in_its_line(live, browser):
     again = shown(browser, f"page.shown.done && page.shown.id > {first['id']}")
     assert again["summary"]["steps"] == first["summary"]["steps"]
     assert not browser.value("document.querySelectorAll('#engine-marks .error').length")
+
+
+OFFERED = "[...document.querySelectorAll('.cm-tooltip-autocomplete li')].map(row => row.querySelector('.cm-completionLabel').textContent)"
+CHOSEN = "document.querySelector('.cm-tooltip-autocomplete li[aria-selected] .cm-completionLabel')?.textContent ?? null"
+
+
+def press(browser, key, code, number, modifiers=0):
+    """A key with its code, its number and its modifiers (2: Ctrl)."""
+    for kind in ("rawKeyDown", "keyUp"):
+        browser.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number, modifiers=modifiers)
+
+
+def at_the_end(browser, text):
+    """Appends text and sets the cursor behind it."""
+    browser.value(f"editor.focus(), editor.dispatch({{ changes: {{ from: editor.state.doc.length, insert: {json.dumps(text)} }} }}), "
+                  "editor.dispatch({ selection: { anchor: editor.state.doc.length } }), 0")
+
+
+def accepted(browser, word, line):
+    """Waits until the word is selected, accepts it with Enter, and compares the last line; the editor ignores Enter in the first 75 ms of a list."""
+    browser.await_value(CHOSEN, word)
+    time.sleep(0.2)
+    press(browser, "Enter", "Enter", 13)
+    browser.await_value("editor.state.doc.toString().split('\\n').pop()", line)
+
+
+def test_f390_completion_while_the_engine_runs(live, browser):
+    """F-390. While the texts being typed are refused by the engine, the list stays: table, key with its unit, and word are completed with the
+    keyboard, and the completed text runs with as many steps as in the command. While the tunnel runs, Ctrl-Space opens a list before the run
+    ends, and neither its pictures nor its end close it; Escape does. The console stays empty.
+    """
+    browser.open(live / "index.html")
+    browser.value("location.hash = '#folding_wing', 0")
+    first = shown(browser)
+    at_the_end(browser, "\n")
+    for letter in "[sol":
+        browser.call("Input.insertText", text=letter)
+    accepted(browser, "solver", "[solver]")
+    at_the_end(browser, "\n")
+    for letter in "max_st":
+        browser.call("Input.insertText", text=letter)
+    shown(browser, "page.refused && page.refused.id === page.latest")
+    detail = "document.querySelector('.cm-tooltip-autocomplete li[aria-selected] .cm-completionDetail').textContent"
+    browser.await_value(CHOSEN, "max_step_s")
+    assert browser.value(detail).startswith("s") and browser.value("page.shown.id") >= first["id"]
+    accepted(browser, "max_step_s", "max_step_s = ")
+    browser.call("Input.insertText", text="0.0005")
+    shown(browser)
+    at_the_end(browser, "\nmethod = ")
+    browser.call("Input.insertText", text='"')
+    browser.await_value(f"{OFFERED}.includes('\"rk4\"')", True)
+    browser.call("Input.insertText", text="sd")
+    accepted(browser, '"sdirk2"', 'method = "sdirk2"')
+    last = shown(browser)
+    assert last["summary"]["failure"] is None and last["summary"]["steps"] >= 0.4 / 0.0005 - 1 > first["summary"]["steps"]
+    # while the tunnel runs
+    browser.value("location.hash = '#folding_wing_in_tunnel', 0")
+    shown(browser, "page.model === 'folding_wing_in_tunnel' && page.shown.id === page.latest && !page.shown.done")
+    at_the_end(browser, "\n[solver]\n")
+    begun = time.monotonic()
+    press(browser, " ", "Space", 32, modifiers=2)
+    browser.await_value(f"{OFFERED}.includes('tolerance')", True)
+    print(f"list {1e3 * (time.monotonic() - begun):.0f} ms after Ctrl-Space, while the tunnel runs")
+    assert not browser.value("page.shown.done && page.shown.id === page.latest"), "the run was over before the list was open"
+    shown(browser)
+    assert "tolerance" in browser.value(OFFERED)
+    press(browser, "Escape", "Escape", 27)
+    browser.await_value(OFFERED, [])
+    assert not browser.complaints()
+
+
+def test_f392_shaders_are_kept_from_run_to_run(live, browser):
+    """F-392. Once two runs of a model have been drawn, further runs link no shader program, whatever is visible in their first pictures: without
+    a GPU a program takes 50 to 200 ms.
+    """
+    browser.open(live / "index.html")
+    for name in ("two_body", "flying_wing"):
+        browser.value(f"location.hash = '#{name}', 0")
+        shown(browser, f"page.model === '{name}' && page.shown && page.shown.done && page.shown.id === page.latest")
+        for number in range(6):
+            if number == 2:
+                browser.value("""(gl => { globalThis.linked = 0; const own = gl.linkProgram.bind(gl);
+                    gl.linkProgram = program => { linked++; own(program); }; })(page.viewer.renderer.getContext())""")
+            before = browser.value("page.latest")
+            browser.value("editor.dispatch({ changes: { from: 0, insert: '#\\n' } }), 0")
+            shown(browser, f"page.shown.done && page.shown.id > {before}")
+        assert browser.value("linked") == 0, name
+        browser.value("delete page.viewer.renderer.getContext().linkProgram, 0")
+    assert not browser.complaints()
 
 
 def test_lw08_editor_has_its_notice():

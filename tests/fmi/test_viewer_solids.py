@@ -263,3 +263,64 @@ def test_f387_frames_have_the_height_of_their_content(browser, tmp_path):
     # in two columns it has the height of the frame
     browser.value("document.querySelector('iframe').width = 1000, true")
     browser.await_value(height, "")
+
+
+# Numbers of colour channels that differ by more than 1 of 255 from the picture with the library's shaders: of the picture as it is, and of that
+# without shadows; number of all channels; number of those that differ after the page's shaders are set again.
+SHADERS = """(() => {
+  const gl = renderer.getContext(), picture = () => {
+    const found = new Uint8Array(4 * canvas.width * canvas.height);
+    render();
+    gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, found);
+    return found;
+  };
+  const materials = [], differ = (a, b) => a.reduce((sum, value, i) => sum + (Math.abs(value - b[i]) > 1 ? 1 : 0), 0);
+  scene.traverse(one => { if (one.material) materials.push(one.material); });
+  const quick = picture(), own = materials.map(one => one.onBeforeCompile);
+  const set = to => materials.forEach((one, i) => { one.onBeforeCompile = to(i); one.needsUpdate = true; });
+  set(() => () => {});
+  const library = picture();
+  get('shadow').checked = false;
+  const without = picture();
+  get('shadow').checked = true;
+  set(i => own[i]);
+  return [differ(quick, library), differ(without, library), quick.length, differ(quick, picture())];
+})()"""
+# Surfaces on which no shadow falls, but whose material looks into the shadow map.
+LOOKUPS = """(() => {
+  let found = 0;
+  scene.traverse(one => { if (one.isMesh && one.material.isMeshLambertMaterial && !one.receiveShadow && one.material.onBeforeCompile !== withoutShadows) found++; });
+  return found;
+})()"""
+# Largest distance in pixels between a circle of the symbols and its polygon, triangles of the symbols.
+SYMBOLS = """(() => {
+  updateMarks();
+  const gaps = symbols.flatMap(({ mesh, form }) => {
+    const { radialSegments, tubularSegments, widthSegments } = mesh.geometry.parameters;
+    const sides = tubularSegments ? [radialSegments, tubularSegments] : [widthSegments ?? radialSegments];
+    return form.radii.map((radius, i) => radius * pixelsPerMetre() * (1 - Math.cos(Math.PI / sides[i])));
+  });
+  return [Math.max(...gaps), symbols.reduce((sum, { mesh }) => sum + mesh.geometry.index.count / 3, 0)];
+})()"""
+
+
+def test_f389_pictures_without_gpu_skip_what_is_not_seen(browser, pages):
+    """F-389. The wing in the tunnel and the turbine: the picture with one sine and cosine per shadow, and without lookups where no shadow falls,
+    is that of the library's shaders to 1 of 255. Joints, latches, gauges and masses are at most 0.2 pixels from round, with more sides from
+    nearby. The wake is drawn by one call.
+    """
+    for page in ("folding_wing_in_tunnel", "nrel_5mw_wind"):
+        opened(browser, pages / f"{page}.html")
+        quick, without, channels, again = browser.value(SHADERS)
+        print(f"{page}: {quick} of {channels} channels differ, {without} without shadows")
+        assert quick <= 1e-5 * channels and without > 1000 and again == 0, (page, quick, without, again)
+        assert browser.value(LOOKUPS) == 0
+        gap, far = browser.value(SYMBOLS)
+        browser.value("camera.distance /= 4, true")
+        closer, near = browser.value(SYMBOLS)
+        browser.value("camera.distance *= 4, true")
+        assert gap <= 0.2 and near > 1.5 * far, (page, gap, closer, far, near)
+    opened(browser, pages / "folding_wing_in_tunnel.html")
+    calls = [browser.value(f"(get('wake').checked = {shown}, render(), renderer.info.render.calls)") for shown in ("true", "false")]
+    assert calls[0] - calls[1] == 1, calls
+    assert browser.complaints() == []

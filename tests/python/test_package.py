@@ -82,6 +82,34 @@ def test_fmus_of_every_kind_are_those_of_the_command(wing, command, tmp_path):
     assert not (tmp_path / "d.fmu").exists()
 
 
+def test_systems_are_those_of_the_command(wing, command, tmp_path):
+    """F-391. `ssp` writes the same system as `--ssp`, byte for byte, beside the same FMU; refusals are named with the keywords of Python, and
+    leave nothing behind."""
+    for number, (given, words) in enumerate([({}, []), (dict(fmi=3, scalars=True), ["--fmi", "3", "--scalars"]), (dict(interface=("cs", "me")), ["--interface", "cs,me"])]):
+        ours, theirs = ([tmp_path / f"{who}{number}.{end}" for end in ("fmu", "ssp")] for who in "ab")
+        assert wing.package(ours[0], ssp=ours[1], reference=False, **given) == ours[0]
+        subprocess.run([command, "package", MODEL, "-o", theirs[0], "--ssp", theirs[1], "--no-reference", "-q", *words], check=True)
+        assert [path.read_bytes() for path in ours] == [path.read_bytes() for path in theirs], given
+        with zipfile.ZipFile(ours[1]) as system:
+            assert system.read("resources/model.fmu") == ours[0].read_bytes()
+            assert {"SystemStructure.ssd", "resources/parameters.ssv", "resources/parameters.ssm"} <= set(system.namelist())
+    # written by Foldwing: replaced without `force`
+    wing.package(ours[0], ssp=str(ours[1]), reference=False)
+    (tmp_path / "mine.ssp").write_text("mine")
+    for given, error, words in [
+        (dict(ssp=tmp_path / "x.zip"), fw.UsageError, "x.zip: the name of an SSP must end in .ssp; write .*x.zip.ssp$"),
+        (dict(ssp=tmp_path / "x.ssp", fmi=3), fw.UsageError, r"^ssp=.*x.ssp: SSP 1.0 has no arrays; add scalars=True, or leave out fmi=3$"),
+        (dict(ssp=tmp_path / "mine.ssp"), fw.FilesError, "mine.ssp"),
+        (dict(ssp=3), fw.ArgumentError, "^ssp=3: must be text or a path or None"),
+    ]:
+        with pytest.raises(error, match=words):
+            wing.package(tmp_path / "d.fmu", reference=False, **given)
+    assert not (tmp_path / "d.fmu").exists() and (tmp_path / "mine.ssp").read_text() == "mine"
+    # a file of the user is overwritten with `force`
+    wing.package(tmp_path / "d.fmu", ssp=tmp_path / "mine.ssp", reference=False, force=True)
+    assert zipfile.is_zipfile(tmp_path / "mine.ssp")
+
+
 def test_sweeps_have_start_values(wing, command, tmp_path):
     """`settings` are those of `--set`; a key of the variants has precedence."""
     out = tmp_path / "out.csv"

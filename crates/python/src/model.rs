@@ -385,13 +385,14 @@ impl Model {
         cli::text_with_values(&self.shared.text, &values).map_err(|failure| refusal::command(&failure))
     }
 
-    /// Writes an FMU; `kinds` are the version of FMI, co-simulation, Model Exchange, scalars instead of arrays, and energy accounts.
-    #[pyo3(signature = (output, *, model, libraries, linear, kinds, without_reference, force))]
+    /// Writes an FMU, and a system of it if `ssp` is given; `kinds` are the version of FMI, co-simulation, Model Exchange, scalars instead of arrays, and energy accounts.
+    #[pyo3(signature = (output, *, ssp, model, libraries, linear, kinds, without_reference, force))]
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
     fn package(
         &self,
         py: Python<'_>,
         output: PathBuf,
+        ssp: Option<PathBuf>,
         model: Option<PathBuf>,
         libraries: Vec<PathBuf>,
         linear: Option<String>,
@@ -401,7 +402,7 @@ impl Model {
     ) -> PyResult<()> {
         let (fmi, co_simulation, model_exchange, scalars, accounts) = kinds;
         let kinds = cli::kinds(fmi, [co_simulation, model_exchange], scalars, accounts);
-        let packaging = Packaging { output, model, libraries, linear, kinds, without_reference, force };
+        let packaging = Packaging { output, ssp, model, libraries, linear, kinds, without_reference, force };
         py.detach(|| cli::package(&self.shared.machine, &self.shared.text, &packaging))
             .map_err(|failure| refusal::command(&failure))
     }

@@ -121,6 +121,8 @@ pub fn periodic_page(machine: &Machine, options: &periodic::Options) -> Result<S
 pub struct Packaging {
     /// Path of the FMU.
     pub output: PathBuf,
+    /// Path of a system of this FMU alone (SSP 1.0).
+    pub ssp: Option<PathBuf>,
     /// Model file, which is never overwritten.
     pub model: Option<PathBuf>,
     /// Shared libraries, one per platform; the platform is read from the library.
@@ -141,16 +143,18 @@ pub fn kinds(fmi: u8, [co_simulation, model_exchange]: [bool; 2], scalars: bool,
     Kinds { version, co_simulation, model_exchange, scalars, accounts }
 }
 
-/// Writes the same FMU as `foldwing package`, byte for byte.
+/// Writes the same FMU, and the same system of it, as `foldwing package`, byte for byte.
 ///
 /// # Errors
 /// As for the command: invalid names, libraries or files, and a default simulation that fails.
 pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(), Failure> {
     packages::check_kinds(packaging.kinds, machine)?;
     packages::check_name(&packaging.output)?;
+    packages::check_system(packaging.ssp.as_deref(), packaging.kinds)?;
     let read = packaging.model.iter().chain(&packaging.libraries).map(PathBuf::as_path);
     let mut outlets = Outlets::new(packaging.force, read);
     let place = outlets.place(&packaging.output, Mark::FMU)?;
+    let system = packaging.ssp.as_ref().map(|ssp| outlets.place(ssp, Mark::SSP)).transpose()?;
     let extras = Extras {
         kinds: packaging.kinds,
         // the tables have one column per scalar variable of FMI 2.0
@@ -164,7 +168,12 @@ pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(
         libraries.extend(Library::read(path, None).map_err(packages::failure)?);
     }
     let fmu = packaging::package(machine, text, &extras, &libraries).map_err(packages::failure)?;
-    place.fill_durably(&fmu)
+    place.fill_durably(&fmu)?;
+    if let Some(system) = system {
+        let interface = packaging.kinds.interface(machine);
+        system.fill_durably(&packaging::ssp::system(machine, interface.variables(), packaging.kinds, fmu))?;
+    }
+    Ok(())
 }
 
 /// Modes of a rotor over its speed, in the format of `foldwing modes --vary rotor_speed_rpm=… --json`.

@@ -24,7 +24,8 @@ pub struct Arguments {
     /// Simulated seconds per second; the page can change it
     #[arg(long, default_value_t = 1.0, value_name = "X", value_parser = speed, allow_negative_numbers = true)]
     speed: f64,
-    /// Another model, simulated in step with the first: one clock, drawn together, shared sliders; may be repeated
+    /// Another model, simulated in step with the first: one clock, drawn together; sliders, buttons and pulls of the mouse act on all models or on
+    /// the one selected above them; may be repeated
     #[arg(long = "compare", value_name = "MODEL")]
     others: Vec<PathBuf>,
     /// Start value of an input or parameter of the first model; may be repeated

@@ -96,18 +96,13 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
         let cause = "--cross-check: its files are for FMI 2.0; leave out --fmi 3";
         return Err(Failure::Usage(cause.to_owned()));
     }
-    if arguments.ssp.is_some() && version == Version::Fmi3 && !kinds.scalars {
-        let cause = "--ssp: SSP 1.0 has no arrays; add --scalars, or leave out --fmi 3";
-        return Err(Failure::Usage(cause.to_owned()));
-    }
+    check_arrays(arguments.ssp.as_deref(), kinds)?;
     if arguments.description_only {
         return print(&kinds.model_description(&machine, &kinds.interface(&machine), &text));
     }
     let output = &arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", machine.name)));
     check_name(output)?;
-    if let Some(ssp) = &arguments.ssp {
-        check_system_name(ssp)?;
-    }
+    check_system(arguments.ssp.as_deref(), kinds)?;
     let sources = sources(&arguments.libraries, library)?;
     let read = std::iter::once(arguments.model.as_path()).chain(sources.iter().map(|(_, path)| path.as_path()));
     let mut outlets = Outlets::new(arguments.force.force, read);
@@ -177,8 +172,21 @@ pub(super) fn check_name(output: &Path) -> Result<(), Failure> {
     Err(Failure::Usage(format!("{shown}: the name of an FMU must end in .fmu; write {shown}.fmu")))
 }
 
-/// Checks the file extension of a system.
-fn check_system_name(output: &Path) -> Result<(), Failure> {
+/// Checks that a system, if there is one, has no arrays.
+fn check_arrays(ssp: Option<&Path>, kinds: Kinds) -> Result<(), Failure> {
+    match ssp {
+        Some(ssp) if kinds.version == Version::Fmi3 && !kinds.scalars => Err(Failure::Usage(format!(
+            "--ssp {}: SSP 1.0 has no arrays; add --scalars, or leave out --fmi 3",
+            ssp.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Checks a system, if there is one: no arrays, and the file extension.
+pub(super) fn check_system(ssp: Option<&Path>, kinds: Kinds) -> Result<(), Failure> {
+    check_arrays(ssp, kinds)?;
+    let Some(output) = ssp else { return Ok(()) };
     if output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ssp")) {
         return Ok(());
     }

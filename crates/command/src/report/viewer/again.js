@@ -34,6 +34,8 @@ function keep(kept) {
   main.goTo(main.positionAt(Math.min(kept.time, main.timeOf(main.last))));
   setScales();
   show();
+  // shaders of items that are not visible at first, as a shadow outside of the ground, would be freed with the previous run
+  renderer?.compile(scene, lens());
   if (kept.playing || again.play) play(true);
 }
 if (again.kept) keep(again.kept); else if (again.play) play(true);
@@ -48,6 +50,7 @@ function dispose() {
     for (const material of [object.material].flat()) material?.dispose();
     if (object.isInstancedMesh) object.dispose();
   });
+  for (const { made } of symbols) for (const geometry of made.values()) geometry.dispose();
   sun.dispose();
 }
 return { renderer, textPictures, main, about, charts, keptNow, endRun, endPlots, dispose };

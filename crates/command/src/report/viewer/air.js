@@ -85,7 +85,7 @@ class SurfaceShape {
     const own = { vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     // per strip the quadrilaterals of both sides, then the ends, each of which is one per interval along the chord
     const around = this.aerofoil ? this.aerofoil.stations.length - 1 : 0, strips = this.surface.columns - 1;
-    this.mesh = quads(Math.max(strips * this.rows, 2 * around * (strips + 1)), new THREE.MeshLambertMaterial(run === main ? own : ghost));
+    this.mesh = quads(Math.max(strips * this.rows, 2 * around * (strips + 1)), unshaded(new THREE.MeshLambertMaterial(run === main ? own : ghost)));
     this.mesh.castShadow = run === main;
     this.mesh.userData = { run, body: this.surface.body, describe: hit => this.describe(hit) };
     this.lattice = lines(new THREE.LineBasicMaterial({ transparent: true, opacity: run === main ? 0.55 : 0.25 }));
@@ -264,7 +264,7 @@ class SurfaceShape {
 
 const mostRings = Math.max(0, ...about.rows.map((rows, frame) => rows.reduce((sum, count, i) => sum + count * (about.wakes[i] - 1), 0)));
 const wakeQuads = count => quads(count, new THREE.MeshBasicMaterial({
-  vertexColors: true, transparent: true, opacity: 0.62, depthWrite: false, side: THREE.DoubleSide }));
+  vertexColors: true, transparent: true, opacity: 0.62, depthWrite: false, side: THREE.DoubleSide, forceSinglePass: true }));
 let wakeMesh = mostRings || (live && about.wakes.length) ? wakeQuads(mostRings || 64) : null;
 // The wake of a live simulation grows.
 function makeWakeRoom(rings) {

@@ -35,6 +35,7 @@ class BodyShape {
     geometry.setIndex(faces);
     const ghost = { color: runInk(run), transparent: true, opacity: 0.5 };
     const material = new THREE.MeshLambertMaterial(run === main ? { vertexColors: true } : ghost);
+    if (run === main) shaded(material); else unshaded(material);
     this.mesh = new THREE.Mesh(geometry, material);
     this.mesh.frustumCulled = false;
     this.mesh.castShadow = run === main;
@@ -106,7 +107,7 @@ class SolidShape {
     const count = this.parts.reduce((sum, { triangles }) => sum + triangles.length, 0), geometry = new THREE.BufferGeometry();
     for (const name of ["position", "normal"]) geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(3 * count), 3));
     const ghost = { color: runInk(run), transparent: true, opacity: 0.5 };
-    this.mesh = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial(run === main ? {} : ghost));
+    this.mesh = new THREE.Mesh(geometry, run === main ? shaded(new THREE.MeshLambertMaterial()) : unshaded(new THREE.MeshLambertMaterial(ghost)));
     this.mesh.frustumCulled = false;
     this.mesh.castShadow = this.mesh.receiveShadow = run === main;
     this.mesh.userData = { describe: hit => this.describe(hit) };

@@ -1,13 +1,33 @@
 
 // ---- joints, latches, gauges, masses, links of rigid bodies, paths, arrows -------------------------------------------
 
-const marks = new THREE.Group();
+const marks = new THREE.Group(), symbols = [];
 const LATCH_INKS = { closed: "#2e9e5b", open: "#8b98a5" };
 
-function markMesh(geometry, colour, describe) {
-  const mesh = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({ color: colour }));
+// Numbers of sides of round symbols. `roundSides` gives the least with which a circle lies within UNSEEN_PIXELS of its outline at the present zoom.
+const ROUND = [8, 12, 16, 24, 32];
+function roundSides(radius) {
+  const pixels = radius * pixelsPerMetre() * Math.min(window.devicePixelRatio || 1, 2);
+  return ROUND.find(sides => pixels * (1 - Math.cos(Math.PI / sides)) <= UNSEEN_PIXELS) || ROUND[ROUND.length - 1];
+}
+// Geometries of symbols: radii in m, and how a geometry is made with numbers of sides for these radii.
+const ball = radius => ({ radii: [radius], make: sides => new THREE.SphereGeometry(radius, sides, sides >> 1) });
+const rod = (radius, length) => ({ radii: [radius], make: sides => new THREE.CylinderGeometry(radius, radius, length, sides) });
+const hoop = (radius, thick) => ({ radii: [thick, radius + thick], make: (across, around) => new THREE.TorusGeometry(radius, thick, across, around) });
+const bar = (radius, length) => ({ radii: [], make: () => new THREE.CylinderGeometry(radius, radius, length, 4) });
+
+// Sets the geometry of a symbol for the present zoom; geometries are kept.
+function fitRound({ mesh, form, made }) {
+  const sides = form.radii.map(roundSides), key = sides.join();
+  if (!made.has(key)) made.set(key, form.make(...sides));
+  mesh.geometry = made.get(key);
+}
+
+function markMesh(form, colour, describe) {
+  const mesh = new THREE.Mesh(undefined, unshaded(new THREE.MeshLambertMaterial({ color: colour })));
   mesh.castShadow = true;
   mesh.frustumCulled = false;
+  symbols.push({ mesh, form, made: new Map() });
   if (describe) mesh.userData.describe = describe;
   marks.add(mesh);
   return mesh;
@@ -23,11 +43,10 @@ function sizeAt(body) {
 const hingeMarks = about.hinges.map(hinge => {
   const { half, radius } = sizeAt(hinge.body);
   const describe = () => ({ title: `joint ${hinge.name}`, key: `joint:${hinge.name}`, rows: () => hingeRows(hinge), place: () => main.section(hinge.body, 0).at });
-  const shape = hinge.kind === "revolute" ? new THREE.CylinderGeometry(radius, radius, 2 * half, 20)
-    : hinge.kind === "prismatic" ? new THREE.CylinderGeometry(1.4 * radius, 1.4 * radius, 2 * half, 4) : new THREE.SphereGeometry(1.6 * radius, 20, 12);
+  const shape = hinge.kind === "revolute" ? rod(radius, 2 * half) : hinge.kind === "prismatic" ? bar(1.4 * radius, 2 * half) : ball(1.6 * radius);
   const mesh = markMesh(shape, "#5b6773", describe);
   mesh.userData.body = hinge.body;
-  const rings = hinge.latch ? [-0.55, 0.55].map(place => [place * half, markMesh(new THREE.TorusGeometry(1.35 * radius, 0.5 * radius, 10, 24), LATCH_INKS.open, describe)]) : [];
+  const rings = hinge.latch ? [-0.55, 0.55].map(place => [place * half, markMesh(hoop(1.35 * radius, 0.5 * radius), LATCH_INKS.open, describe)]) : [];
   return { hinge, mesh, rings };
 });
 function hingeRows(hinge) {
@@ -41,7 +60,7 @@ function hingeRows(hinge) {
   return rows;
 }
 
-const gaugeMarks = about.gauges.map((gauge, i) => markMesh(new THREE.SphereGeometry(0.008 * WIDTH, 20, 12), "#ffffff", () => ({
+const gaugeMarks = about.gauges.map((gauge, i) => markMesh(ball(0.008 * WIDTH), "#ffffff", () => ({
   title: `gauge ${gauge.name}`,
   key: `gauge:${gauge.name}`,
   rows: () => [
@@ -56,7 +75,7 @@ const microstrain = strain => compact(strain * 1e6, digitsFor(largest(FIELDS.str
 const massMarks = about.masses.map(mass => {
   // as a ball of steel, within limits of visibility
   const radius = Math.max(0.006 * WIDTH, Math.min(0.03 * WIDTH, Math.cbrt(mass.kg / (7800 * 4.19))));
-  return markMesh(new THREE.SphereGeometry(radius, 20, 12), "#9a7b4f", () => ({
+  return markMesh(ball(radius), "#9a7b4f", () => ({
     title: `mass ${mass.name}`,
     key: `mass:${mass.name}`,
     rows: () => [["mass", `${figures(mass.kg)} kg`], ["at", `${massPlace(main, mass).map(c => compact(c, digitsFor(extents.size, 5))).join(", ")} m`]],
@@ -130,7 +149,7 @@ function buildArrows() {
     }
     if (most < 1e-9 && !live) continue;
     most = Math.max(most, 1e-9);
-    const material = new THREE.MeshLambertMaterial({ color: set.ink });
+    const material = unshaded(new THREE.MeshLambertMaterial({ color: set.ink }));
     const shaft = new THREE.InstancedMesh(new THREE.CylinderGeometry(1, 1, 1, 10).translate(0, 0.5, 0), material, set.count);
     const head = new THREE.InstancedMesh(new THREE.ConeGeometry(1, 1, 14).translate(0, 0.5, 0), material, set.count);
     shaft.frustumCulled = head.frustumCulled = false;
@@ -160,6 +179,7 @@ function updateArrows() {
 }
 
 function updateMarks() {
+  symbols.forEach(fitRound);
   const pose = (mesh, at, way) => { mesh.position.set(...at); if (way) mesh.quaternion.setFromUnitVectors(UP, new THREE.Vector3(...unit(way))); };
   for (const { hinge, mesh, rings } of hingeMarks) {
     const s = main.section(hinge.body, 0), x = cross(s.y, s.z);
