@@ -25,7 +25,6 @@ impl Equations {
     }
 
     /// Factors of `M + g C + g² K` at the linearised point, with all terms of the tree; `None` if a pivot is not positive.
-    #[inline(always)]
     pub(super) fn factorize_exact(&self, derivative: &mut Derivative, gain_s: f64) -> Option<()> {
         let joint = |body: usize| {
             let tangent = self.tangents[body];

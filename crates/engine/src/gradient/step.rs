@@ -141,13 +141,7 @@ impl Gradient<'_> {
     pub(super) fn factorize_stage(&mut self, at: &Point, gain: f64, first: bool) -> Result<(), GradientError> {
         let Self { system, derivative, directions, has_exact, .. } = self;
         let equations = &system.equations;
-        let arch = pulp::Arch::new();
-        let exact = wide(
-            arch,
-            #[inline(always)]
-            || if *has_exact { equations.factorize_exact(derivative, gain) } else { None },
-        );
-        if exact.is_some() {
+        if *has_exact && equations.factorize_exact(derivative, gain).is_some() {
             self.factors = Factors::Exact;
             directions.restart_with_factors_of_stage(first);
             return Ok(());

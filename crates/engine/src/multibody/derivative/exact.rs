@@ -45,10 +45,10 @@ pub(super) struct LinkFactor<const N: usize> {
 }
 
 /// Contributions of the outer half of a pair to the inner one.
-struct Carried {
-    wrench: [[f64; 6]; STRAINS],
-    by_middle: Gains<STRAINS>,
-    block: [[f64; STRAINS]; STRAINS],
+struct Carried<const N: usize> {
+    wrench: [[f64; 6]; N],
+    by_middle: Gains<N>,
+    block: [[f64; N]; N],
 }
 
 /// A link as the elimination needs it.
@@ -273,13 +273,11 @@ fn inverse<const N: usize>(mut block: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
         let own = 1.0 / pivot;
         let mut column = block[k];
         column[k] = 0.0;
-        for j in 0..N {
-            if j != k {
-                let share = block[j][k] * own;
-                block[j][k] = 0.0;
-                add(&mut block[j], -share, &column);
-                block[j][k] = share;
-            }
+        for (_, other) in block.iter_mut().enumerate().filter(|(j, _)| *j != k) {
+            let share = other[k] * own;
+            other[k] = 0.0;
+            add(other, -share, &column);
+            other[k] = share;
         }
         block[k] = column.map(|entry| -entry * own);
         block[k][k] = own;
@@ -292,7 +290,7 @@ fn inverse<const N: usize>(mut block: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
 #[inline(always)]
 fn eliminate<const N: usize>(
     given: &Given<N>,
-    from_sibling: Option<(&[[f64; 6]; N], &Gains<N>, &[[f64; N]; N])>,
+    from_sibling: Option<&Carried<N>>,
     factor: &mut LinkFactor<N>,
 ) -> Option<Gains<6>> {
     let Given { link, columns, gain_s, own, outer, cross } = given;
@@ -325,7 +323,7 @@ fn eliminate<const N: usize>(
     for (j, column) in columns.iter().enumerate().take(N) {
         (0..3).for_each(|i| by_carrier[TURNS[0] + i][j] += column.turned[i]);
     }
-    if let Some((_, by_middle, _)) = from_sibling {
+    if let Some(Carried { by_middle, .. }) = from_sibling {
         let by_inner = carried(by_middle, arm);
         for k in 0..STATE {
             add(&mut by_carrier[k], 1.0, &by_inner[k]);
@@ -334,8 +332,8 @@ fn eliminate<const N: usize>(
     let mut block = *own;
     for j in 0..N {
         let moved = &factor.moved[j];
-        let mut wrench = combined(*outer, moved);
-        if let Some((wrenches, by_middle, own)) = from_sibling {
+        let mut wrench = combined(outer, moved);
+        if let Some(Carried { wrench: wrenches, by_middle, block: own }) = from_sibling {
             add(&mut wrench, 1.0, &wrenches[j]);
             add(&mut block[j], 1.0, &own[j]);
             add(&mut block[j], 1.0, &combined(by_middle, moved));
@@ -395,7 +393,6 @@ impl Exact {
     /// acceleration (inertia, `g` times damping, `g²` times stiffness), `None` while the joint is held. Allocates nothing.
     ///
     /// `None` if a pivot is not positive.
-    #[inline(always)]
     pub fn factorize(
         &mut self,
         Linear { links, spots, columns, alphas }: Linear,
@@ -413,7 +410,7 @@ impl Exact {
         }
         for (index, body) in model.bodies.iter().enumerate().rev() {
             let weights: StrainMatrix = body.damped_weights(gain_s * gain_s, gain_s * damping[index].stiffness_s);
-            let mut sibling: Option<Carried> = None;
+            let mut sibling: Option<Carried<STRAINS>> = None;
             for i in (0..body.elements).rev() {
                 let (e, n) = (body.first_element + i, body.first_node + i + 1);
                 let (element, link) = (&model.elements[e], &links[n]);
@@ -432,9 +429,7 @@ impl Exact {
                     cross: Some(&cross),
                 };
                 let factor = &mut exact.elements[e];
-                let from_sibling = sibling.take();
-                let borrowed = from_sibling.as_ref().map(|own| (&own.wrench, &own.by_middle, &own.block));
-                let passed = eliminate(&given, borrowed, factor)?;
+                let passed = eliminate(&given, sibling.take().as_ref(), factor)?;
                 exact.gains[n - 1].iter_mut().zip(&passed).for_each(|(sum, passed)| add(sum, 1.0, passed));
                 if body.kind == ElementKind::Linear {
                     let coupling = columns_of(&element.elastic.coupling.component_mul(&weights));
@@ -485,8 +480,8 @@ impl Exact {
 impl Exact {
     /// Change of the wrenches on the nodes of a body with their own motion.
     fn start_body<const SLIM: bool>(&mut self, model: &Model, body: &Body, spots: &[Spot], alpha_1_s: f64) {
-        for n in body.first_node..=body.last_node() {
-            let (sum, spot) = (&mut self.gains[n], &spots[n]);
+        let range = body.first_node..=body.last_node();
+        for ((n, spot), sum) in range.clone().zip(&spots[range.clone()]).zip(&mut self.gains[range]) {
             *sum = [[0.0; 6]; STATE];
             add_inertia::<SLIM>(sum, &model.nodes[n].beam, [spot; 2], (alpha_1_s, true));
             if let Some(attached) = &model.nodes[n].attached {

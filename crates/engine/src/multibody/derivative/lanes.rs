@@ -155,10 +155,10 @@ fn add_mass<const SLIM: bool, const L: usize>(
     mass: impl Fn(usize, usize) -> f64,
     loads: &Four<L>,
 ) {
-    for i in 0..4 {
-        for j in 0..4 {
+    for (i, force) in forces.iter_mut().enumerate() {
+        for (j, load) in loads.iter().enumerate() {
             if !SLIM || i == j || (i < 2 && j < 2) {
-                add_times(&mut forces[i], mass(i, j), &loads[j]);
+                add_times(force, mass(i, j), load);
             }
         }
     }
@@ -276,8 +276,8 @@ fn weigh<const SLIM: bool, const L: usize>(
         for (axis, force) in spots[n].axes.iter().zip(&forces[1..]) {
             add_cross(&mut moment, force, &-axis[0]);
         }
-        for k in 0..3 {
-            add_along(&mut moment, &spots[n].by_turn.column(k).into_owned(), &states[n][2][k]);
+        for (k, turn) in states[n][2].iter().enumerate() {
+            add_along(&mut moment, &spots[n].by_turn.column(k).into_owned(), turn);
         }
         wrenches[n] = [forces[0], moment];
     }

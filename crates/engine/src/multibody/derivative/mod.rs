@@ -260,7 +260,6 @@ impl Derivative {
     /// (inertia, `g` times damping, `g²` times stiffness), `None` while the joint is held. Allocates nothing.
     ///
     /// `None` if a pivot is not positive.
-    #[inline(always)]
     pub fn factorize(
         &mut self,
         model: &Model,
