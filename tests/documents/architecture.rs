@@ -14,7 +14,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("load", &[]),
     ("solve", &[]),
-    ("aero", &["load"]),
+    ("aero", &["math", "load"]),
     ("beam", &["math"]),
     ("multibody", &["math", "load", "beam"]),
     ("force", &["math", "load", "solve", "multibody"]),

@@ -11,7 +11,7 @@ use crate::aero::lattice_linear::{About, MOVING_ROWS, NO_CIRCULATION, STEP, WEIG
 use crate::aero::lattice_state::SheetKind;
 use crate::aero::near_sheets::{Facing, NoCirculation};
 use crate::aero::rear::SHED_PANELS;
-use crate::aero::wide::wide;
+use crate::math::wide::wide;
 use crate::aero::{AirLoads, lattice_loads};
 use nalgebra::{DMatrix, Vector3};
 

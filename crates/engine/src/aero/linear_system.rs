@@ -1,6 +1,6 @@
 //! Dense linear system with its storage: Gaussian elimination with partial pivoting, in panels of columns.
 
-use crate::aero::wide::wide;
+use crate::math::wide::wide;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Number of columns in a panel.

@@ -40,7 +40,6 @@ pub mod strip;
 pub mod surface;
 mod vortex_segments;
 mod wake;
-mod wide;
 
 pub use model::{AirModel, AirOptions, AirState};
 pub use rotor::induction::EndRule;

@@ -186,9 +186,7 @@ impl Gradient<'_> {
             let laws = self.laws(at.time_s, step.middle_s());
             let by_time = self.time_slope(at, h);
             self.linearize(at);
-            if stage == stages - 1 || self.directions.are_old() {
-                self.factorize(at, gain)?;
-            }
+            self.factorize_stage(at, gain, stage == stages - 1)?;
             let Variation { q: b_q, v: b_v, a: b_a } = on[stage].clone();
             let right: Vec<f64> = (0..n).map(|i| b_a[i] + gain * (b_v[i] + gain * b_q[i])).collect();
             let [w, by_q, by_v] = self.solve_transposed(at, gain, &right)?;

@@ -29,6 +29,9 @@ pub(super) struct Directions {
     fresh: Option<usize>,
     /// Number of directions that later matrices needed in addition to that.
     excess: usize,
+    /// The largest distance of `N⁻¹A` from the identity, found with the factors of the present step, if each of its stages has factors of its
+    /// own.
+    distance: Option<f64>,
     solution: Vec<f64>,
     /// Displacement of the machine in m per unit of each coordinate.
     scales_m: Vec<f64>,
@@ -73,7 +76,15 @@ impl Directions {
 
     /// Discards all directions, for new factors.
     pub fn restart_with_factors(&mut self) {
-        (self.count, self.added, self.fresh, self.excess) = (0, 0, None, 0);
+        (self.count, self.added, self.fresh, self.excess, self.distance) = (0, 0, None, 0, None);
+    }
+
+    /// Discards all directions, for new factors of the same kind as those of the other stages of a step: their distance from the matrix is
+    /// found once, by a product at its `first` stage.
+    pub fn restart_with_factors_of_stage(&mut self, first: bool) {
+        let distance = self.distance.filter(|_| !first);
+        self.restart_with_factors();
+        self.distance = distance.or(Some(f64::INFINITY));
     }
 
     /// Whether the factors are so old that the directions in excess of those with new factors have cost more than new factors.
@@ -103,14 +114,17 @@ impl Directions {
         for row in &self.rows[..self.count] {
             remove(&mut left, &mut self.solution, row);
         }
-        let (mut whole, mut distance, mut own) = (others, f64::INFINITY, 0);
+        let (mut whole, mut own) = (others, 0);
+        let mut distance = self.distance.unwrap_or(f64::INFINITY);
         loop {
-            whole = whole.max(self.size(&self.solution));
+            let size = self.size(&self.solution);
+            whole = whole.max(size);
             let (rest, allowed) = (largest_product(&left, &self.ones), SOLVED * whole);
             if rest <= allowed {
                 return Ok(&self.solution);
             }
-            if SAFETY * distance * rest <= allowed {
+            // the corrected solution is at least as large as the remainder exceeds the present one
+            if SAFETY * distance * rest <= allowed.max(SOLVED * (rest - size)) {
                 for ((solution, left), scale) in self.solution.iter_mut().zip(&left).zip(&self.scales_m) {
                     *solution += left / scale;
                 }
@@ -132,7 +146,10 @@ impl Directions {
             image(direction, image_of);
             image_of.iter_mut().zip(&self.scales_m).for_each(|(image, scale)| *image *= scale);
             let apart = left.iter().zip(&*image_of).fold(0.0f64, |apart, (a, b)| apart.max((a - b).abs()));
-            distance = if own == 0 { apart / rest } else { distance.max(apart / rest) };
+            distance = if distance < f64::INFINITY { distance.max(apart / rest) } else { apart / rest };
+            if let Some(known) = &mut self.distance {
+                *known = distance;
+            }
             for other in before {
                 let share = dot(&row[n..], &other[n..]);
                 add(row, -share, other);

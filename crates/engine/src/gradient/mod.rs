@@ -38,6 +38,7 @@ use inputs::Piece;
 use outputs::{Part, Seed};
 use parameter::Neighbours;
 use sections::Sections;
+use step::{Factors, Side};
 
 /// Reason why a run has no gradient.
 #[derive(Debug, thiserror::Error)]
@@ -176,6 +177,10 @@ pub struct Gradient<'a> {
     piece: Piece,
     derivative: Derivative,
     directions: Directions,
+    factors: Factors,
+    /// Whether the model allows factors with all terms of the tree.
+    has_exact: bool,
+    lanes: Side,
     /// The sections on which air acts.
     sections: Option<Sections>,
     scratch: Vec<f64>,
@@ -216,7 +221,23 @@ impl<'a> Gradient<'a> {
         let directions = Directions::new(&system.equations.model);
         let sections = system.state.air.as_ref().map(|_| Sections::new(&system.equations));
         let scratch = vec![0.0; system.coordinates()];
-        Ok(Self { system, tape, tableau, neighbours, entries, piece, derivative, directions, sections, scratch })
+        let (factors, has_exact) = (Factors::Symmetric, Derivative::has_factors(&system.equations.model));
+        let lanes = Side::new(&system.equations.model);
+        Ok(Self {
+            system,
+            tape,
+            tableau,
+            neighbours,
+            entries,
+            piece,
+            derivative,
+            directions,
+            factors,
+            has_exact,
+            lanes,
+            sections,
+            scratch,
+        })
     }
 
     /// Share of each parameter in a change of its machines at a time of the present step: 1, or that of its row of the inputs over time.

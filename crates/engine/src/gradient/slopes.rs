@@ -4,7 +4,7 @@ use crate::force::joint::JointForces;
 use crate::gradient::GradientError;
 use crate::load::Wrench;
 use crate::multibody::Workspace;
-use crate::multibody::derivative::{Derivative, elastic_products};
+use crate::multibody::derivative::{Derivative, Lanes, elastic_products};
 use crate::multibody::dynamics::Environment;
 use crate::multibody::kinematics::Motion;
 use crate::solve::point::Point;
@@ -22,6 +22,16 @@ impl Equations {
     pub(super) fn linearize(&self, derivative: &mut Derivative, at: &Point) {
         let environment = Environment { root: &self.root, damping: &self.damping, stations: stations(self) };
         derivative.prepare(&self.model, &self.work, Motion { q: &at.q, v: &at.v, a: &at.a }, &environment);
+    }
+
+    /// Factors of `M + g C + g² K` at the linearised point, with all terms of the tree; `None` if a pivot is not positive.
+    pub(super) fn factorize_exact(&self, derivative: &mut Derivative, gain_s: f64) -> Option<()> {
+        let joint = |body: usize| {
+            let tangent = self.tangents[body];
+            let inertia = self.model.bodies[body].joint.drive_inertia;
+            tangent.free.then_some(inertia + gain_s * (tangent.damping + gain_s * tangent.stiffness))
+        };
+        derivative.factorize(&self.model, gain_s, &self.damping, joint)
     }
 
     /// `K δq + C δv + M δa` at the linearised point, eq. (X3); rows of held joints are zero.
@@ -42,6 +52,26 @@ impl Equations {
             let inertia = self.model.bodies[joint.body].joint.drive_inertia;
             out[c] += tangent.stiffness * along.q[c] + tangent.damping * along.v[c] + inertia * along.a[c];
         }
+    }
+
+    /// Several products of [`Self::residual_along`] side by side; only if [`Derivative::has_lanes`].
+    #[inline(always)]
+    pub(super) fn residual_along_lanes<const L: usize>(
+        &self,
+        derivative: &Derivative,
+        lanes: &mut Lanes<L>,
+        [q, v, a]: [&[[f64; L]]; 3],
+        out: &mut [[f64; L]],
+    ) {
+        derivative.forward_lanes((&self.model, &self.damping), lanes, [q, v, a], out);
+        for joint in self.forces.joints() {
+            let (c, tangent) = (joint.coordinate, self.tangents[joint.body]);
+            let inertia = self.model.bodies[joint.body].joint.drive_inertia;
+            for lane in 0..L {
+                out[c][lane] += tangent.stiffness * q[c][lane] + tangent.damping * v[c][lane] + inertia * a[c][lane];
+            }
+        }
+        self.held().for_each(|held| out[held] = [0.0; L]);
     }
 
     /// `Kᵀw`, `Cᵀw` and `Mᵀw` there, eq. (X4); `w` is zero at held joints.

@@ -2,9 +2,13 @@
 
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::{Entry, Gradient, GradientError, add};
+use crate::math::wide::wide;
+use crate::multibody::Model;
+use crate::multibody::derivative::{Derivative, Lanes, Sweep};
 use crate::multibody::kinematics::Motion;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
+use crate::system::equations::Equations;
 
 /// Remainder, as a share of the solution, at which a linear system is solved.
 pub(super) const SOLVED: f64 = 3e-13;
@@ -35,6 +39,55 @@ impl Causes<'_> {
     pub const NONE: Self = Self { parameters: false, loads: &[] };
     /// The parameters.
     pub const PARAMETERS: Self = Self { parameters: true, loads: &[] };
+}
+
+/// Kind of the factors in use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Factors {
+    /// Those of Newton's method, without gyroscopic and geometric terms.
+    Symmetric,
+    /// Those with all terms of the tree.
+    Exact,
+}
+
+impl Factors {
+    /// Multiplies by the inverse of the factors' matrix.
+    fn solve(self, equations: &mut Equations, derivative: &mut Derivative, values: &mut [f64]) {
+        match self {
+            Self::Symmetric => {
+                equations.solve(values);
+            }
+            Self::Exact => derivative.solve(&equations.model, values),
+        }
+    }
+
+    /// Multiplies by the transposed inverse.
+    fn solve_transposed(self, equations: &mut Equations, derivative: &mut Derivative, values: &mut [f64]) {
+        match self {
+            Self::Symmetric => {
+                equations.solve(values);
+            }
+            Self::Exact => derivative.solve_transposed(&equations.model, values),
+        }
+    }
+}
+
+/// Number of variations whose equations are solved side by side.
+pub(super) const LANES: usize = 4;
+
+/// Workspace of equations that are solved side by side.
+pub(super) struct Side {
+    along: [Vec<[f64; LANES]>; 3],
+    left: Vec<[f64; LANES]>,
+    product: Lanes<LANES>,
+    sweep: Sweep<LANES>,
+}
+
+impl Side {
+    pub fn new(model: &Model) -> Self {
+        let rows = || vec![[0.0; LANES]; model.coordinates];
+        Self { along: [rows(), rows(), rows()], left: rows(), product: Lanes::new(model), sweep: Sweep::new(model) }
+    }
 }
 
 /// A variation of a point.
@@ -77,9 +130,26 @@ impl Gradient<'_> {
     /// Factors for `M + gC + g²K` at a linearised point. They serve the other stages of its step too: corrections run until they are round-off.
     pub(super) fn factorize(&mut self, at: &Point, gain: f64) -> Result<(), GradientError> {
         let equations = &mut self.system.equations;
+        self.factors = Factors::Symmetric;
         self.directions.restart_with_factors();
         let not_solved = GradientError::NotSolved { time_s: at.time_s, left: f64::INFINITY };
         equations.factorize(1.0, gain, gain * gain).map_err(|_| not_solved)
+    }
+
+    /// The same for a stage of a step, `first` of those that are treated: with all terms of the tree where the model allows, else with those
+    /// of Newton's method, which serve the other stages as long as they pay.
+    pub(super) fn factorize_stage(&mut self, at: &Point, gain: f64, first: bool) -> Result<(), GradientError> {
+        let Self { system, derivative, directions, has_exact, .. } = self;
+        let equations = &system.equations;
+        if *has_exact && equations.factorize_exact(derivative, gain).is_some() {
+            self.factors = Factors::Exact;
+            directions.restart_with_factors_of_stage(first);
+            return Ok(());
+        }
+        if first || self.factors == Factors::Exact || directions.are_old() {
+            self.factorize(at, gain)?;
+        }
+        Ok(())
     }
 
     /// Solves `K δq + C δv + M δa + forcing = 0` for `δa` with `δv = δv* + g δa`, `δq = δq* + g δv`, at the linearised point. `variation`
@@ -91,15 +161,14 @@ impl Gradient<'_> {
         forcing: Option<&[f64]>,
         variation: &mut Variation,
     ) -> Result<(), GradientError> {
-        let Self { system, derivative, directions, .. } = self;
+        let Self { system, derivative, factors, .. } = self;
         let equations = &mut system.equations;
         let n = variation.q.len();
         let Variation { q, v, a } = variation;
         equations.clear_resting(v);
         equations.clear_resting(a);
-        let others = directions.size(v).max(directions.size(q));
-        let mut along_v: Vec<f64> = (0..n).map(|i| v[i] + gain * a[i]).collect();
-        let mut along_q: Vec<f64> = (0..n).map(|i| q[i] + gain * along_v[i]).collect();
+        let along_v: Vec<f64> = (0..n).map(|i| v[i] + gain * a[i]).collect();
+        let along_q: Vec<f64> = (0..n).map(|i| q[i] + gain * along_v[i]).collect();
         let mut left = vec![0.0; n];
         equations.residual_along(derivative, Motion { q: &along_q, v: &along_v, a }, &mut left);
         if let Some(forcing) = forcing {
@@ -107,7 +176,24 @@ impl Gradient<'_> {
         }
         left.iter_mut().for_each(|left| *left = -*left);
         equations.clear_held(&mut left);
-        equations.solve(&mut left);
+        factors.solve(equations, derivative, &mut left);
+        self.correct(at, gain, left, variation)
+    }
+
+    /// Adds the rest of the solution to a first guess, whose correction by the factors is `left`.
+    fn correct(
+        &mut self,
+        at: &Point,
+        gain: f64,
+        left: Vec<f64>,
+        variation: &mut Variation,
+    ) -> Result<(), GradientError> {
+        let Self { system, derivative, directions, factors, .. } = self;
+        let equations = &mut system.equations;
+        let n = left.len();
+        let Variation { q, v, a } = variation;
+        let others = directions.size(v).max(directions.size(q));
+        let [mut along_q, mut along_v] = [(); 2].map(|()| vec![0.0; n]);
         let solution = directions.solve(left, a, others, |direction, image| {
             for i in 0..n {
                 along_v[i] = gain * direction[i];
@@ -115,13 +201,73 @@ impl Gradient<'_> {
             }
             equations.residual_along(derivative, Motion { q: &along_q, v: &along_v, a: direction }, image);
             equations.clear_held(image);
-            equations.solve(image);
+            factors.solve(equations, derivative, image);
         });
         let solution = solution.map_err(|left| GradientError::NotSolved { time_s: at.time_s, left })?;
         a.copy_from_slice(solution);
         add(v, gain, a);
         add(q, gain, v);
         Ok(())
+    }
+
+    /// [`Self::solve`] for several variations, side by side where factors and point allow it.
+    fn solve_all(
+        &mut self,
+        at: &Point,
+        gain: f64,
+        forcings: &[Option<&[f64]>],
+        variations: &mut [Variation],
+    ) -> Result<(), GradientError> {
+        let side_by_side = self.factors == Factors::Exact && self.derivative.has_lanes();
+        for (variations, forcings) in variations.chunks_mut(LANES).zip(forcings.chunks(LANES)) {
+            if !side_by_side || variations.len() == 1 {
+                for (variation, forcing) in variations.iter_mut().zip(forcings) {
+                    self.solve(at, gain, *forcing, variation)?;
+                }
+                continue;
+            }
+            self.solve_lanes(gain, forcings, variations);
+            for (lane, variation) in variations.iter_mut().enumerate() {
+                let left = self.lanes.left.iter().map(|row| row[lane]).collect();
+                self.correct(at, gain, left, variation)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Corrections of up to [`LANES`] first guesses.
+    fn solve_lanes(&mut self, gain: f64, forcings: &[Option<&[f64]>], variations: &mut [Variation]) {
+        let Self { system, derivative, lanes, .. } = self;
+        let Side { along: [along_q, along_v, along_a], left, product, sweep } = lanes;
+        let equations = &system.equations;
+        for rows in [&mut *along_q, along_v, along_a, left] {
+            rows.fill([0.0; LANES]);
+        }
+        for (lane, variation) in variations.iter_mut().enumerate() {
+            equations.clear_resting(&mut variation.v);
+            equations.clear_resting(&mut variation.a);
+            let Variation { q, v, a } = variation;
+            for i in 0..q.len() {
+                let rate = v[i] + gain * a[i];
+                (along_a[i][lane], along_v[i][lane], along_q[i][lane]) = (a[i], rate, q[i] + gain * rate);
+            }
+        }
+        wide(
+            pulp::Arch::new(),
+            #[inline(always)]
+            || equations.residual_along_lanes(derivative, product, [&*along_q, &*along_v, &*along_a], left),
+        );
+        for (lane, forcing) in forcings.iter().enumerate() {
+            let Some(forcing) = forcing else { continue };
+            left.iter_mut().zip(*forcing).for_each(|(left, forcing)| left[lane] += forcing);
+        }
+        left.iter_mut().flatten().for_each(|left| *left = -*left);
+        equations.held().for_each(|held| left[held] = [0.0; LANES]);
+        wide(
+            pulp::Arch::new(),
+            #[inline(always)]
+            || derivative.solve_lanes(&equations.model, sweep, left),
+        );
     }
 
     /// Solves `(M + gC + g²K)ᵀ w = right` at the linearised point; returns `w`, `Kᵀw` and `Cᵀw`.
@@ -131,12 +277,12 @@ impl Gradient<'_> {
         gain: f64,
         right: &[f64],
     ) -> Result<[Vec<f64>; 3], GradientError> {
-        let Self { system, derivative, directions, .. } = self;
+        let Self { system, derivative, directions, factors, .. } = self;
         let equations = &mut system.equations;
         let n = right.len();
         let mut left = right.to_vec();
         equations.clear_held(&mut left);
-        equations.solve(&mut left);
+        factors.solve_transposed(equations, derivative, &mut left);
         let [mut by_q, mut by_v, mut by_a] = [0, 1, 2].map(|_| vec![0.0; n]);
         let solution = directions.solve(left, &vec![0.0; n], 0.0, |direction, image| {
             equations.residual_transposed(derivative, direction, [&mut by_q, &mut by_v, &mut by_a]);
@@ -144,7 +290,7 @@ impl Gradient<'_> {
                 image[i] = by_a[i] + gain * (by_v[i] + gain * by_q[i]);
             }
             equations.clear_held(image);
-            equations.solve(image);
+            factors.solve_transposed(equations, derivative, image);
         });
         let solution = solution.map_err(|left| GradientError::NotSolved { time_s: at.time_s, left })?;
         let w = solution.to_vec();
@@ -255,9 +401,7 @@ impl Gradient<'_> {
             let shares = self.shares(at.time_s);
             let by_time = self.time_slope(at, h);
             self.linearize(at);
-            if stage == 1 || self.directions.are_old() {
-                self.factorize(at, gain)?;
-            }
+            self.factorize_stage(at, gain, stage == 1)?;
             let forcings = match starts.is_empty() {
                 true => Vec::new(),
                 false => self.forcings(at, shifts_s, by_time.as_deref(), causes),
@@ -265,12 +409,13 @@ impl Gradient<'_> {
             // of the share of the step at which the stage is
             let share = (at.time_s - step.start.time_s) / h;
             let of_length_only = by_time.map(|by_time| by_time.iter().map(|slope| share * slope).collect::<Vec<f64>>());
-            for (direction, before) in taken.iter_mut().enumerate() {
+            let (mut own, mut variations) = (Vec::with_capacity(taken.len()), Vec::with_capacity(taken.len()));
+            for (direction, before) in taken.iter().enumerate() {
                 let mut variation = Variation { a: vec![0.0; n], ..before[0].clone() };
                 for (earlier, weight) in self.tableau.predictor(stage) {
                     add(&mut variation.a, weight, &before[earlier].a);
                 }
-                for (weight, stage) in row.iter().zip(&*before) {
+                for (weight, stage) in row.iter().zip(before) {
                     add(&mut variation.q, h * weight, &stage.v);
                     add(&mut variation.v, h * weight, &stage.a);
                 }
@@ -291,9 +436,11 @@ impl Gradient<'_> {
                     }
                 }
                 let forcing = if of_length { of_length_only.as_ref() } else { forcings.get(direction) };
-                self.solve(at, gain, forcing.map(Vec::as_slice), &mut variation)?;
-                before.push(variation);
+                own.push(forcing.map(Vec::as_slice));
+                variations.push(variation);
             }
+            self.solve_all(at, gain, &own, &mut variations)?;
+            taken.iter_mut().zip(variations).for_each(|(before, variation)| before.push(variation));
         }
         Ok(taken)
     }

@@ -10,6 +10,7 @@ pub mod se3;
 pub mod so3;
 pub mod spline;
 pub mod strain;
+pub(crate) mod wide;
 
 #[cfg(test)]
 mod shear_tests;

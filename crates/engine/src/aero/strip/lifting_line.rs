@@ -9,7 +9,7 @@ use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::strip::section::Strip;
-use crate::aero::wide::wide;
+use crate::math::wide::wide;
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 use pulp::Arch;

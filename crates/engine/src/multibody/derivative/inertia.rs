@@ -60,12 +60,12 @@ pub(super) struct Spot {
     /// `[ω̇]× + [ω]×²`, see [`second`].
     pub second: Matrix3<f64>,
     /// Axes of the node in the root frame.
-    axes: [Timed; 3],
+    pub axes: [Timed; 3],
     /// `2 ṙ + α r` and `r̈ + α ṙ` of each axis `r`, if the root does not rotate: in the variation of its `L`, the factors of the rate of
     /// the rotation and of the rotation.
-    damped: [[Vector3<f64>; 2]; 3],
+    pub damped: [[Vector3<f64>; 2]; 3],
     /// `Σ r_k f_kᵀ − Σ r_k·f_k I` of the forces on the axes: derivative of the moment with respect to a rotation of these.
-    by_turn: Matrix3<f64>,
+    pub by_turn: Matrix3<f64>,
 }
 
 impl Spot {
@@ -182,6 +182,11 @@ impl Inertia {
     pub fn new(model: &Model) -> Self {
         let nodes = model.nodes.len();
         Self { field: Field::of(&RootMotion::default()), loads: vec![NONE; nodes], forces: vec![NONE; nodes] }
+    }
+
+    /// Whether the root rotates.
+    pub fn rotates(&self) -> bool {
+        self.field.rotates
     }
 
     /// Stores the forces at the point of the last residual.

@@ -7,42 +7,31 @@
 
 mod chain;
 mod elastic;
+mod exact;
 mod inertia;
+mod lanes;
 mod link;
 mod loads;
 mod loop_force;
+mod solution;
 
 pub use elastic::elastic_products;
+pub use exact::Sweep;
+pub use lanes::Lanes;
 
-use crate::math::strain::{STRAINS, Strain, StrainMatrix, strains_at};
-use crate::multibody::dynamics::Environment;
+use crate::math::strain::{STRAINS, Strain, strains_at};
+use crate::multibody::dynamics::{Damping, Environment};
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::Workspace;
-use chain::{Column, STILL, Shift, Timed, fixed};
+use chain::{Column, Shift, fixed};
+use exact::{Exact, Linear};
 use inertia::{Inertia, Spot};
+use link::Link;
 use loads::LoadedSection;
 use loop_force::LoopForce;
 use nalgebra::Vector3;
-
-/// The link or joint between a node and its carrier, the next node towards the root.
-#[derive(Debug, Clone, Copy)]
-struct Link {
-    /// Carrier of the node; `None` on the root.
-    carrier: Option<usize>,
-    /// Index of its first coordinate, and the number of its coordinates.
-    first: usize,
-    count: usize,
-    /// Element of the link; `None` for a joint.
-    element: Option<usize>,
-    /// Vector from carrier to node in m, root frame.
-    arm: Timed,
-    /// Force of the outboard part at the node.
-    force: Vector3<f64>,
-    /// Derivatives of the forces on its strains (rows) with respect to its strains.
-    slopes: StrainMatrix,
-}
 
 /// The linearised recursion at a point.
 #[derive(Debug, Clone)]
@@ -57,6 +46,7 @@ pub struct Derivative {
     inertia: Inertia,
     loads: Vec<LoadedSection>,
     loops: Vec<LoopForce>,
+    exact: Exact,
     // workspace for the products, per node
     shifts: Vec<Shift>,
     wrenches: Vec<[Vector3<f64>; 2]>,
@@ -91,6 +81,7 @@ impl Derivative {
             inertia: Inertia::new(model),
             loads: Vec::with_capacity(model.stations.len()),
             loops: vec![LoopForce::ZERO; model.closures.len()],
+            exact: Exact::new(model),
             shifts: vec![Shift::ZERO; nodes],
             wrenches: vec![[Vector3::zeros(); 2]; nodes],
         }
@@ -257,36 +248,63 @@ impl Derivative {
     }
 }
 
-impl Link {
-    const NONE: Self = Self {
-        carrier: None,
-        first: 0,
-        count: 0,
-        element: None,
-        arm: STILL,
-        force: Vector3::new(0.0, 0.0, 0.0),
-        slopes: StrainMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; STRAINS]; STRAINS])),
-    };
-
-    fn of_joint(body: &Body) -> Self {
-        let carrier = match body.base {
-            Base::Root(_) => None,
-            Base::Node(node) => Some(node),
-            Base::Axis(_) => unreachable!("no derivatives with sliding joints"),
-        };
-        let count = match body.joint.kind {
-            JointKind::Revolute { .. } | JointKind::Prismatic { .. } => 1,
-            JointKind::Clamped
-            | JointKind::Sliding
-            | JointKind::Universal { .. }
-            | JointKind::Ball
-            | JointKind::Free => 0,
-        };
-        Self { carrier, first: body.joint.coordinate, count, ..Self::NONE }
+/// Linear systems with `M + g C + g² K` of the tree, eqs. (X30)–(X33).
+impl Derivative {
+    /// Whether [`Self::factorize`] covers a model: not with closed loops, joints with several degrees of freedom, sliding joints, modal
+    /// bodies, damping of modes and shear.
+    pub fn has_factors(model: &Model) -> bool {
+        exact::covers(model)
     }
 
-    fn range(&self) -> std::ops::Range<usize> {
-        self.first..self.first + self.count
+    /// Factorises `M + g C + g² K` at the linearised point. `joint` gives for each body the coefficient of its joint's own acceleration
+    /// (inertia, `g` times damping, `g²` times stiffness), `None` while the joint is held. Allocates nothing.
+    ///
+    /// `None` if a pivot is not positive.
+    pub fn factorize(
+        &mut self,
+        model: &Model,
+        gain_s: f64,
+        damping: &[Damping],
+        joint: impl Fn(usize) -> Option<f64>,
+    ) -> Option<()> {
+        let Self { links, spots, columns, alphas, exact, .. } = self;
+        exact.factorize(Linear { links, spots, columns, alphas }, model, gain_s, damping, joint)
+    }
+
+    /// Solves `(M + g C + g² K) x = right` by the last factors: `x` holds the right-hand side and then the solution. Held joints do not
+    /// move. Allocates nothing.
+    pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
+        self.exact.solve(&self.links, model, x);
+    }
+
+    /// The same for `L` right-hand sides.
+    #[inline(always)]
+    pub fn solve_lanes<const L: usize>(&self, model: &Model, sweep: &mut Sweep<L>, x: &mut [[f64; L]]) {
+        self.exact.solve_lanes(&self.links, model, sweep, x);
+    }
+
+    /// Solves the transposed equations by the same factors.
+    pub fn solve_transposed(&mut self, model: &Model, x: &mut [f64]) {
+        self.exact.solve_transposed(&self.links, model, x);
+    }
+
+    /// Whether [`Self::forward_lanes`] covers the linearised point: not with a root that rotates, loads at stations and closed loops.
+    pub fn has_lanes(&self) -> bool {
+        self.loads.is_empty() && self.loops.is_empty() && !self.inertia.rotates()
+    }
+
+    /// `K δq + C δv + M δa` of the tree with the elastic and damping forces of the strains, without those of joints, along `L` directions,
+    /// into `sum`.
+    #[inline(always)]
+    pub fn forward_lanes<const L: usize>(
+        &self,
+        mesh: (&Model, &[Damping]),
+        work: &mut Lanes<L>,
+        along: [&[[f64; L]]; 3],
+        sum: &mut [[f64; L]],
+    ) {
+        let Self { links, spots, columns, alphas, .. } = self;
+        lanes::forward((links, spots, columns, alphas), mesh, work, along, sum);
     }
 }
 

@@ -19,6 +19,6 @@ impl<R, F: FnMut() -> R> WithSimd for Work<F> {
 /// The closure needs `#[inline(always)]`. If it were passed directly to [`Arch::dispatch`], it would be called through the shim of
 /// `FnOnce`, which is not inlined for long closures and is then compiled for the baseline instruction set.
 #[inline(always)]
-pub(super) fn wide<R>(arch: Arch, work: impl FnMut() -> R) -> R {
+pub(crate) fn wide<R>(arch: Arch, work: impl FnMut() -> R) -> R {
     arch.dispatch(Work(work))
 }
