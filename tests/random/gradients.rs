@@ -127,7 +127,7 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         "bodies with shear" => Some(unsheared(model, place)),
         "damping by ratios of modes" => key_removed(model, "body.", &["modal_damping_ratios"]),
         "failures" => remove(&format!("failure.{place}")),
-        "universal, ball and free joints" => Some(clamped(model, place)),
+        "universal, ball and free joints in air" => Some(clamped(model, place)),
         "generators" => of_joint("generator"),
         "rotors of geared motors that turn with their carrier" | "commands subject to a rate limit" => {
             of_joint("motor")

@@ -189,6 +189,8 @@ impl Gradient<'_> {
             front.shifts_s.fill(0.0);
         }
         front.variations = stages.into_iter().filter_map(|mut stages| stages.pop()).collect();
+        let projection = self.projection(step);
+        front.variations.iter_mut().for_each(|end| projection.apply(end));
         Ok(())
     }
 

@@ -217,8 +217,12 @@ impl Neighbours {
                 start_memory.resize(memory.len(), 0.0);
                 super::add(&mut start_memory, *weight, &memory);
             }
-            super::add(&mut start[0], *weight, &system.state.now.q);
-            super::add(&mut start[1], *weight, &system.state.now.v);
+            let (mut q, mut v) = (system.state.now.q.clone(), system.state.now.v.clone());
+            if let Some(first) = tape.steps.first() {
+                align_quaternions(system, &first.start.q, [&mut q, &mut v]);
+            }
+            super::add(&mut start[0], *weight, &q);
+            super::add(&mut start[1], *weight, &v);
         }
         let difference = Difference::of(&mut plants, &own.equations, tape);
         let forces = forces_differ(&mut plants);
@@ -306,6 +310,16 @@ impl Neighbours {
     }
 }
 
+/// Gives the Euler parameters of joints the signs of those in `reference`: both signs are the same attitude.
+fn align_quaternions(system: &System, reference: &[f64], [q, v]: [&mut [f64]; 2]) {
+    for joint in system.equations.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.constraints() == 1) {
+        let range = joint.coordinate + joint.kind.translations()..joint.range().end;
+        if super::dot(&q[range.clone()], &reference[range.clone()]) < 0.0 {
+            q[range.clone()].iter_mut().chain(&mut v[range]).for_each(|entry| *entry = -*entry);
+        }
+    }
+}
+
 /// Puts a system's joints, inputs and the signs of its quaternions into their states in a step. With constant inputs the neutral angles of motors stay the system's own.
 pub(super) fn adopt(system: &mut System, step: &Step, inputs: &InputRows, offset: Option<Offset>) {
     for (own, taped) in system.state.joints.iter_mut().zip(&step.joints) {
@@ -313,7 +327,8 @@ pub(super) fn adopt(system: &mut System, step: &Step, inputs: &InputRows, offset
         *own = *taped;
         own.slew = slew;
     }
-    let [tips, stations] = &step.attitudes;
+    let [joints, tips, stations] = &step.attitudes;
+    system.state.spatial_rotations.clone_from(joints);
     system.state.tip_rotations.clone_from(tips);
     system.state.station_rotations.clone_from(stations);
     if let (Some(own), Some(taped)) = (&mut system.state.air, &step.air) {

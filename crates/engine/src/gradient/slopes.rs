@@ -7,6 +7,7 @@ use crate::multibody::Workspace;
 use crate::multibody::derivative::{Derivative, elastic_products};
 use crate::multibody::dynamics::Environment;
 use crate::multibody::kinematics::Motion;
+use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::System;
 use crate::system::equations::Equations;
@@ -22,6 +23,27 @@ impl Equations {
     pub(super) fn linearize(&self, derivative: &mut Derivative, at: &Point) {
         let environment = Environment { root: &self.root, damping: &self.damping, stations: stations(self) };
         derivative.prepare(&self.model, &self.work, Motion { q: &at.q, v: &at.v, a: &at.a }, &environment);
+        for joint in self.forces.spatial() {
+            if let Some([by_turn, by_spin]) = joint.attitude().and_then(|spring| spring.slopes(&self.work, &at.v)) {
+                derivative.add_torques(joint.body, &by_turn, &by_spin);
+            }
+        }
+    }
+
+    /// Size of a direction of the coordinates in differences: the kinematic norm, but not below the largest change of a rotation's parameter,
+    /// which may hardly turn anything.
+    pub(super) fn size_of(&mut self, direction: &[f64]) -> f64 {
+        let size = self.norm(direction);
+        let joints = self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.is_redundant());
+        let parameters = joints.flat_map(|joint| &direction[joint.range()][joint.kind.translations()..]);
+        parameters.fold(size, |size, entry| size.max(entry.abs()))
+    }
+
+    /// Solution of the transposed equations by the factors, which are symmetric in the degrees of freedom: `D⁻¹ N⁻¹ Dᵀ` of eq. (X26).
+    pub(super) fn solve_transposed(&mut self, derivative: &Derivative, x: &mut [f64]) {
+        derivative.to_rows(x);
+        self.solve(x);
+        derivative.to_freedoms(x);
     }
 
     /// `K δq + C δv + M δa` at the linearised point, eq. (X3); rows of held joints are zero.
@@ -138,8 +160,8 @@ impl System {
         if let Some(closure) = machine.closures.iter().find(|closure| closure.rigid) {
             return refuse("rigid loops", &closure.name);
         }
-        if let Some((body, _)) = machine.spatials().next() {
-            return refuse("universal, ball and free joints", &machine.bodies[body].joint.name);
+        if let (Some((body, _)), Some(_)) = (machine.spatials().next(), &machine.air) {
+            return refuse("universal, ball and free joints in air", &machine.bodies[body].joint.name);
         }
         if let Some((_, body)) =
             self.equations.model.bodies.iter().zip(&machine.bodies).find(|(body, _)| body.modal.is_some())

@@ -136,7 +136,7 @@ impl Gradient<'_> {
         let n = right.len();
         let mut left = right.to_vec();
         equations.clear_held(&mut left);
-        equations.solve(&mut left);
+        equations.solve_transposed(derivative, &mut left);
         let [mut by_q, mut by_v, mut by_a] = [0, 1, 2].map(|_| vec![0.0; n]);
         let solution = directions.solve(left, &vec![0.0; n], 0.0, |direction, image| {
             equations.residual_transposed(derivative, direction, [&mut by_q, &mut by_v, &mut by_a]);
@@ -144,7 +144,7 @@ impl Gradient<'_> {
                 image[i] = by_a[i] + gain * (by_v[i] + gain * by_q[i]);
             }
             equations.clear_held(image);
-            equations.solve(image);
+            equations.solve_transposed(derivative, image);
         });
         let solution = solution.map_err(|left| GradientError::NotSolved { time_s: at.time_s, left })?;
         let w = solution.to_vec();
@@ -231,10 +231,13 @@ impl Gradient<'_> {
         causes: Causes,
     ) -> Result<Vec<Variation>, GradientError> {
         let taken = self.stages_through(step, starts, shifts_s, causes)?;
-        Ok(taken.into_iter().filter_map(|mut stages| stages.pop()).collect())
+        let mut ends: Vec<Variation> = taken.into_iter().filter_map(|mut stages| stages.pop()).collect();
+        let projection = self.projection(step);
+        ends.iter_mut().for_each(|end| projection.apply(end));
+        Ok(ends)
     }
 
-    /// The same at all stages, from the start to the end.
+    /// The same at all stages, from the start to the end, which is not yet projected onto constraints.
     pub(super) fn stages_through(
         &mut self,
         step: &Step,
@@ -248,7 +251,7 @@ impl Gradient<'_> {
         if step.ending != Ending::Chosen {
             taken.push(vec![Variation::zeros(n)]);
         }
-        let points: Vec<&Point> = std::iter::once(&step.start).chain(step.later()).collect();
+        let points: Vec<&Point> = std::iter::once(&step.start).chain(step.solved()).collect();
         for stage in 1..self.tableau.stages() {
             let (at, row) = (points[stage], self.tableau.rows[stage - 1]);
             let laws = self.laws(at.time_s, step.middle_s());

@@ -52,6 +52,10 @@ impl BlockSlopes {
         let environment = Environment { root, damping, stations: &[] };
         self.work.take_sweep(swept);
         dynamics::residual_of_swept(&self.model, &mut self.work, motion, environment, out);
+        // constraints of joints have no blocks
+        for joint in self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.is_redundant()) {
+            out[joint.range()][joint.kind.freedoms()..].fill(0.0);
+        }
     }
 }
 

@@ -21,6 +21,7 @@ mod motor;
 mod prescribed;
 mod refusals;
 mod rigid;
+mod spatial;
 
 fn solver() -> Solver {
     // Newton's iteration to 1e-12: the tape's points then fulfil the equations that are differentiated

@@ -4,6 +4,7 @@
 
 use crate::load::RootMotion;
 use crate::math::so3::hat;
+use crate::multibody::derivative::carried::CarriedDamping;
 use crate::multibody::derivative::chain::{STILL, Shift, Timed, fixed, second};
 use crate::multibody::dynamics::{Environment, beam_force, multiply};
 use crate::multibody::model::{Body, Model};
@@ -13,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 /// The four nodal vectors, their rates, or the forces on them.
 pub(super) type Four = [Vector3<f64>; 4];
 
-const NONE: Four = [Vector3::new(0.0, 0.0, 0.0); 4];
+pub(super) const NONE: Four = [Vector3::new(0.0, 0.0, 0.0); 4];
 
 /// The root's motion in the form required for the nodal vectors.
 #[derive(Debug, Clone, Copy)]
@@ -59,7 +60,7 @@ pub(super) struct Spot {
     /// `[ω̇]× + [ω]×²`, see [`second`].
     pub second: Matrix3<f64>,
     /// Axes of the node in the root frame.
-    axes: [Timed; 3],
+    pub(super) axes: [Timed; 3],
     /// `2 ṙ + α r` and `r̈ + α ṙ` of each axis `r`, if the root does not rotate: in the variation of its `L`, the factors of the rate of
     /// the rotation and of the rotation.
     damped: [[Vector3<f64>; 2]; 3],
@@ -155,7 +156,7 @@ impl Spot {
 }
 
 /// Forces on the nodal vectors of a body due to the loads `L` of its beam, eq. (D5): symmetric, so that it is its own transpose.
-fn beam_forces(model: &Model, body: &Body, loads: &[Four], forces: &mut [Four]) {
+pub(super) fn beam_forces(model: &Model, body: &Body, loads: &[Four], forces: &mut [Four]) {
     let load = |i: usize| &loads[i];
     for (i, forces) in forces.iter_mut().enumerate() {
         *forces = match body.slim_mass {
@@ -175,12 +176,15 @@ pub(super) struct Inertia {
     field: Field,
     loads: Vec<Four>,
     forces: Vec<Four>,
+    /// Per body: its damping relative to a carrier.
+    carried: Vec<Option<CarriedDamping>>,
 }
 
 impl Inertia {
     pub fn new(model: &Model) -> Self {
         let nodes = model.nodes.len();
-        Self { field: Field::of(&RootMotion::default()), loads: vec![NONE; nodes], forces: vec![NONE; nodes] }
+        let carried = model.bodies.iter().map(CarriedDamping::of_body).collect();
+        Self { field: Field::of(&RootMotion::default()), loads: vec![NONE; nodes], forces: vec![NONE; nodes], carried }
     }
 
     /// Stores the forces at the point of the last residual.
@@ -189,7 +193,10 @@ impl Inertia {
         for (own, node) in self.loads.iter_mut().zip(nodes) {
             *own = node.load_rate;
         }
-        for (body, damping) in model.bodies.iter().zip(environment.damping) {
+        for ((body, damping), carried) in model.bodies.iter().zip(environment.damping).zip(&mut self.carried) {
+            if let Some(carried) = carried.as_mut().filter(|_| damping.mass_1_s != 0.0) {
+                carried.prepare(model, body, nodes);
+            }
             let range = body.first_node..=body.last_node();
             beam_forces(model, body, &self.loads[range.clone()], &mut self.forces[range.clone()]);
             for n in range {
@@ -198,8 +205,12 @@ impl Inertia {
                     let mut loads = node.load_rate;
                     if !body.damps_attached {
                         // without damping: `ė` of the origin and the axes
-                        let turn = hat(&node.spin) * node.rotation;
-                        loads[0] -= node.velocity * damping.mass_1_s;
+                        let (velocity, spin) = match body.carrier {
+                            Some(carrier) => node.relative_to(&nodes[carrier]),
+                            None => (node.velocity, node.spin),
+                        };
+                        let turn = hat(&spin) * node.rotation;
+                        loads[0] -= velocity * damping.mass_1_s;
                         for k in 0..3 {
                             loads[k + 1] -= turn.column(k) * damping.mass_1_s;
                         }
@@ -219,13 +230,17 @@ impl Inertia {
         shifts: &[Shift],
         wrenches: &mut [[Vector3<f64>; 2]],
     ) {
-        for (body, alpha) in model.bodies.iter().zip(alphas) {
+        for ((body, alpha), carried) in model.bodies.iter().zip(alphas).zip(&mut self.carried) {
+            let mut carried = carried.as_mut().filter(|_| *alpha != 0.0);
             let range = body.first_node..=body.last_node();
             for n in range.clone() {
                 self.loads[n] = match self.field.rotates {
                     true => spots[n].loads(&shifts[n], &self.field, *alpha),
                     false => spots[n].own_loads(&shifts[n], *alpha),
                 };
+            }
+            if let Some(carried) = &mut carried {
+                carried.subtract(body, (spots, *alpha), shifts, &mut self.loads);
             }
             beam_forces(model, body, &self.loads[range.clone()], &mut self.forces[range.clone()]);
             for n in range {
@@ -238,6 +253,9 @@ impl Inertia {
                 }
                 wrenches[n] = spots[n].wrench(&shifts[n].angular[0], &self.forces[n]);
             }
+            if let Some(carried) = carried {
+                carried.react((model, body), (spots, *alpha), shifts, wrenches);
+            }
         }
     }
 
@@ -249,7 +267,7 @@ impl Inertia {
         on: &[[Vector3<f64>; 2]],
         sums: &mut [Shift],
     ) {
-        for (body, alpha) in model.bodies.iter().zip(alphas) {
+        for ((body, alpha), carried) in model.bodies.iter().zip(alphas).zip(&mut self.carried) {
             let range = body.first_node..=body.last_node();
             for n in range.clone() {
                 self.forces[n] = spots[n].pulled(&on[n]);
@@ -268,6 +286,10 @@ impl Inertia {
                     true => spots[n].add_loads(&self.loads[n], &self.field, *alpha, &mut sums[n]),
                     false => spots[n].add_own_loads(&self.loads[n], *alpha, &mut sums[n]),
                 }
+            }
+            if let Some(carried) = carried.as_mut().filter(|_| *alpha != 0.0) {
+                carried.pull_subtracted(body, (spots, *alpha), &self.loads, sums);
+                carried.pull_reaction((model, body), (spots, *alpha), on, sums);
             }
         }
     }

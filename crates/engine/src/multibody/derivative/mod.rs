@@ -5,12 +5,14 @@
 //! are then one outward and one inward sweep of small constant matrices, [`Derivative::forward`], or the same sweeps transposed,
 //! [`Derivative::reverse`].
 
+mod carried;
 mod chain;
 mod elastic;
 mod inertia;
 mod link;
 mod loads;
 mod loop_force;
+mod spatial;
 
 pub use elastic::elastic_products;
 
@@ -24,7 +26,8 @@ use chain::{Column, STILL, Shift, Timed, fixed};
 use inertia::{Inertia, Spot};
 use loads::LoadedSection;
 use loop_force::LoopForce;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
+use spatial::SpatialBlock;
 
 /// The link or joint between a node and its carrier, the next node towards the root.
 #[derive(Debug, Clone, Copy)]
@@ -57,6 +60,10 @@ pub struct Derivative {
     inertia: Inertia,
     loads: Vec<LoadedSection>,
     loops: Vec<LoopForce>,
+    /// Universal, ball and free joints.
+    spatial: Vec<SpatialBlock>,
+    /// Per node: the one among them whose body starts there, counted from 1; 0 for none.
+    spatial_at: Vec<usize>,
     // workspace for the products, per node
     shifts: Vec<Shift>,
     wrenches: Vec<[Vector3<f64>; 2]>,
@@ -83,8 +90,14 @@ impl Derivative {
                 links.push(Link { carrier: Some(body.first_node), ..Link::NONE });
             }
         }
+        let spatial: Vec<SpatialBlock> =
+            model.bodies.iter().enumerate().filter_map(|(index, body)| SpatialBlock::of_body(index, body)).collect();
+        let mut spatial_at = vec![0; nodes];
+        spatial.iter().enumerate().for_each(|(place, block)| spatial_at[block.node] = place + 1);
         Self {
             links,
+            spatial,
+            spatial_at,
             spots: vec![Spot::ZERO; nodes],
             columns: vec![Column::ZERO; model.coordinates],
             alphas: vec![0.0; model.bodies.len()],
@@ -97,7 +110,7 @@ impl Derivative {
     }
 
     /// Linearises the recursion at the point of the last [`residual`](crate::multibody::dynamics::residual), whose motions and wrenches are
-    /// in `work`; allocates nothing. Joints with several degrees of freedom and modal bodies are not supported.
+    /// in `work`; allocates nothing. Sliding joints and modal bodies are not supported.
     pub fn prepare(&mut self, model: &Model, work: &Workspace, motion: Motion, environment: &Environment) {
         for (alpha, damping) in self.alphas.iter_mut().zip(environment.damping) {
             *alpha = damping.mass_1_s;
@@ -116,6 +129,7 @@ impl Derivative {
                 self.prepare_link(model, work, motion, n);
             }
         }
+        self.spatial.iter_mut().for_each(|block| block.prepare(work, motion));
         self.loads.clear();
         for (station, load) in model.stations.iter().zip(environment.stations).filter(|(_, load)| !load.is_zero()) {
             self.loads.push(LoadedSection::new(model, &work.nodes, motion.q, station, load));
@@ -123,6 +137,23 @@ impl Derivative {
         for (own, closure) in self.loops.iter_mut().zip(&model.closures) {
             *own = LoopForce::new(closure, work);
         }
+    }
+
+    /// Adds torques on the degrees of freedom of a body's universal or ball joint: their slopes by its rotation and its angular velocity, in
+    /// the parent's frame.
+    pub(crate) fn add_torques(&mut self, body: usize, by_turn: &Matrix3<f64>, by_spin: &Matrix3<f64>) {
+        let own = self.spatial.iter_mut().filter(|block| block.body == body);
+        own.for_each(|block| block.add_torques(by_turn, by_spin));
+    }
+
+    /// Converts multipliers of the parameters of universal, ball and free joints to right sides of the rows, `Dᵀ` of eq. (X26), in place.
+    pub(crate) fn to_rows(&self, on: &mut [f64]) {
+        self.spatial.iter().for_each(|block| block.apply(&block.maps[0], true, on));
+    }
+
+    /// Converts a solution, changes of the parameters, to changes of the degrees of freedom and constraints, `D⁻¹` of eq. (X26), in place.
+    pub(crate) fn to_freedoms(&self, change: &mut [f64]) {
+        self.spatial.iter().for_each(|block| block.apply(&block.maps[1], false, change));
     }
 
     /// Column of a joint with one degree of freedom.
@@ -171,11 +202,14 @@ impl Derivative {
     /// Adds `K δq + C δv + M δa` of tree, loads and loops to `sum`, eq. (X3), without the elastic and damping forces of the strains and the
     /// forces of joints.
     pub fn forward(&mut self, model: &Model, along: Motion, sum: &mut [f64]) {
-        let Self { links, spots, columns, shifts, wrenches, .. } = self;
+        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, .. } = self;
         for (n, link) in links.iter().enumerate() {
             let mut shift = link.carrier.map_or(Shift::ZERO, |carrier| shifts[carrier].carried(&link.arm));
             for i in link.range() {
                 columns[i].add(&mut shift, [along.q[i], along.v[i], along.a[i]]);
+            }
+            if spatial_at[n] > 0 {
+                spatial[spatial_at[n] - 1].move_node(along, &mut shift);
             }
             shifts[n] = shift;
         }
@@ -193,6 +227,9 @@ impl Derivative {
             for i in link.range() {
                 sum[i] += columns[i].project(&force, &moment) + columns[i].turned.dot(&turn);
             }
+            if spatial_at[n] > 0 {
+                spatial[spatial_at[n] - 1].add_rows(&wrenches[n], &turn, along, sum);
+            }
             if link.element.is_some() {
                 let own = link.slopes * Strain::from(strains_at(along.q, link.first));
                 sum[link.range()].iter_mut().zip(&own).for_each(|(sum, own)| *sum += own);
@@ -208,7 +245,7 @@ impl Derivative {
     /// Adds the transposed products `Kᵀw`, `Cᵀw` and `Mᵀw` of the parts covered by [`Self::forward`] to `sums`, eq. (X4).
     pub fn reverse(&mut self, model: &Model, w: &[f64], sums: [&mut [f64]; 3]) {
         let [by_q, by_v, by_a] = sums;
-        let Self { links, spots, columns, shifts, wrenches, .. } = self;
+        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, .. } = self;
         shifts.fill(Shift::ZERO);
         // multipliers of the wrenches: virtual motion of the nodes
         for (n, link) in links.iter().enumerate() {
@@ -218,6 +255,13 @@ impl Derivative {
                 moved += columns[i].linear[0] * w[i];
                 turn += columns[i].angular[0] * w[i];
                 by_turn += columns[i].turned * w[i];
+            }
+            if spatial_at[n] > 0 {
+                let block = &spatial[spatial_at[n] - 1];
+                let [own_move, own_turn, own_by_turn] = block.pull_rows(w, [&mut *by_q, &mut *by_v, &mut *by_a]);
+                moved += own_move;
+                turn += own_turn;
+                by_turn += own_by_turn;
             }
             if let Some(carrier) = link.carrier {
                 let [inner_move, inner_turn] = wrenches[carrier];
@@ -249,6 +293,9 @@ impl Derivative {
                 by_q[i] += x;
                 by_v[i] += x1;
                 by_a[i] += x2;
+            }
+            if spatial_at[n] > 0 {
+                spatial[spatial_at[n] - 1].pull(&on, [&mut *by_q, &mut *by_v, &mut *by_a]);
             }
             if let Some(carrier) = link.carrier {
                 shifts[carrier].add_carried(&on, &link.arm);
