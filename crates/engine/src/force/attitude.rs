@@ -94,7 +94,7 @@ impl AttitudeSpring {
         let spin = self.spin(at, v);
         let cosine = n1.dot(&n2);
         let (a, b) = (n1.dot(&spin), n2.dot(&spin));
-        let scale = 1.0 / (1.0 - cosine * cosine);
+        let scale = 1.0 / (1.0 - cosine.powi(2));
         let steep = 2.0 * cosine * scale * scale;
         let by_axis = [
             (n1 * b + spin * cosine) * -scale + n1 * ((a - cosine * b) * steep),
@@ -107,10 +107,7 @@ impl AttitudeSpring {
             ((n2 - n1 * cosine) * scale).transpose(),
             Vector3::zeros().transpose(),
         ]);
-        Some([
-            angles * self.stiffness_n_m_rad + rates * self.damping_n_m_s_rad,
-            by_spin * self.damping_n_m_s_rad,
-        ])
+        Some([angles * self.stiffness_n_m_rad + rates * self.damping_n_m_s_rad, by_spin * self.damping_n_m_s_rad])
     }
 
     fn spin(&self, parameters: &RedundantWork, v: &[f64]) -> Vector3<f64> {

@@ -7,6 +7,8 @@ use crate::multibody::Workspace;
 use crate::multibody::derivative::{Derivative, elastic_products};
 use crate::multibody::dynamics::Environment;
 use crate::multibody::kinematics::Motion;
+use crate::multibody::model::Station;
+use crate::multibody::station::node_under;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::System;
@@ -171,8 +173,8 @@ impl System {
         if let Some(mode) = self.equations.model.damped_modes.first() {
             return refuse("damping by ratios of modes", &machine.bodies[mode.body].name);
         }
-        if let Some(body) = machine.bodies.iter().find(|body| body.has_shear()) {
-            return refuse("bodies with shear", &body.name);
+        if let Some((part, body)) = self.shear_without_slopes() {
+            return refuse(part, &machine.bodies[body].name);
         }
         if !self.state.rates.is_still() || !self.state.applied_rates.is_still() || self.equations.course.moves {
             return refuse("inputs that vary in time", "inputs");
@@ -199,5 +201,25 @@ impl System {
             }
         }
         Ok(())
+    }
+
+    /// A body with shear in a machine with a part that is then not covered, with the name of the part.
+    fn shear_without_slopes(&self) -> Option<(&'static str, usize)> {
+        let model = &self.equations.model;
+        let body = model.bodies.iter().position(|body| body.sheared)?;
+        if self.machine.air.is_some() {
+            return Some(("bodies with shear in air", body));
+        }
+        let within = |station: &&Station| model.bodies[station.body].sheared && node_under(model, station).is_none();
+        if let Some(station) = model.stations.iter().find(within) {
+            return Some(("loads inside elements with shear", station.body));
+        }
+        let damping = self.equations.damping.iter();
+        let carried = model
+            .bodies
+            .iter()
+            .zip(damping)
+            .position(|(body, damping)| body.sheared && body.carrier.is_some() && damping.mass_1_s != 0.0);
+        carried.map(|body| ("mass-proportional damping of bodies with shear on free joints", body))
     }
 }

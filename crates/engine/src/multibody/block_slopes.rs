@@ -19,8 +19,11 @@ pub(crate) struct BlockSlopes {
 
 impl BlockSlopes {
     /// Combines the blocks of several machines with the weights of a difference quotient. `None` if the models differ from `own` in more
-    /// than blocks, for example in lengths.
+    /// than blocks, for example in lengths, or have elements with shear.
     pub fn new<'a>(own: &Model, others: impl Iterator<Item = (f64, &'a Model)>) -> Option<Self> {
+        if own.sheared {
+            return None;
+        }
         let mut model = own.clone();
         clear(&mut model);
         let empty = model.clone();

@@ -21,6 +21,7 @@ mod motor;
 mod prescribed;
 mod refusals;
 mod rigid;
+mod shear;
 mod spatial;
 
 fn solver() -> Solver {

@@ -2,6 +2,7 @@
 
 use super::rigid::hardened;
 use super::*;
+use crate::machine::SpatialFreedom;
 use crate::machine::builder::{BodyBuilder, JointBuilder};
 use crate::system::{JointOutputs, SpatialOutputs};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -25,7 +26,8 @@ fn fold(numbers: Numbers, on: &str) -> JointBuilder {
         inertia_kg_m2: 1e-4,
         ..Motor::default()
     };
-    let latch = Latch::with_stiffness_n_m_rad(numbers.latch_stiffness).angle_rad(0.7 + numbers.latch_angle);
+    // a fifth: the differences of runs over a shift of the latch have the truncation of stiff motions
+    let latch = Latch::with_stiffness_n_m_rad(numbers.latch_stiffness).angle_rad(0.7 + 0.2 * numbers.latch_angle);
     Joint::revolute("fold", [1.0, 0.1, 0.0])
         .on(on)
         .offset_m([0.01, 0.0, 0.005])
@@ -52,7 +54,8 @@ fn builder(numbers: Numbers) -> MachineBuilder {
         .gravity_m_s2([0.0, 0.5, -9.81])
         .load("pull", "inner", 1, wrench)
         .gauge(Gauge::on("root", "inner", 0.05))
-        .solver(solver())
+        // reactions contain the remainder of the iteration
+        .solver(Solver { tolerance: 1e-12, ..solver() })
 }
 
 /// A hull in free flight with a folding wing, whose bodies have mass-proportional damping relative to the hull.
@@ -75,10 +78,11 @@ fn flying(numbers: Numbers) -> Result<Machine, String> {
 
 /// A folding wing on a ball joint.
 fn swinging(numbers: Numbers) -> Result<Machine, String> {
-    let ball = Joint::ball("hook")
-        .mount(mount(numbers))
-        .motor(hold(numbers))
-        .start_angular_velocity_rad_s([numbers.start_rate, 1.0, -0.7]);
+    let ball = Joint::ball("hook").mount(mount(numbers)).motor(hold(numbers)).start_angular_velocity_rad_s([
+        numbers.start_rate,
+        1.0,
+        -0.7,
+    ]);
     builder(numbers)
         .body(beam(numbers, "inner", numbers.length), ball)
         .body(beam(numbers, "outer", 0.3), fold(numbers, "inner"))
@@ -89,21 +93,27 @@ fn swinging(numbers: Numbers) -> Result<Machine, String> {
 
 /// A beam on a hinge, another one on a universal joint at its end, with axes that are not at right angles, and a folding arm.
 fn jointed(numbers: Numbers) -> Result<Machine, String> {
-    let cardan = Joint::universal("cardan", [0.0, 1.0, 0.2], [0.3, 0.1, 1.0])
+    // the attitude turns about the first axis: the angle between the axes stays
+    let axis = Vector3::new(0.0, 1.0, 0.2);
+    let mount = Rotation3::new(axis * 0.2 * numbers.start_angle) * Rotation3::new(Vector3::new(0.2, -0.1, 0.1));
+    let cardan = Joint::universal("cardan", axis, [0.3, 0.1, 1.0])
         .on("inner")
         .offset_m([0.01, 0.02, 0.0])
-        .mount(Rotation3::new(Vector3::new(0.2, -0.1, 0.1) * numbers.start_angle).into_inner())
+        .mount(mount.into_inner())
         .motor(hold(numbers));
     let flap = Joint::revolute("flap", [0.0, 1.0, 0.0]).spring(Spring { stiffness_n_m_rad: 40.0, ..Spring::default() });
     builder(numbers)
         .body(beam(numbers, "inner", numbers.length), flap)
         .body(beam(numbers, "middle", 0.3), cardan)
-        .body(Body::rigid("outer").inertia(numbers.mass, [0.1, 0.0, 0.01], Matrix3::identity() * 1e-3), fold(numbers, "middle"))
+        .body(
+            Body::rigid("outer").inertia(numbers.mass, [0.1, 0.0, 0.01], Matrix3::identity() * 1e-3),
+            fold(numbers, "middle"),
+        )
         .build()
         .map_err(|refused| refused.to_string())
 }
 
-/// Motions, strains, reactions and energies at both times, and the latch time of a joint.
+/// Motions, strains, reactions (in free flight there is none on the root) and energies at both times, and the latch time of a joint.
 fn results(plant: &Plant, latch: Option<usize>) -> Vec<RunResult> {
     let layout = *plant.outputs().layout();
     let spatial = |offset: usize, entry: usize| layout.spatial.place(0, offset) + entry;
@@ -117,7 +127,9 @@ fn results(plant: &Plant, latch: Option<usize>) -> Vec<RunResult> {
         spatial(offset_of!(SpatialOutputs, angular_velocity_rad_s), 1),
         layout.root.place(0, 0) + 2,
     ];
-    let outputs = (0..2).flat_map(|time| indices.map(|index| RunResult::Output { index, time }));
+    let flies = plant.machine().spatials().any(|(_, joint)| joint.freedom == SpatialFreedom::Free);
+    let indices = &indices[..indices.len() - usize::from(flies)];
+    let outputs = (0..2).flat_map(|time| indices.iter().map(move |index| RunResult::Output { index: *index, time }));
     outputs.chain(latch.map(|joint| RunResult::LatchTime { joint })).collect()
 }
 
@@ -258,4 +270,25 @@ fn half_a_turn_has_a_slope() {
     };
     let [at, beyond] = [0.0, 1e-2].map(slope);
     assert!((at - beyond).abs() < 0.05 * at.abs() && at.abs() > 0.1, "{at} and {beyond}");
+}
+
+/// GR-67: a parameter that changes the angle between the axes of a universal joint is rejected by name: the constraints depend on it.
+#[test]
+fn axes_of_universal_joints_are_no_parameters() {
+    let machine = |shift: f64| {
+        let cardan = Joint::universal("cardan", [0.0, 1.0, 0.2 + shift], [0.3, 0.1, 1.0]).motor(hold(Numbers::USUAL));
+        builder(Numbers::USUAL)
+            .body(beam(Numbers::USUAL, "inner", 0.4), cardan)
+            .build()
+            .map_err(|refused| refused.to_string())
+    };
+    let mut plant = started(machine(0.0).unwrap_or_else(|error| panic!("{error}")));
+    let tape = plant.run_on_tape(&[0.02]).unwrap_or_else(|error| panic!("{error}"));
+    let parameter = Parameter::new("axis", 0.0, 1e-3, |shift| plant_of(machine(shift)));
+    let parameter = parameter.unwrap_or_else(|error| panic!("{error}"));
+    let outcome = Gradient::new(&mut plant, &tape, vec![parameter]).map(|_| ()).expect_err("other axes");
+    assert!(
+        outcome.to_string().contains("parameter axis changes the angle between the axes of a universal joint"),
+        "{outcome}"
+    );
 }

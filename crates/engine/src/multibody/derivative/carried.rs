@@ -2,7 +2,7 @@
 //! NOTATION eqs. (D15) and (X28).
 
 use crate::multibody::derivative::chain::{STILL, Shift};
-use crate::multibody::derivative::inertia::{Four, NONE, Spot, beam_forces};
+use crate::multibody::derivative::spot::{Four, NONE, Spot, beam_forces};
 use crate::multibody::dynamics::multiply;
 use crate::multibody::model::{Body, Model};
 use crate::multibody::workspace::Node;
@@ -146,8 +146,7 @@ impl CarriedDamping {
             let n = body.first_node + place;
             let own = &self.forces[place];
             let on_axis = |k: usize| on_moment.cross(&spots[n].axes[k][0]);
-            self.changes[place] =
-                [on_force + on_moment.cross(&self.arms[place]), on_axis(0), on_axis(1), on_axis(2)];
+            self.changes[place] = [on_force + on_moment.cross(&self.arms[place]), on_axis(0), on_axis(1), on_axis(2)];
             let apart = own[0].cross(&on_moment);
             sums[n].linear[0] += apart;
             sums[self.carrier].linear[0] -= apart;

@@ -12,22 +12,26 @@ mod inertia;
 mod link;
 mod loads;
 mod loop_force;
+mod shear;
 mod spatial;
+mod spot;
 
 pub use elastic::elastic_products;
 
-use crate::math::strain::{STRAINS, Strain, StrainMatrix, strains_at};
+use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix, strains_at};
 use crate::multibody::dynamics::Environment;
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::Workspace;
 use chain::{Column, STILL, Shift, Timed, fixed};
-use inertia::{Inertia, Spot};
+use inertia::Inertia;
 use loads::LoadedSection;
 use loop_force::LoopForce;
 use nalgebra::{Matrix3, Vector3};
+use shear::ShearedElement;
 use spatial::SpatialBlock;
+use spot::Spot;
 
 /// The link or joint between a node and its carrier, the next node towards the root.
 #[derive(Debug, Clone, Copy)]
@@ -60,6 +64,8 @@ pub struct Derivative {
     inertia: Inertia,
     loads: Vec<LoadedSection>,
     loops: Vec<LoopForce>,
+    /// Elements with shear.
+    sheared: Vec<ShearedElement>,
     /// Universal, ball and free joints.
     spatial: Vec<SpatialBlock>,
     /// Per node: the one among them whose body starts there, counted from 1; 0 for none.
@@ -81,7 +87,7 @@ impl Derivative {
                 links.push(Link {
                     carrier: Some(body.first_node + i),
                     first: model.elements[element].coordinate,
-                    count: STRAINS,
+                    count: if body.sheared { SHEARED } else { STRAINS },
                     element: Some(element),
                     ..Link::of_joint(body)
                 });
@@ -96,6 +102,7 @@ impl Derivative {
         spatial.iter().enumerate().for_each(|(place, block)| spatial_at[block.node] = place + 1);
         Self {
             links,
+            sheared: ShearedElement::of_model(model),
             spatial,
             spatial_at,
             spots: vec![Spot::ZERO; nodes],
@@ -130,6 +137,7 @@ impl Derivative {
             }
         }
         self.spatial.iter_mut().for_each(|block| block.prepare(work, motion));
+        self.sheared.iter_mut().for_each(|element| element.prepare(model, work, motion, &self.spots));
         self.loads.clear();
         for (station, load) in model.stations.iter().zip(environment.stations).filter(|(_, load)| !load.is_zero()) {
             self.loads.push(LoadedSection::new(model, &work.nodes, motion.q, station, load));
@@ -186,7 +194,11 @@ impl Derivative {
                 node.velocity - inner.velocity,
                 node.acceleration - inner.acceleration,
             ];
-            if let Some(index) = link.element {
+            if let Some(index) = link.element.filter(|index| model.elements[*index].sheared.is_some()) {
+                let element = &model.elements[index];
+                let own = shear::columns(element, motion, inner, &self.spots[carrier].second);
+                self.columns[element.range()].copy_from_slice(&own);
+            } else if let Some(index) = link.element {
                 let element = &model.elements[index];
                 let own = link::columns(element, motion, inner, &self.spots[carrier].second);
                 self.columns[element.range()].copy_from_slice(&own);
@@ -202,7 +214,7 @@ impl Derivative {
     /// Adds `K δq + C δv + M δa` of tree, loads and loops to `sum`, eq. (X3), without the elastic and damping forces of the strains and the
     /// forces of joints.
     pub fn forward(&mut self, model: &Model, along: Motion, sum: &mut [f64]) {
-        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, .. } = self;
+        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, sheared, .. } = self;
         for (n, link) in links.iter().enumerate() {
             let mut shift = link.carrier.map_or(Shift::ZERO, |carrier| shifts[carrier].carried(&link.arm));
             for i in link.range() {
@@ -214,6 +226,9 @@ impl Derivative {
             shifts[n] = shift;
         }
         self.inertia.forward(model, (spots, &self.alphas), shifts, wrenches);
+        for element in sheared.iter() {
+            element.forward(model, (spots, &self.alphas, self.inertia.field()), along, shifts, wrenches, sum);
+        }
         for load in &self.loads {
             let node = load.node();
             load.forward(&shifts[node], along.q, &mut wrenches[node], sum);
@@ -245,7 +260,7 @@ impl Derivative {
     /// Adds the transposed products `Kᵀw`, `Cᵀw` and `Mᵀw` of the parts covered by [`Self::forward`] to `sums`, eq. (X4).
     pub fn reverse(&mut self, model: &Model, w: &[f64], sums: [&mut [f64]; 3]) {
         let [by_q, by_v, by_a] = sums;
-        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, .. } = self;
+        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, sheared, .. } = self;
         shifts.fill(Shift::ZERO);
         // multipliers of the wrenches: virtual motion of the nodes
         for (n, link) in links.iter().enumerate() {
@@ -279,6 +294,10 @@ impl Derivative {
             wrenches[n] = [moved, turn];
         }
         self.inertia.reverse(model, (spots, &self.alphas), wrenches, shifts);
+        for element in sheared.iter() {
+            let at = (&spots[..], &self.alphas[..], self.inertia.field());
+            element.reverse(model, at, (wrenches, w), shifts, [&mut *by_q, &mut *by_v, &mut *by_a]);
+        }
         for load in &self.loads {
             let node = load.node();
             load.reverse(&wrenches[node], w, &mut shifts[node], by_q);

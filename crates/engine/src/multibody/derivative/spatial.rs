@@ -49,7 +49,7 @@ pub(super) struct SpatialBlock {
     axes: Matrix3<f64>,
     /// Slopes of their torques by a rotation of the parent, as columns.
     turned: Matrix3<f64>,
-    /// Slopes of the rows by the parameters with their derivatives, in addition to those by the wrench and by the parent's rotation.
+    /// Slopes of the rows with respect to the parameters with their derivatives, in addition to those through the wrench and the parent's rotation.
     own: [Square; 3],
     /// Parameters by rows: `η = D x` of eq. (X26), and its inverse.
     pub(super) maps: [Square; 2],
@@ -233,7 +233,8 @@ fn spherical(kind: &JointKind, at: &RedundantWork, rates: &[f64], seconds: &[f64
     let of_second = own * second;
     let spin_by = -map(&rate) - spin * by_zeta.transpose();
     let rate_by_rate = own * -stretch - spin * by_zeta.transpose();
-    let rate_by = -map(&second) - of_second * by_zeta.transpose()
+    let rate_by = -map(&second)
+        - of_second * by_zeta.transpose()
         - spin_by * stretch
         - spin * (by_rate - by_zeta * stretch).transpose();
     let wide = |of: &SMatrix<f64, 3, 4>| {
@@ -281,11 +282,7 @@ fn local(slopes: &Turning, spin: &Vector3<f64>, spin_rate: &Vector3<f64>) -> [[C
     [
         [*turn, zero, zero],
         [first, *spin_by_rates, zero],
-        [
-            rate_by + across_rate * turn + across * first,
-            rate_by_rates + across * spin_by_rates,
-            *rate_by_seconds,
-        ],
+        [rate_by + across_rate * turn + across * first, rate_by_rates + across * spin_by_rates, *rate_by_seconds],
     ]
 }
 
@@ -296,14 +293,10 @@ fn in_root(parent: Option<&Node>, local: [[Columns; 3]; 3]) -> [[Columns; 3]; 3]
     let (spin, second) = (hat(&parent.spin), second(parent));
     let [own, first, twice] = &turned;
     let each = |of: &dyn Fn(usize) -> Columns| [of(0), of(1), of(2)];
-    [
-        *own,
-        each(&|k| first[k] + spin * own[k]),
-        each(&|k| twice[k] + spin * first[k] * 2.0 + second * own[k]),
-    ]
+    [*own, each(&|k| first[k] + spin * own[k]), each(&|k| twice[k] + spin * first[k] * 2.0 + second * own[k])]
 }
 
-/// Slopes of the constraints by the parameters with their derivatives.
+/// Slopes of the constraints with respect to the parameters with their derivatives.
 fn constraint_slopes(kind: &JointKind, at: &RedundantWork, rates: &[f64], seconds: &[f64]) -> [Square; 3] {
     let mut own = [Square::zeros(); 3];
     let first = kind.freedoms();
