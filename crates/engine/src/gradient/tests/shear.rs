@@ -49,7 +49,12 @@ fn hinge() -> JointBuilder {
     Joint::revolute("flap", [0.0, 1.0, 0.0]).spring(Spring { stiffness_n_m_rad: 40.0, ..Spring::default() })
 }
 
-fn agree(machine: impl Fn(Numbers) -> Result<Machine, String>, leave: &[&str], joint: usize, words: &str) {
+fn agree(
+    machine: impl Fn(Numbers) -> Result<Machine, String>,
+    leave: &[&str],
+    joint: usize,
+    (same, words): (f64, &str),
+) {
     let places: Vec<Place> = PLACES.into_iter().filter(|place| !leave.contains(&place.0)).collect();
     let compared = compare_results(machine, &InputRows::default(), &places, |plant| {
         let layout = *plant.outputs().layout();
@@ -64,23 +69,23 @@ fn agree(machine: impl Fn(Numbers) -> Result<Machine, String>, leave: &[&str], j
         outputs.chain(accounts).chain([RunResult::LatchTime { joint }]).collect()
     });
     let Compared { forward_and_adjoint, differences, events } = compared;
-    println!("{words}: {forward_and_adjoint:.1e} {differences:.1e} {events}");
     assert!(events > 0, "{words}: no event");
-    assert!(forward_and_adjoint < 1e-9, "{words}: {forward_and_adjoint:.1e}");
+    assert!(forward_and_adjoint < same, "{words}: {forward_and_adjoint:.1e}");
     assert!(differences < 1e-6, "{words}: {differences:.1e}");
 }
 
 /// GR-64: a folding wing with shear in both bodies, through an elastic latch.
 #[test]
 fn gradients_of_bodies_with_shear() {
-    agree(|numbers| wing(numbers, [true; 2], hinge()), &["stop", "command"], 1, "both");
+    agree(|numbers| wing(numbers, [true; 2], hinge()), &["stop", "command"], 1, (1e-9, "both"));
 }
 
 /// GR-65: with shear in the inner body, through a rigid latch.
 #[test]
 fn gradients_of_a_body_with_shear_through_a_rigid_latch() {
     let leave = ["stop", "command", "latch_stiffness"];
-    agree(|numbers| wing(numbers, [true, false], hinge()).map(hardened), &leave, 1, "rigid latch");
+    // found 8.4e-10: the impulse starts waves of the stiff strains, whose accelerations multiply round-off of the solutions
+    agree(|numbers| wing(numbers, [true, false], hinge()).map(hardened), &leave, 1, (5e-9, "rigid latch"));
 }
 
 /// GR-66: with shear in the outer body, on a ball joint.
@@ -94,5 +99,5 @@ fn gradients_of_a_body_with_shear_on_a_ball_joint() {
         };
         Joint::ball("hook").motor(hold).start_angular_velocity_rad_s([numbers.start_rate, 1.0, -0.7])
     };
-    agree(|numbers| wing(numbers, [false, true], ball(numbers)), &["stop", "command"], 0, "ball");
+    agree(|numbers| wing(numbers, [false, true], ball(numbers)), &["stop", "command"], 0, (1e-9, "ball"));
 }
