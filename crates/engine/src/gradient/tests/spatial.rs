@@ -138,7 +138,7 @@ fn without(names: &[&str]) -> Vec<Place> {
 }
 
 fn agree(compared: &Compared, words: &str) {
-    let Compared { forward_and_adjoint, differences, events } = compared;
+    let Compared { forward_and_adjoint, differences, .. } = compared;
     assert!(*forward_and_adjoint < 1e-9, "{words}: {forward_and_adjoint:.1e}");
     assert!(*differences < 1e-6, "{words}: {differences:.1e}");
 }
