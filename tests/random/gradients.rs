@@ -125,10 +125,12 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         "the staggered coupling of aerodynamics and structure" => key_removed(model, "aerodynamics", &["coupling"]),
         part if part.starts_with("gusts") => remove("gust"),
         part if part.starts_with("polars") => key_removed(model, "surface.", &["polar"]),
-        "bodies with shear" => Some(unsheared(model, place)),
+        "bodies with shear in air"
+        | "loads inside elements with shear"
+        | "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
         "damping by ratios of modes" => key_removed(model, "body.", &["modal_damping_ratios"]),
         "failures" => remove(&format!("failure.{place}")),
-        "universal, ball and free joints" => Some(clamped(model, place)),
+        "universal, ball and free joints in air" => Some(clamped(model, place)),
         "generators" => of_joint("generator"),
         "rotors of geared motors that turn with their carrier" | "commands subject to a rate limit" => {
             of_joint("motor")

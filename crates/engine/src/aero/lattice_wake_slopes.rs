@@ -11,8 +11,8 @@ use crate::aero::lattice_linear::{About, MOVING_ROWS, NO_CIRCULATION, STEP, WEIG
 use crate::aero::lattice_state::SheetKind;
 use crate::aero::near_sheets::{Facing, NoCirculation};
 use crate::aero::rear::SHED_PANELS;
-use crate::math::wide::wide;
 use crate::aero::{AirLoads, lattice_loads};
+use crate::math::wide::wide;
 use nalgebra::{DMatrix, Vector3};
 
 /// Points at which velocities are evaluated, with the near-field data of those close to other sheets.

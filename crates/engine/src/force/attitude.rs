@@ -70,6 +70,46 @@ impl AttitudeSpring {
         identity + (turn * turn * gamma - turn * 0.5) * self.stiffness_n_m_rad
     }
 
+    /// Exact derivatives of the torques of spring and damper on the degrees of freedom (rows) by a small rotation of the joint and by its
+    /// angular velocity, both in the parent's frame, N·m/rad and N·m·s/rad; NOTATION eq. (X25).
+    pub(crate) fn slopes(&self, work: &Workspace, v: &[f64]) -> Option<[Matrix3<f64>; 2]> {
+        let at = work.joints[self.body].redundant()?;
+        let JointKind::Universal { parent_axis, body_axis, .. } = &self.joint.kind else {
+            return Some([self.stiffness(work), Matrix3::identity() * self.damping_n_m_s_rad]);
+        };
+        let rotation = &at.pose.rotation;
+        let first_rad = self.angles(at)[0];
+        let outer = rotation * body_axis;
+        let flat = outer - parent_axis * parent_axis.dot(&outer);
+        let first = outer.cross(&parent_axis.cross(&flat)) / flat.norm_squared();
+        let before = crate::math::so3::rotation_about(parent_axis, first_rad) * self.neutral;
+        let across = rotation * perpendicular(body_axis);
+        let local = before.tr_mul(&across);
+        let flat = local - body_axis * body_axis.dot(&local);
+        let second = across.cross(&(before * body_axis.cross(&flat))) / flat.norm_squared();
+        let second = second - first * second.dot(parent_axis);
+        let angles = Matrix3::from_rows(&[first.transpose(), second.transpose(), Vector3::zeros().transpose()]);
+        // rates: those of ω = n₁ θ̇₁ + n₂ θ̇₂, of which n₂ rotates with the body
+        let (n1, n2) = (at.pose.axes.column(0).into_owned(), at.pose.axes.column(1).into_owned());
+        let spin = self.spin(at, v);
+        let cosine = n1.dot(&n2);
+        let (a, b) = (n1.dot(&spin), n2.dot(&spin));
+        let scale = 1.0 / (1.0 - cosine.powi(2));
+        let steep = 2.0 * cosine * scale * scale;
+        let by_axis = [
+            (n1 * b + spin * cosine) * -scale + n1 * ((a - cosine * b) * steep),
+            (spin - n1 * a) * scale + n1 * ((b - cosine * a) * steep),
+        ];
+        let [by_turn_1, by_turn_2] = by_axis.map(|by| n2.cross(&by).transpose());
+        let rates = Matrix3::from_rows(&[by_turn_1, by_turn_2, Vector3::zeros().transpose()]);
+        let by_spin = Matrix3::from_rows(&[
+            ((n1 - n2 * cosine) * scale).transpose(),
+            ((n2 - n1 * cosine) * scale).transpose(),
+            Vector3::zeros().transpose(),
+        ]);
+        Some([angles * self.stiffness_n_m_rad + rates * self.damping_n_m_s_rad, by_spin * self.damping_n_m_s_rad])
+    }
+
     fn spin(&self, parameters: &RedundantWork, v: &[f64]) -> Vector3<f64> {
         let rates = &v[self.joint.range()];
         parameters.pose.spin(&self.joint.kind, rates, rates).0

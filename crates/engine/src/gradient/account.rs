@@ -93,7 +93,7 @@ pub(super) fn add_slopes_along(
     system.equations.take_pieces(at.time_s, &at.q, &at.v);
     let mut there = at.clone();
     for (kind, (direction, step, weights)) in parts.into_iter().enumerate() {
-        let size = system.equations.norm(direction);
+        let size = system.equations.size_of(direction);
         if size.is_nan() || size <= 0.0 {
             continue;
         }

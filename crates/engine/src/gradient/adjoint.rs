@@ -139,6 +139,7 @@ impl Gradient<'_> {
         mut shift: f64,
         sums: &mut Sums,
     ) -> Result<(Variation, f64), GradientError> {
+        self.projection(step).pull(&mut multipliers);
         let seeds = self.mean_seeds(step, sums);
         let mut along_length = 0.0;
         let mut column = Variation::zeros(0);
@@ -177,7 +178,7 @@ impl Gradient<'_> {
     ) -> Result<(Variation, f64), GradientError> {
         let (h, n, stages) = (step.length_s(), self.system.coordinates(), self.tableau.stages());
         let gain = h * self.tableau.gamma;
-        let points: Vec<&Point> = std::iter::once(&step.start).chain(step.later()).collect();
+        let points: Vec<&Point> = std::iter::once(&step.start).chain(step.solved()).collect();
         let mut on = vec![Variation::zeros(n); stages];
         on[stages - 1] = end;
         seeds.add_to(&mut on);

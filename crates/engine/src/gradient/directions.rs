@@ -7,7 +7,6 @@
 use crate::gradient::step::SOLVED;
 use crate::gradient::{add, dot, largest_product};
 use crate::multibody::Model;
-use crate::multibody::joint::JointKind;
 
 /// Maximum number of directions in which a solution is sought.
 const MAX_DIRECTIONS: usize = 40;
@@ -44,9 +43,8 @@ impl Directions {
         let reach_m = model.reference_length_m;
         let mut scales_m = vec![reach_m; model.coordinates];
         for body in &model.bodies {
-            if let JointKind::Prismatic { .. } = body.joint.kind {
-                scales_m[body.joint.coordinate] = 1.0;
-            }
+            let first = body.joint.coordinate;
+            scales_m[first..first + body.joint.kind.translations()].fill(1.0);
         }
         for element in &model.elements {
             scales_m[element.range()].fill(element.length_m);

@@ -185,10 +185,9 @@ impl Gradient<'_> {
             self.add_means(step, (&stages, &front.shifts_s, &changes_s), means, table);
         }
         front.shifts_s.iter_mut().zip(&changes_s).for_each(|(shift_s, change_s)| *shift_s += change_s);
-        if step.ending == Ending::Given {
-            front.shifts_s.fill(0.0);
-        }
         front.variations = stages.into_iter().filter_map(|mut stages| stages.pop()).collect();
+        let projection = self.projection(step);
+        front.variations.iter_mut().for_each(|end| projection.apply(end));
         Ok(())
     }
 

@@ -206,7 +206,7 @@ impl Gradient<'_> {
             equations.residual_transposed(&mut self.derivative, &w, [&mut by_q, &mut by_v, &mut by_a]);
             let mut left: Vec<f64> = on.v.iter().zip(&by_a).map(|(own, found)| own - found).collect();
             equations.clear_held(&mut left);
-            equations.solve(&mut left);
+            equations.solve_transposed(&self.derivative, &mut left);
             add(&mut w, 1.0, &left);
         }
         for (point, sign) in [(&jump.at, -1.0), (&jump.still, 1.0)] {

@@ -122,6 +122,11 @@ fn points(step: &Step) -> impl Iterator<Item = Point> {
     std::iter::once(step.start.clone()).chain(step.later().map(whole))
 }
 
+/// The points at which the equations of motion are satisfied, of which powers are taken.
+fn solved(step: &Step) -> impl Iterator<Item = &Point> {
+    std::iter::once(&step.start).chain(step.solved())
+}
+
 impl Gradient<'_> {
     /// A mean whose slope is defined; otherwise the reason why not.
     pub(super) fn check_mean(&self, index: usize, time: usize) -> Result<(), GradientError> {
@@ -173,22 +178,28 @@ impl Gradient<'_> {
         let h = step.length_s();
         let indices: Vec<usize> = means.iter().filter_map(|(_, mean)| mean.output()).collect();
         let accounts = means.iter().any(|(_, mean)| mean.account().is_some());
-        for (stage, at) in points(step).enumerate() {
+        for (stage, (at, power_at)) in points(step).zip(solved(step)).enumerate() {
             let at = &at;
             self.place(at);
-            let variations: Vec<Variation> = stages.iter().map(|stages| stages[stage].clone()).collect();
+            let mut variations: Vec<Variation> = stages.iter().map(|stages| stages[stage].clone()).collect();
+            let of_powers = if accounts { self.power_slopes(step, power_at, &variations) } else { Vec::new() };
+            if stage + 1 == self.tableau.stages() {
+                let projection = self.projection(step);
+                variations.iter_mut().for_each(|variation| projection.apply(variation));
+            }
+            self.place(at);
             let mut of_outputs = match indices.is_empty() {
                 true => Vec::new(),
                 false => self.output_slopes_at(at, &indices, &variations, &[]),
             }
             .into_iter();
-            let of_powers = if accounts { self.power_slopes(step, at, &variations) } else { Vec::new() };
             let part = (at.time_s - step.start.time_s) / h;
             for (row, mean) in means {
                 let slopes: Vec<f64> = match mean.account() {
                     Some(account) => of_powers.iter().map(|slopes| account.of_powers(*slopes)).collect(),
                     None => of_outputs.next().unwrap_or_default(),
                 };
+                let at = if mean.account().is_some() { power_at } else { at };
                 let [value, slope] = mean.integrand(self.integrand_at(step, at, mean));
                 let by_time = if self.inputs_move() { self.integrand_by_time(step, at, mean) } else { 0.0 };
                 let share = mean.share(self.tableau, stage);
@@ -208,11 +219,11 @@ impl Gradient<'_> {
         let columns = self.stages_through(step, &[], &[], Causes::NONE)?.pop().unwrap_or_default();
         let h = step.length_s();
         let mut rate = 0.0;
-        for ((stage, at), column) in points(step).enumerate().zip(&columns) {
+        for ((stage, at), column) in solved(step).enumerate().zip(&columns) {
             let part = (at.time_s - step.start.time_s) / h;
-            let by_time = if self.inputs_move() { self.integrand_by_time(step, &at, mean) } else { 0.0 };
-            let along = self.integrand_along(step, &at, mean, column) + by_time * part;
-            rate += mean.share(self.tableau, stage) * (h * along + self.integrand_at(step, &at, mean));
+            let by_time = if self.inputs_move() { self.integrand_by_time(step, at, mean) } else { 0.0 };
+            let along = self.integrand_along(step, at, mean, column) + by_time * part;
+            rate += mean.share(self.tableau, stage) * (h * along + self.integrand_at(step, at, mean));
         }
         Ok(rate)
     }
@@ -246,14 +257,20 @@ impl Gradient<'_> {
         let mut seeds = Seeds::default();
         let Some(mean) = sums.mean else { return seeds };
         let h = step.length_s();
-        for (stage, at) in points(step).enumerate() {
-            let at = &at;
+        for (stage, (at, power_at)) in points(step).zip(solved(step)).enumerate() {
+            let at = if mean.account().is_some() { power_at } else { &at };
             self.place(at);
             let [value, slope] = mean.integrand(self.integrand_at(step, at, &mean));
             let share = mean.share(self.tableau, stage);
             let mut on = Variation::zeros(self.system.coordinates());
             let by_state = match mean.integrand {
-                Integrand::Output(index) | Integrand::Square(index) => self.output_gradient(index, at),
+                Integrand::Output(index) | Integrand::Square(index) => {
+                    let mut by_state = self.output_gradient(index, at);
+                    if stage + 1 == self.tableau.stages() {
+                        self.projection(step).pull(&mut by_state);
+                    }
+                    by_state
+                }
                 Integrand::Power(account) => self.power_gradient(account, step, at),
             };
             on.add(share * h * slope, &by_state);

@@ -18,6 +18,7 @@ mod mean;
 mod outputs;
 mod parameter;
 mod prescribed;
+mod projection;
 mod run;
 mod sections;
 mod slopes;

@@ -285,7 +285,7 @@ fn add_slopes_along(
 ) {
     let layout = system.outputs.layout();
     let wanted = indices.iter().fold(OutputSet::NONE, |wanted, index| wanted | layout.group(*index));
-    let size = system.equations.norm(direction);
+    let size = system.equations.size_of(direction);
     if size.is_nan() || size <= 0.0 {
         return;
     }

@@ -6,7 +6,9 @@ use crate::gradient::jump::Jump;
 use crate::gradient::tape::{Step, Tape};
 use crate::multibody::Model;
 use crate::multibody::block_slopes::{BlockSlopes, DampingSlope};
+use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
+use crate::multibody::model::Body;
 use crate::run::Plant;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
@@ -188,6 +190,9 @@ impl Neighbours {
                 return Err(refuse("the number of coordinates or outputs"));
             }
             system.refuse_gradient()?;
+            if !system.equations.model.bodies.iter().zip(&own.equations.model.bodies).all(same_axes) {
+                return Err(refuse("the angle between the axes of a universal joint"));
+            }
             let knots = |system: &System| -> Vec<Option<Vec<f64>>> {
                 system.equations.forces.joints().iter().map(|joint| Some(joint.law()?.knots_s().collect())).collect()
             };
@@ -217,8 +222,12 @@ impl Neighbours {
                 start_memory.resize(memory.len(), 0.0);
                 super::add(&mut start_memory, *weight, &memory);
             }
-            super::add(&mut start[0], *weight, &system.state.now.q);
-            super::add(&mut start[1], *weight, &system.state.now.v);
+            let (mut q, mut v) = (system.state.now.q.clone(), system.state.now.v.clone());
+            if let Some(first) = tape.steps.first() {
+                align_quaternions(system, &first.start.q, [&mut q, &mut v]);
+            }
+            super::add(&mut start[0], *weight, &q);
+            super::add(&mut start[1], *weight, &v);
         }
         let difference = Difference::of(&mut plants, &own.equations, tape);
         let forces = forces_differ(&mut plants);
@@ -306,6 +315,40 @@ impl Neighbours {
     }
 }
 
+/// Change of the axes of a universal joint in the frames of its bodies, and of the cosine between them, that is round-off.
+const SAME_AXES: f64 = 1e-12;
+
+/// Whether universal joints of two machines have the same constraints.
+fn same_axes((one, other): (&Body, &Body)) -> bool {
+    let axes = |body: &Body| match body.joint.kind {
+        JointKind::Universal { parent_axis, body_axis, cosine } => Some((parent_axis, body_axis, cosine)),
+        JointKind::Clamped
+        | JointKind::Revolute { .. }
+        | JointKind::Prismatic { .. }
+        | JointKind::Sliding
+        | JointKind::Ball
+        | JointKind::Free => None,
+    };
+    match (axes(one), axes(other)) {
+        (Some((p, b, c)), Some((p1, b1, c1))) => {
+            (p - p1).amax() < SAME_AXES && (b - b1).amax() < SAME_AXES && (c - c1).abs() < SAME_AXES
+        }
+        (one, other) => one.is_none() && other.is_none(),
+    }
+}
+
+/// Gives the Euler parameters of joints the signs of those in `reference`: both signs are the same attitude.
+fn align_quaternions(system: &System, reference: &[f64], [q, v]: [&mut [f64]; 2]) {
+    for joint in
+        system.equations.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.constraints() == 1)
+    {
+        let range = joint.coordinate + joint.kind.translations()..joint.range().end;
+        if super::dot(&q[range.clone()], &reference[range.clone()]) < 0.0 {
+            q[range.clone()].iter_mut().chain(&mut v[range]).for_each(|entry| *entry = -*entry);
+        }
+    }
+}
+
 /// Puts a system's joints, inputs and the signs of its quaternions into their states in a step. With constant inputs the neutral angles of motors stay the system's own.
 pub(super) fn adopt(system: &mut System, step: &Step, inputs: &InputRows, offset: Option<Offset>) {
     for (own, taped) in system.state.joints.iter_mut().zip(&step.joints) {
@@ -313,7 +356,8 @@ pub(super) fn adopt(system: &mut System, step: &Step, inputs: &InputRows, offset
         *own = *taped;
         own.slew = slew;
     }
-    let [tips, stations] = &step.attitudes;
+    let [joints, tips, stations] = &step.attitudes;
+    system.state.spatial_rotations.clone_from(joints);
     system.state.tip_rotations.clone_from(tips);
     system.state.station_rotations.clone_from(stations);
     if let (Some(own), Some(taped)) = (&mut system.state.air, &step.air) {

@@ -138,6 +138,7 @@ impl Plant {
         let mut branch = Step { ending: Ending::Given, ..step.clone() };
         self.step_apart(&step.start, time_s, (&mut branch.end, &mut branch.stages))
             .map_err(|_| GradientError::NotSolved { time_s, left: f64::INFINITY })?;
+        self.keep_last_stage(&mut branch)?;
         Ok(branch)
     }
 
@@ -203,9 +204,9 @@ impl Plant {
         Ok(if moves { Ending::Given } else { Ending::Chosen })
     }
 
-    fn attitudes(&self) -> [Vec<UnitQuaternion<f64>>; 2] {
-        let State { tip_rotations, station_rotations, .. } = &self.system.state;
-        [tip_rotations.clone(), station_rotations.clone()]
+    fn attitudes(&self) -> [Vec<UnitQuaternion<f64>>; 3] {
+        let State { spatial_rotations, tip_rotations, station_rotations, .. } = &self.system.state;
+        [spatial_rotations.clone(), tip_rotations.clone(), station_rotations.clone()]
     }
 
     /// One step, with the events at its start, onto the tape; `starts`: its stretch of the inputs starts with it.
@@ -238,6 +239,7 @@ impl Plant {
         let mut crossed =
             forces.indicators().filter(|Indicator { joint, number }| behind[*joint].crossed & (1 << number) != 0);
         let (first, second) = (crossed.next(), crossed.next());
+        drop(crossed);
         if let (Some(first), Some(second)) = (first, second) {
             let [first, second] = [first, second].map(|indicator| self.joint_name(indicator.joint).to_owned());
             return Err(GradientError::Simultaneous { first, second, time_s: ahead.time_s });
@@ -268,10 +270,11 @@ impl Plant {
         }
         let State { start, stages, ahead, .. } = &self.system.state;
         let forces = &self.system.equations.forces;
-        let step = Step {
+        let mut step = Step {
             start: start.clone(),
             stages: stages.clone(),
             end: ahead.clone(),
+            last: None,
             ending: first.map_or(ending, Ending::Crossing),
             joints,
             renewed,
@@ -280,7 +283,8 @@ impl Plant {
             air: tape.air.clone(),
         };
         let closing = first.map_or(0.0, |indicator| forces.distance(indicator, start, ahead, &step.joints).1);
-        let coordinates = forces.joints().iter().map(|joint| joint.coordinate);
+        self.keep_last_stage(&mut step)?;
+        let coordinates = self.system.equations.forces.joints().iter().map(|joint| joint.coordinate);
         tape.push(step, coordinates, closing, |joint| self.joint_name(joint).to_owned())
     }
 }

@@ -7,6 +7,9 @@ use crate::multibody::Workspace;
 use crate::multibody::derivative::{Derivative, Lanes, elastic_products};
 use crate::multibody::dynamics::Environment;
 use crate::multibody::kinematics::Motion;
+use crate::multibody::model::Station;
+use crate::multibody::station::node_under;
+use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::System;
 use crate::system::equations::Equations;
@@ -22,6 +25,27 @@ impl Equations {
     pub(super) fn linearize(&self, derivative: &mut Derivative, at: &Point) {
         let environment = Environment { root: &self.root, damping: &self.damping, stations: stations(self) };
         derivative.prepare(&self.model, &self.work, Motion { q: &at.q, v: &at.v, a: &at.a }, &environment);
+        for joint in self.forces.spatial() {
+            if let Some([by_turn, by_spin]) = joint.attitude().and_then(|spring| spring.slopes(&self.work, &at.v)) {
+                derivative.add_torques(joint.body, &by_turn, &by_spin);
+            }
+        }
+    }
+
+    /// Size of a direction of the coordinates in differences: the kinematic norm, but not below the largest change of a rotation's parameter,
+    /// which may hardly turn anything.
+    pub(super) fn size_of(&mut self, direction: &[f64]) -> f64 {
+        let size = self.norm(direction);
+        let joints = self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.is_redundant());
+        let parameters = joints.flat_map(|joint| &direction[joint.range()][joint.kind.translations()..]);
+        parameters.fold(size, |size, entry| size.max(entry.abs()))
+    }
+
+    /// Solution of the transposed equations by the factors, which are symmetric in the degrees of freedom: `D⁻¹ N⁻¹ Dᵀ` of eq. (X26).
+    pub(super) fn solve_transposed(&mut self, derivative: &Derivative, x: &mut [f64]) {
+        derivative.to_rows(x);
+        self.solve(x);
+        derivative.to_freedoms(x);
     }
 
     /// Factors of `M + g C + g² K` at the linearised point, with all terms of the tree; `None` if a pivot is not positive.
@@ -168,8 +192,8 @@ impl System {
         if let Some(closure) = machine.closures.iter().find(|closure| closure.rigid) {
             return refuse("rigid loops", &closure.name);
         }
-        if let Some((body, _)) = machine.spatials().next() {
-            return refuse("universal, ball and free joints", &machine.bodies[body].joint.name);
+        if let (Some((body, _)), Some(_)) = (machine.spatials().next(), &machine.air) {
+            return refuse("universal, ball and free joints in air", &machine.bodies[body].joint.name);
         }
         if let Some((_, body)) =
             self.equations.model.bodies.iter().zip(&machine.bodies).find(|(body, _)| body.modal.is_some())
@@ -179,8 +203,8 @@ impl System {
         if let Some(mode) = self.equations.model.damped_modes.first() {
             return refuse("damping by ratios of modes", &machine.bodies[mode.body].name);
         }
-        if let Some(body) = machine.bodies.iter().find(|body| body.has_shear()) {
-            return refuse("bodies with shear", &body.name);
+        if let Some((part, body)) = self.shear_without_slopes() {
+            return refuse(part, &machine.bodies[body].name);
         }
         if !self.state.rates.is_still() || !self.state.applied_rates.is_still() || self.equations.course.moves {
             return refuse("inputs that vary in time", "inputs");
@@ -207,5 +231,25 @@ impl System {
             }
         }
         Ok(())
+    }
+
+    /// A body with shear in a machine with a part that is then not covered, with the name of the part.
+    fn shear_without_slopes(&self) -> Option<(&'static str, usize)> {
+        let model = &self.equations.model;
+        let body = model.bodies.iter().position(|body| body.sheared)?;
+        if self.machine.air.is_some() {
+            return Some(("bodies with shear in air", body));
+        }
+        let within = |station: &&Station| model.bodies[station.body].sheared && node_under(model, station).is_none();
+        if let Some(station) = model.stations.iter().find(within) {
+            return Some(("loads inside elements with shear", station.body));
+        }
+        let damping = self.equations.damping.iter();
+        let carried = model
+            .bodies
+            .iter()
+            .zip(damping)
+            .position(|(body, damping)| body.sheared && body.carrier.is_some() && damping.mass_1_s != 0.0);
+        carried.map(|body| ("mass-proportional damping of bodies with shear on free joints", body))
     }
 }

@@ -64,9 +64,7 @@ impl Factors {
     /// Multiplies by the transposed inverse.
     fn solve_transposed(self, equations: &mut Equations, derivative: &mut Derivative, values: &mut [f64]) {
         match self {
-            Self::Symmetric => {
-                equations.solve(values);
-            }
+            Self::Symmetric => equations.solve_transposed(derivative, values),
             Self::Exact => derivative.solve_transposed(&equations.model, values),
         }
     }
@@ -377,10 +375,13 @@ impl Gradient<'_> {
         causes: Causes,
     ) -> Result<Vec<Variation>, GradientError> {
         let taken = self.stages_through(step, starts, shifts_s, causes)?;
-        Ok(taken.into_iter().filter_map(|mut stages| stages.pop()).collect())
+        let mut ends: Vec<Variation> = taken.into_iter().filter_map(|mut stages| stages.pop()).collect();
+        let projection = self.projection(step);
+        ends.iter_mut().for_each(|end| projection.apply(end));
+        Ok(ends)
     }
 
-    /// The same at all stages, from the start to the end.
+    /// The same at all stages, from the start to the end, which is not yet projected onto constraints.
     pub(super) fn stages_through(
         &mut self,
         step: &Step,
@@ -394,7 +395,7 @@ impl Gradient<'_> {
         if step.ending != Ending::Chosen {
             taken.push(vec![Variation::zeros(n)]);
         }
-        let points: Vec<&Point> = std::iter::once(&step.start).chain(step.later()).collect();
+        let points: Vec<&Point> = std::iter::once(&step.start).chain(step.solved()).collect();
         for stage in 1..self.tableau.stages() {
             let (at, row) = (points[stage], self.tableau.rows[stage - 1]);
             let laws = self.laws(at.time_s, step.middle_s());

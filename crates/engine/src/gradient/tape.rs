@@ -36,6 +36,8 @@ pub(crate) struct Step {
     pub stages: Vec<Point>,
     /// Its end, before an event.
     pub end: Point,
+    /// Its last stage, for machines whose ends are projected onto the constraints of joints, (J6); otherwise it is the end.
+    pub last: Option<Box<Point>>,
     /// States of the joints in it.
     pub joints: Vec<JointMemory>,
     /// The accelerations at its start follow from the equations there: at the start of the run and behind an event.
@@ -44,8 +46,8 @@ pub(crate) struct Step {
     pub ending: Ending,
     /// Its stretch of the inputs over time.
     pub piece: Piece,
-    /// The quaternions of tips and stations at its end, whose signs continue.
-    pub attitudes: [Vec<UnitQuaternion<f64>>; 2],
+    /// The quaternions of joints, tips and stations at its end, whose signs continue.
+    pub attitudes: [Vec<UnitQuaternion<f64>>; 3],
     /// The air in its aerodynamic step.
     pub air: Option<Arc<AirHistory>>,
 }
@@ -54,6 +56,11 @@ impl Step {
     /// Its stages behind the start, the end included.
     pub fn later(&self) -> impl DoubleEndedIterator<Item = &Point> {
         self.stages.iter().chain(std::iter::once(&self.end))
+    }
+
+    /// The stages behind the start, at which the equations of motion are satisfied.
+    pub fn solved(&self) -> impl DoubleEndedIterator<Item = &Point> {
+        self.stages.iter().chain(std::iter::once(self.last.as_deref().unwrap_or(&self.end)))
     }
 
     /// Whether a time lies in it, its end included.

@@ -1,8 +1,8 @@
 //! The constant-strain link in jets: pose, and the effect of its strains on its outer end, NOTATION eqs. (K2)–(K4).
 
-use crate::math::jet::{Jet, Vector, three};
+use crate::math::jet::{Jet, Vector, cross, plus, three};
 use crate::math::se3::Coefficients;
-use crate::math::strain::{STRAINS, STRETCH, TWIST};
+use crate::math::strain::{SHEAR_Y, SHEAR_Z, SHEARED, STRAINS, STRETCH, TWIST};
 
 /// Pose of a link's outer end in its inner frame.
 #[derive(Debug, Clone, Copy)]
@@ -43,6 +43,27 @@ pub fn slopes<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> JetSlopes<J> {
         tangent: [shared.tangent(0), shared.tangent(1), shared.tangent(2)],
         slope_m: [shared.slope_m(0, &slopes), shared.slope_m(1, &slopes), shared.slope_m(2, &slopes)],
     }
+}
+
+/// Columns of the Jacobian per length of a link with shear, of `(εx, κx, κy, κz, γy, γz)`, NOTATION eq. (K11): those of the linear strains are
+/// the columns of `V`.
+#[inline]
+pub fn sheared_slopes<J: Jet>(length_m: f64, strain: &[J; SHEARED]) -> JetSlopes<J> {
+    let plain: [J; STRAINS] = std::array::from_fn(|i| strain[i]);
+    let (shared, [b_slope, c_slope]) = Shared::new(length_m, &plain);
+    let across: Vector<J> = [shared.stretched_m, strain[SHEAR_Y].times(length_m), strain[SHEAR_Z].times(length_m)];
+    let turn = shared.turn;
+    let once = cross(turn, across);
+    let twice = cross(turn, once);
+    let slope_m = three(|j| {
+        let unit = unit::<J>(j);
+        let double = turn[j].times(2.0);
+        let (by_b, by_c) = (double * b_slope, double * c_slope);
+        let by_once = cross(unit, across);
+        let by_twice = plus(cross(unit, once), cross(turn, by_once));
+        three(|i| by_b * once[i] + by_c * twice[i] + shared.b * by_once[i] + shared.c * by_twice[i])
+    });
+    JetSlopes { tangent: [shared.tangent(0), shared.tangent(1), shared.tangent(2)], slope_m }
 }
 
 /// Terms shared by pose and Jacobian.

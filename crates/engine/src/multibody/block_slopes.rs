@@ -19,8 +19,11 @@ pub(crate) struct BlockSlopes {
 
 impl BlockSlopes {
     /// Combines the blocks of several machines with the weights of a difference quotient. `None` if the models differ from `own` in more
-    /// than blocks, for example in lengths.
+    /// than blocks, for example in lengths, or have elements with shear.
     pub fn new<'a>(own: &Model, others: impl Iterator<Item = (f64, &'a Model)>) -> Option<Self> {
+        if own.sheared {
+            return None;
+        }
         let mut model = own.clone();
         clear(&mut model);
         let empty = model.clone();
@@ -52,6 +55,10 @@ impl BlockSlopes {
         let environment = Environment { root, damping, stations: &[] };
         self.work.take_sweep(swept);
         dynamics::residual_of_swept(&self.model, &mut self.work, motion, environment, out);
+        // constraints of joints have no blocks
+        for joint in self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.is_redundant()) {
+            out[joint.range()][joint.kind.freedoms()..].fill(0.0);
+        }
     }
 }
 

@@ -98,11 +98,12 @@ impl Workspace {
         self.jacobian(element).turned(&self.nodes[node].rotation, model.elements[element].length_m)
     }
 
-    /// Takes over the outward sweep of another workspace, for elements without shear.
+    /// Takes over the outward sweep of another workspace.
     pub(crate) fn take_sweep(&mut self, other: &Self) {
         self.nodes.copy_from_slice(&other.nodes);
         self.local_links.copy_from_slice(&other.local_links);
         self.arms.copy_from_slice(&other.arms);
+        self.slopes.copy_from_slice(&other.slopes);
         self.joints.clone_from_slice(&other.joints);
     }
 

@@ -21,6 +21,8 @@ mod motor;
 mod prescribed;
 mod refusals;
 mod rigid;
+mod shear;
+mod spatial;
 
 fn solver() -> Solver {
     // Newton's iteration to 1e-12: the tape's points then fulfil the equations that are differentiated

@@ -70,12 +70,15 @@ fn machines_that_are_not_covered_are_refused_by_name() {
         Solid::rectangle(0.05, 0.004, Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.2e9, density_kg_m3: 1e3 });
     let wing = || Body::beam("wing", 0.4, plate).elements(1);
     let clamped = || Machine::builder("Wing").body(wing(), Joint::clamped("mount"));
-    let ball = Machine::builder("Pendulum").body(wing(), Joint::ball("hook"));
+    let ball = Machine::builder("Pendulum")
+        .body(wing(), Joint::ball("hook"))
+        .air(Air::strips().density_kg_m3(1.2).wind_m_s([0.0, -5.0, 0.0]))
+        .surface(LiftingSurface::on("wing", 2).chord_m(Along::constant(0.1)));
     let air = clamped()
         .air(Air::lattice().density_kg_m3(1.2).wind_m_s([0.0, -5.0, 0.0]))
         .surface(LiftingSurface::on("wing", 2).chord_m(Along::constant(0.1)));
     for (words, builder) in
-        [("the vortex lattice (aerodynamics)", air), ("universal, ball and free joints (hook)", ball)]
+        [("the vortex lattice (aerodynamics)", air), ("universal, ball and free joints in air (hook)", ball)]
     {
         let machine = builder.build().unwrap_or_else(|error| panic!("{error}"));
         match started(machine).run_on_tape(&[0.01]) {

@@ -78,7 +78,7 @@ impl Shift {
 
 /// Adds `c x` with its time derivatives, for the linear or angular part of a column.
 #[inline(always)]
-fn add_part(sum: &mut Timed, [c, c1, c2]: &Timed, [x, x1, x2]: [f64; 3]) {
+pub(super) fn add_part(sum: &mut Timed, [c, c1, c2]: &Timed, [x, x1, x2]: [f64; 3]) {
     sum[0] += c * x;
     sum[1] += c * x1 + c1 * x;
     sum[2] += c * x2 + c1 * (2.0 * x1) + c2 * x;
@@ -86,7 +86,7 @@ fn add_part(sum: &mut Timed, [c, c1, c2]: &Timed, [x, x1, x2]: [f64; 3]) {
 
 /// The transpose of [`add_part`]: multipliers of `x, ẋ, ẍ` from those of the sum.
 #[inline(always)]
-fn pulled_part([c, c1, c2]: &Timed, [b, b1, b2]: &Timed) -> [f64; 3] {
+pub(super) fn pulled_part([c, c1, c2]: &Timed, [b, b1, b2]: &Timed) -> [f64; 3] {
     [c.dot(b) + c1.dot(b1) + c2.dot(b2), c.dot(b1) + 2.0 * c1.dot(b2), c.dot(b2)]
 }
 

@@ -1,10 +1,10 @@
 //! Stiffness and stiffness-proportional damping of the strains, eq. (D8): symmetric and constant.
 
 use crate::beam::element::ElementKind;
-use crate::math::strain::{STRAINS, Strain, StrainMatrix};
+use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
 use crate::multibody::Model;
 use crate::multibody::dynamics::Damping;
-use crate::multibody::model::Element;
+use crate::multibody::model::{Body, Element, Strained};
 
 /// Rows of the products `K x` and `C y` with the stiffness and damping matrices of the strains, one after the other: `add` is called with
 /// the row and both values.
@@ -16,23 +16,37 @@ pub fn elastic_products(
     mut add: impl FnMut(usize, f64, f64),
 ) {
     for (body, damping) in model.bodies.iter().zip(damping) {
-        let elements = &model.elements[body.first_element..body.first_element + body.elements];
-        let roots =
-            body.damping_roots.map_or_else(|| Strain::repeat(1.0), |roots| roots.fixed_rows::<STRAINS>(0).into_owned());
-        for (i, element) in elements.iter().enumerate() {
-            let (mut force, mut viscous) = (Strain::zeros(), Strain::zeros());
-            let mut sum = |block: &StrainMatrix, of: &Element| {
-                force += block * Strain::from(of.strains(x));
-                viscous += block * roots.component_mul(&Strain::from(of.strains(y)));
-            };
-            sum(&element.elastic.stiffness, element);
-            if body.kind == ElementKind::Linear {
-                sum(&element.elastic.coupling, &elements[i ^ 1]);
-            }
-            let viscous = roots.component_mul(&viscous) * damping.stiffness_s;
-            for (j, row) in element.range().enumerate() {
-                add(row, force[j], viscous[j]);
-            }
+        match body.sheared {
+            false => products_of::<STRAINS>(model, body, damping, (x, y), &mut add),
+            true => products_of::<SHEARED>(model, body, damping, (x, y), &mut add),
+        }
+    }
+}
+
+fn products_of<const N: usize>(
+    model: &Model,
+    body: &Body,
+    damping: &Damping,
+    (x, y): (&[f64], &[f64]),
+    add: &mut impl FnMut(usize, f64, f64),
+) where
+    Element: Strained<N>,
+{
+    let elements = &model.elements[body.first_element..body.first_element + body.elements];
+    let roots = body.damping_roots.map_or_else(|| Strain::repeat(1.0), |roots| roots.fixed_rows::<N>(0).into_owned());
+    for (i, element) in elements.iter().enumerate() {
+        let (mut force, mut viscous) = (Strain::<N>::zeros(), Strain::<N>::zeros());
+        let mut sum = |block: &StrainMatrix<N>, of: &Element| {
+            force += block * Strain::from(of.strains(x));
+            viscous += block * roots.component_mul(&Strain::from(of.strains(y)));
+        };
+        sum(&element.elastic().stiffness, element);
+        if body.kind == ElementKind::Linear {
+            sum(&element.elastic().coupling, &elements[i ^ 1]);
+        }
+        let viscous = roots.component_mul(&viscous) * damping.stiffness_s;
+        for (j, row) in element.range().enumerate() {
+            add(row, force[j], viscous[j]);
         }
     }
 }

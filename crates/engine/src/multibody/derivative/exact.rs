@@ -7,9 +7,9 @@
 use crate::beam::element::ElementKind;
 use crate::math::strain::{STRAINS, StrainMatrix};
 use crate::multibody::derivative::chain::{Column, Timed};
-use crate::multibody::derivative::inertia::Spot;
 use crate::multibody::derivative::lanes::{State, Triple};
 use crate::multibody::derivative::link::Link;
+use crate::multibody::derivative::spot::Spot;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::joint::JointKind;
 use crate::multibody::model::{Body, Model};
@@ -383,7 +383,7 @@ pub(super) fn covers(model: &Model) -> bool {
             JointKind::Clamped | JointKind::Revolute { .. } | JointKind::Prismatic { .. } => true,
             JointKind::Sliding | JointKind::Universal { .. } | JointKind::Ball | JointKind::Free => false,
         };
-        joint && body.modal.is_none() && !body.sheared
+        joint && body.modal.is_none() && !body.sheared && body.carrier.is_none()
     };
     model.closures.is_empty() && model.damped_modes.is_empty() && model.bodies.iter().all(covered)
 }

@@ -4,8 +4,8 @@
 use crate::beam::element::ElementKind;
 use crate::math::strain::STRAINS;
 use crate::multibody::derivative::chain::{Column, Timed};
-use crate::multibody::derivative::inertia::Spot;
 use crate::multibody::derivative::link::Link;
+use crate::multibody::derivative::spot::Spot;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::{Body, Model};
 use nalgebra::Vector3;

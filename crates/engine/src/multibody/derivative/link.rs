@@ -66,7 +66,7 @@ impl Link {
 
 /// A vector that moves in the frame of a node, transformed to the root frame with its derivatives.
 #[inline]
-fn turned(node: &Node, second: &Matrix3<f64>, vector: Timed) -> Timed {
+pub(super) fn turned(node: &Node, second: &Matrix3<f64>, vector: Timed) -> Timed {
     let [c, c1, c2] = vector.map(|order| node.rotation * order);
     let [c, by_spin, by_second] = fixed(node, second, c);
     [c, c1 + by_spin, c2 + node.spin.cross(&c1) * 2.0 + by_second]
@@ -74,7 +74,7 @@ fn turned(node: &Node, second: &Matrix3<f64>, vector: Timed) -> Timed {
 
 /// Value and time derivatives of a vector of jets.
 #[inline(always)]
-fn orders(vector: &Vector<Moving>, factor: f64) -> Timed {
+pub(super) fn orders(vector: &Vector<Moving>, factor: f64) -> Timed {
     let order = |kind: usize| Vector3::new(vector[0].0[kind], vector[1].0[kind], vector[2].0[kind]) * factor;
     three(order)
 }

@@ -5,6 +5,7 @@
 //! are then one outward and one inward sweep of small constant matrices, [`Derivative::forward`], or the same sweeps transposed,
 //! [`Derivative::reverse`].
 
+mod carried;
 mod chain;
 mod elastic;
 mod exact;
@@ -13,13 +14,16 @@ mod lanes;
 mod link;
 mod loads;
 mod loop_force;
+mod shear;
 mod solution;
+mod spatial;
+mod spot;
 
 pub use elastic::elastic_products;
 pub use exact::Sweep;
 pub use lanes::Lanes;
 
-use crate::math::strain::{STRAINS, Strain, strains_at};
+use crate::math::strain::{SHEARED, STRAINS, Strain, strains_at};
 use crate::multibody::dynamics::{Damping, Environment};
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
@@ -27,11 +31,14 @@ use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::Workspace;
 use chain::{Column, Shift, fixed};
 use exact::{Exact, Linear};
-use inertia::{Inertia, Spot};
+use inertia::Inertia;
 use link::Link;
 use loads::LoadedSection;
 use loop_force::LoopForce;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
+use shear::ShearedElement;
+use spatial::SpatialBlock;
+use spot::Spot;
 
 /// The linearised recursion at a point.
 #[derive(Debug, Clone)]
@@ -47,6 +54,12 @@ pub struct Derivative {
     loads: Vec<LoadedSection>,
     loops: Vec<LoopForce>,
     exact: Exact,
+    /// Elements with shear.
+    sheared: Vec<ShearedElement>,
+    /// Universal, ball and free joints.
+    spatial: Vec<SpatialBlock>,
+    /// Per node: the one among them whose body starts there, counted from 1; 0 for none.
+    spatial_at: Vec<usize>,
     // workspace for the products, per node
     shifts: Vec<Shift>,
     wrenches: Vec<[Vector3<f64>; 2]>,
@@ -64,7 +77,7 @@ impl Derivative {
                 links.push(Link {
                     carrier: Some(body.first_node + i),
                     first: model.elements[element].coordinate,
-                    count: STRAINS,
+                    count: if body.sheared { SHEARED } else { STRAINS },
                     element: Some(element),
                     ..Link::of_joint(body)
                 });
@@ -73,8 +86,15 @@ impl Derivative {
                 links.push(Link { carrier: Some(body.first_node), ..Link::NONE });
             }
         }
+        let spatial: Vec<SpatialBlock> =
+            model.bodies.iter().enumerate().filter_map(|(index, body)| SpatialBlock::of_body(index, body)).collect();
+        let mut spatial_at = vec![0; nodes];
+        spatial.iter().enumerate().for_each(|(place, block)| spatial_at[block.node] = place + 1);
         Self {
             links,
+            sheared: ShearedElement::of_model(model),
+            spatial,
+            spatial_at,
             spots: vec![Spot::ZERO; nodes],
             columns: vec![Column::ZERO; model.coordinates],
             alphas: vec![0.0; model.bodies.len()],
@@ -88,7 +108,7 @@ impl Derivative {
     }
 
     /// Linearises the recursion at the point of the last [`residual`](crate::multibody::dynamics::residual), whose motions and wrenches are
-    /// in `work`; allocates nothing. Joints with several degrees of freedom and modal bodies are not supported.
+    /// in `work`; allocates nothing. Sliding joints and modal bodies are not supported.
     pub fn prepare(&mut self, model: &Model, work: &Workspace, motion: Motion, environment: &Environment) {
         for (alpha, damping) in self.alphas.iter_mut().zip(environment.damping) {
             *alpha = damping.mass_1_s;
@@ -107,6 +127,8 @@ impl Derivative {
                 self.prepare_link(model, work, motion, n);
             }
         }
+        self.spatial.iter_mut().for_each(|block| block.prepare(work, motion));
+        self.sheared.iter_mut().for_each(|element| element.prepare(model, work, motion, &self.spots));
         self.loads.clear();
         for (station, load) in model.stations.iter().zip(environment.stations).filter(|(_, load)| !load.is_zero()) {
             self.loads.push(LoadedSection::new(model, &work.nodes, motion.q, station, load));
@@ -114,6 +136,23 @@ impl Derivative {
         for (own, closure) in self.loops.iter_mut().zip(&model.closures) {
             *own = LoopForce::new(closure, work);
         }
+    }
+
+    /// Adds torques on the degrees of freedom of a body's universal or ball joint: their slopes by its rotation and its angular velocity, in
+    /// the parent's frame.
+    pub(crate) fn add_torques(&mut self, body: usize, by_turn: &Matrix3<f64>, by_spin: &Matrix3<f64>) {
+        let own = self.spatial.iter_mut().filter(|block| block.body == body);
+        own.for_each(|block| block.add_torques(by_turn, by_spin));
+    }
+
+    /// Converts multipliers of the parameters of universal, ball and free joints to right sides of the rows, `Dᵀ` of eq. (X26), in place.
+    pub(crate) fn to_rows(&self, on: &mut [f64]) {
+        self.spatial.iter().for_each(|block| block.apply(&block.maps[0], true, on));
+    }
+
+    /// Converts a solution, changes of the parameters, to changes of the degrees of freedom and constraints, `D⁻¹` of eq. (X26), in place.
+    pub(crate) fn to_freedoms(&self, change: &mut [f64]) {
+        self.spatial.iter().for_each(|block| block.apply(&block.maps[1], false, change));
     }
 
     /// Column of a joint with one degree of freedom.
@@ -146,7 +185,11 @@ impl Derivative {
                 node.velocity - inner.velocity,
                 node.acceleration - inner.acceleration,
             ];
-            if let Some(index) = link.element {
+            if let Some(index) = link.element.filter(|index| model.elements[*index].sheared.is_some()) {
+                let element = &model.elements[index];
+                let own = shear::columns(element, motion, inner, &self.spots[carrier].second);
+                self.columns[element.range()].copy_from_slice(&own);
+            } else if let Some(index) = link.element {
                 let element = &model.elements[index];
                 let own = link::columns(element, motion, inner, &self.spots[carrier].second);
                 self.columns[element.range()].copy_from_slice(&own);
@@ -162,15 +205,21 @@ impl Derivative {
     /// Adds `K δq + C δv + M δa` of tree, loads and loops to `sum`, eq. (X3), without the elastic and damping forces of the strains and the
     /// forces of joints.
     pub fn forward(&mut self, model: &Model, along: Motion, sum: &mut [f64]) {
-        let Self { links, spots, columns, shifts, wrenches, .. } = self;
+        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, sheared, .. } = self;
         for (n, link) in links.iter().enumerate() {
             let mut shift = link.carrier.map_or(Shift::ZERO, |carrier| shifts[carrier].carried(&link.arm));
             for i in link.range() {
                 columns[i].add(&mut shift, [along.q[i], along.v[i], along.a[i]]);
             }
+            if spatial_at[n] > 0 {
+                spatial[spatial_at[n] - 1].move_node(along, &mut shift);
+            }
             shifts[n] = shift;
         }
         self.inertia.forward(model, (spots, &self.alphas), shifts, wrenches);
+        for element in sheared.iter() {
+            element.forward(model, (spots, &self.alphas, self.inertia.field()), along, shifts, wrenches, sum);
+        }
         for load in &self.loads {
             let node = load.node();
             load.forward(&shifts[node], along.q, &mut wrenches[node], sum);
@@ -183,6 +232,9 @@ impl Derivative {
             let turn = link.carrier.map_or(Vector3::zeros(), |carrier| shifts[carrier].angular[0]);
             for i in link.range() {
                 sum[i] += columns[i].project(&force, &moment) + columns[i].turned.dot(&turn);
+            }
+            if spatial_at[n] > 0 {
+                spatial[spatial_at[n] - 1].add_rows(&wrenches[n], &turn, along, sum);
             }
             if link.element.is_some() {
                 let own = link.slopes * Strain::from(strains_at(along.q, link.first));
@@ -199,7 +251,7 @@ impl Derivative {
     /// Adds the transposed products `Kᵀw`, `Cᵀw` and `Mᵀw` of the parts covered by [`Self::forward`] to `sums`, eq. (X4).
     pub fn reverse(&mut self, model: &Model, w: &[f64], sums: [&mut [f64]; 3]) {
         let [by_q, by_v, by_a] = sums;
-        let Self { links, spots, columns, shifts, wrenches, .. } = self;
+        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, sheared, .. } = self;
         shifts.fill(Shift::ZERO);
         // multipliers of the wrenches: virtual motion of the nodes
         for (n, link) in links.iter().enumerate() {
@@ -209,6 +261,13 @@ impl Derivative {
                 moved += columns[i].linear[0] * w[i];
                 turn += columns[i].angular[0] * w[i];
                 by_turn += columns[i].turned * w[i];
+            }
+            if spatial_at[n] > 0 {
+                let block = &spatial[spatial_at[n] - 1];
+                let [own_move, own_turn, own_by_turn] = block.pull_rows(w, [&mut *by_q, &mut *by_v, &mut *by_a]);
+                moved += own_move;
+                turn += own_turn;
+                by_turn += own_by_turn;
             }
             if let Some(carrier) = link.carrier {
                 let [inner_move, inner_turn] = wrenches[carrier];
@@ -226,6 +285,10 @@ impl Derivative {
             wrenches[n] = [moved, turn];
         }
         self.inertia.reverse(model, (spots, &self.alphas), wrenches, shifts);
+        for element in sheared.iter() {
+            let at = (&spots[..], &self.alphas[..], self.inertia.field());
+            element.reverse(model, at, (wrenches, w), shifts, [&mut *by_q, &mut *by_v, &mut *by_a]);
+        }
         for load in &self.loads {
             let node = load.node();
             load.reverse(&wrenches[node], w, &mut shifts[node], by_q);
@@ -240,6 +303,9 @@ impl Derivative {
                 by_q[i] += x;
                 by_v[i] += x1;
                 by_a[i] += x2;
+            }
+            if spatial_at[n] > 0 {
+                spatial[spatial_at[n] - 1].pull(&on, [&mut *by_q, &mut *by_v, &mut *by_a]);
             }
             if let Some(carrier) = link.carrier {
                 shifts[carrier].add_carried(&on, &link.arm);

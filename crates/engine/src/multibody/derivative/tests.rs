@@ -10,6 +10,22 @@ use crate::multibody::model::{Attachment, BodyDescription};
 use crate::multibody::workspace::Workspace;
 use nalgebra::Matrix3;
 
+/// Parts of a random machine besides beams and joints with one degree of freedom.
+#[derive(Clone, Copy, PartialEq)]
+enum Extra {
+    None,
+    /// A universal, ball or free joint at the root and a universal or ball joint further out.
+    Spatial,
+    /// Three bodies with shear.
+    Shear,
+}
+
+impl Extra {
+    fn of(seed: u64) -> Self {
+        [Self::None, Self::Spatial, Self::Shear][(seed / 20) as usize]
+    }
+}
+
 /// A random machine in motion.
 struct Case {
     model: Model,
@@ -32,6 +48,12 @@ impl Case {
     /// Four or five bodies with joints of all supported types, rigid and flexible, branches, a loop, offsets, masses, loads in both frames,
     /// a rotating root.
     fn new(seed: u64) -> Self {
+        Self::with(seed, Extra::None)
+    }
+
+    /// The same with other parts.
+    fn with(seed: u64, extra: Extra) -> Self {
+        let spatial = extra == Extra::Spatial;
         let mut random = fastrand::Rng::with_seed(seed);
         let bodies: Vec<BodyDescription> = (0..5)
             .map(|index: usize| {
@@ -43,7 +65,14 @@ impl Case {
                     1 => JointKind::Prismatic { axis },
                     _ => JointKind::Revolute { axis },
                 };
-                let section = Solid::rectangle(0.05, 0.012, Material::isotropic(1e8, 0.3, 1000.0)).section();
+                let universal = JointKind::universal(axis, Vector3::new(axis.y, -axis.x, 0.3).normalize());
+                let joint = match (spatial, index, seed % 3) {
+                    (true, 0, 0) => JointKind::Free,
+                    (true, 0, 1) | (true, 3, 2) => JointKind::Ball,
+                    (true, 0 | 3, _) => universal,
+                    (_, _, _) => joint,
+                };
+                let solid = Solid::rectangle(0.05, 0.012, Material::isotropic(1e8, 0.3, 1000.0));
                 let position_m = [0.0, 0.4, 0.8][random.usize(0..3)];
                 let parent = match index {
                     0 => Attachment::Root(vector(random, 0.3)),
@@ -52,6 +81,8 @@ impl Case {
                         Attachment::Body { index: parent, position_m: if parent == 2 { 0.0 } else { position_m } }
                     }
                 };
+                let sheared = extra == Extra::Shear && [0, 1, 4].contains(&index);
+                let section = if sheared { solid.with_shear().section() } else { solid.section() };
                 let inertia = Matrix3::from_diagonal(&Vector3::new(0.02, 0.03, 0.04));
                 let turn = nalgebra::Rotation3::new(vector(random, 1.5));
                 BodyDescription {
@@ -68,7 +99,11 @@ impl Case {
                         if rigid { 0.0 } else { position_m },
                         rigid_body_mass(0.7, &vector(random, 0.1), &inertia),
                     )],
-                    stations_m: if rigid { vec![0.0] } else { vec![0.0, 0.13, 0.4, 0.61, 0.8] },
+                    stations_m: match (rigid, sheared) {
+                        (true, _) => vec![0.0],
+                        (false, true) => vec![0.0, 0.4, 0.8],
+                        (false, false) => vec![0.0, 0.13, 0.4, 0.61, 0.8],
+                    },
                     load_frame: if random.bool() { LoadFrame::Section } else { LoadFrame::Root },
                 }
             })
@@ -88,7 +123,18 @@ impl Case {
         model.bodies[1].damps_attached = true;
         model.bodies[3].damping_roots = Some([0.5, 1.0, 1.2, 0.9, 1.0, 1.0].into());
         let n = model.coordinates;
-        let motion = [0.6, 1.5, 4.0].map(|size| (0..n).map(|_| symmetric(&mut random, size)).collect());
+        let mut motion: [Vec<f64>; 3] =
+            [0.6, 1.5, 4.0].map(|size| (0..n).map(|_| symmetric(&mut random, size)).collect());
+        let [q, v, a] = &mut motion;
+        for body in &model.bodies {
+            // Euler parameters of any length; direction cosines are those of an attitude
+            if body.joint.kind.constraints() > 1 {
+                let turn = q[body.joint.range()].to_vec();
+                body.joint.rest(&body.mount, q);
+                q[body.joint.range()].iter_mut().zip(turn).for_each(|(q, turn)| *q += 0.2 * turn);
+                body.joint.restore(q, v, a);
+            }
+        }
         let damping = model
             .bodies
             .iter()
@@ -158,14 +204,14 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
 
-/// The derivative along random directions equals sixth-order differences of the residual, for 20 random machines, to 1e-9 of the largest
+/// The derivative along random directions equals sixth-order differences of the residual, for 60 random machines, to 1e-9 of the largest
 /// entry: the truncation error of the differences at this step is 1e-12, their round-off is 1e-16/3e-3 of residuals that are a hundred
 /// times the derivative's smallest entries.
 #[test]
 fn forward_is_the_derivative_of_the_residual() {
     let mut worst = 0.0f64;
-    for seed in 0..20 {
-        let mut case = Case::new(seed);
+    for seed in 0..60 {
+        let mut case = Case::with(seed, Extra::of(seed));
         let direction = [case.random(1.0), case.random(2.0), case.random(5.0)];
         let mut work = Workspace::new(&case.model);
         let step = 3e-3;
@@ -183,12 +229,12 @@ fn forward_is_the_derivative_of_the_residual() {
     assert!(worst < 1e-9, "{worst:.1e}");
 }
 
-/// Forward and reverse products are transposes of each other: `⟨w, J δ⟩ = ⟨Jᵀ w, δ⟩` to round-off, for 20 random machines, to 1e-12 of the
+/// Forward and reverse products are transposes of each other: `⟨w, J δ⟩ = ⟨Jᵀ w, δ⟩` to round-off, for 60 random machines, to 1e-12 of the
 /// sum of the terms' magnitudes.
 #[test]
 fn reverse_is_the_transpose_of_forward() {
-    for seed in 0..20 {
-        let mut case = Case::new(seed);
+    for seed in 0..60 {
+        let mut case = Case::with(seed, Extra::of(seed));
         let direction = [case.random(1.0), case.random(2.0), case.random(5.0)];
         let w = case.random(1.0);
         let found = case.forward(&direction);

@@ -43,7 +43,7 @@ impl JointKind {
 }
 
 /// `E(ζ)`: maps rates of Euler parameters to the angular velocity in the parent's frame, `ω = 2Eζ̇/ζ·ζ`, eq. (J2).
-fn euler_map(zeta: &[f64]) -> SMatrix<f64, 3, 4> {
+pub(crate) fn euler_map(zeta: &[f64]) -> SMatrix<f64, 3, 4> {
     let [w, x, y, z] = [zeta[0], zeta[1], zeta[2], zeta[3]];
     SMatrix::<f64, 3, 4>::new(-x, w, -z, y, -y, z, w, -x, -z, -y, x, w)
 }
@@ -203,7 +203,7 @@ impl JointPose {
 }
 
 /// Columns coupled by each orthonormality constraint of a universal joint, \[O\] (18).
-const UNIVERSAL_PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+pub(crate) const UNIVERSAL_PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
 /// Symmetric matrix of the orthonormality right-hand sides, with halved off-diagonal entries.
 fn symmetric(constraint: &[f64]) -> Matrix3<f64> {

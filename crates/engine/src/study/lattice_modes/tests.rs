@@ -255,7 +255,7 @@ fn q89_strong_flutter_beside_a_wake_of_many_rows_is_an_instability() {
 #[test]
 fn estimates_above_and_below_the_centre_of_a_disc() {
     let mut plant = LEAVES.at_rest();
-    let study = plant.study();
+    let mut study = plant.study();
     let system = study.sampled_lattice(false).unwrap_or_else(|error| panic!("{error}"));
     let delays = Delays::new(&system);
     let step_s = LEAVES.step_s();
