@@ -126,6 +126,7 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         part if part.starts_with("polars") => key_removed(model, "surface.", &["polar"]),
         "bodies with shear" => Some(unsheared(model, place)),
         "damping by ratios of modes" => key_removed(model, "body.", &["modal_damping_ratios"]),
+        "rigid loops" => remove(&format!("loop.{place}")),
         "failures" => remove(&format!("failure.{place}")),
         "universal, ball and free joints" => Some(clamped(model, place)),
         "generators" => of_joint("generator"),
