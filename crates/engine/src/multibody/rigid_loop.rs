@@ -18,6 +18,9 @@ type Rate = fn(&Gap) -> Vector3<f64>;
 /// Eigenvalue of the small matrix, relative to its largest, below which a row is redundant: round-off of rows that depend on others is
 /// 1e-15, and the mobilities at the loops of one machine do not differ by more than this factor.
 const REDUNDANT: f64 = 1e-11;
+/// Eigenvalue of the small matrix, relative to the mobility of the points themselves, below which it is round-off: if no loop has a freedom,
+/// as between points of a hinge's axis, the largest eigenvalue is round-off too.
+const IMMOBILE: f64 = 1e-13;
 /// Largest gap, relative to the machine's length, and largest rate of a gap, relative to the speeds at the loop, that count as round-off.
 const ROUND_OFF: f64 = 2.0 * f64::EPSILON;
 /// Gap relative to the machine's length above which a loop is open, if no correction reduces it further.
@@ -54,6 +57,8 @@ pub(crate) struct RigidFactor {
     /// Pseudo-inverse of `S` by rows.
     inverse: Vec<f64>,
     gaps: Vec<f64>,
+    /// Largest change of a point, in place of the difference of two points in `S`.
+    mobility: f64,
 }
 
 impl RigidFactor {
@@ -66,6 +71,7 @@ impl RigidFactor {
             vectors: square.clone(),
             inverse: square,
             gaps: vec![0.0; rows],
+            mobility: 0.0,
         }
     }
 
@@ -94,10 +100,11 @@ impl RigidFactor {
         }
         diagonalize(&mut self.small, &mut self.vectors, n);
         let largest = (0..n).map(|k| self.small[k * n + k]).fold(0.0, f64::max);
+        let least = (REDUNDANT * largest).max(IMMOBILE * self.mobility);
         self.inverse.fill(0.0);
         for k in 0..n {
             let value = self.small[k * n + k];
-            if value <= REDUNDANT * largest || value.is_nan() {
+            if value <= least || value.is_nan() {
                 continue;
             }
             for i in 0..n {
@@ -156,12 +163,15 @@ pub(crate) fn violations(model: &Model, work: &Workspace, residual: &mut [f64]) 
 pub(crate) fn factorize(model: &Model, work: &mut Workspace) {
     let mut factor = std::mem::replace(&mut work.rigid_factor, RigidFactor::new(0, 0));
     let rows = factor.gaps.len();
+    factor.mobility = 0.0;
     for row in 0..rows {
         let column = &mut factor.columns[row];
         project_unit_force(model, work, &model.rigid_loops[row / 3], row % 3, column);
         solve_bordered(model, work, column);
         for (other, closure) in model.rigid_loops.iter().enumerate() {
-            let change = closure.gap_change(work);
+            let [first, second] = closure.point_changes(work);
+            factor.mobility = factor.mobility.max(first.amax()).max(second.amax());
+            let change = second - first;
             for axis in 0..3 {
                 factor.small[(3 * other + axis) * rows + row] = change[axis];
             }
