@@ -2,6 +2,7 @@
 
 use crate::machines::course::{Action, Doing};
 use crate::machines::model::{Form, Model, Table, Value};
+use crate::machines::rigid::{self, RIGID};
 use crate::machines::sliding::{self, SLIDING};
 use crate::machines::view::Frame;
 use crate::machines::{air, rotor, shaped};
@@ -104,8 +105,11 @@ impl Draft {
     }
 }
 
-/// A machine from a seed, reproducible; seeds from [`SLIDING`] on give machines with sliding joints.
+/// A machine from a seed, reproducible; seeds from [`SLIDING`] on give machines with sliding joints, those from [`RIGID`] on machines with rigid loops.
 pub fn draw(seed: u64) -> Model {
+    if seed >= RIGID {
+        return rigid::draw(seed);
+    }
     if seed >= SLIDING {
         return sliding::draw(seed);
     }
@@ -863,7 +867,7 @@ pub fn one_freedom(dice: &mut Dice, draft: &mut Draft, mut table: Table, slides:
 }
 
 /// A parallelogram closed by a loop: crank, coupler and rocker.
-fn linkage(dice: &mut Dice, draft: &mut Draft) {
+pub fn linkage(dice: &mut Dice, draft: &mut Draft) {
     let angle_deg = dice.number(30.0, 100.0);
     for index in 0..3 {
         // the unloaded shape closes the loop

@@ -9,6 +9,7 @@ mod air;
 mod course;
 mod draw;
 mod model;
+mod rigid;
 mod rotor;
 mod shaped;
 mod shrink;
@@ -18,6 +19,7 @@ mod view;
 pub use course::Doing;
 pub use draw::{STEPS, draw};
 pub use model::{Model, Value};
+pub use rigid::RIGID;
 pub use shrink::shrink;
 pub use sliding::SLIDING;
 pub use view::{Frame, View};
@@ -32,6 +34,14 @@ pub fn sliding_seeds(usual: u64) -> Vec<u64> {
     match std::env::var_os("FOLDWING_SEED") {
         Some(_) => Vec::new(),
         None => (SLIDING..SLIDING + count(usual).div_ceil(3)).collect(),
+    }
+}
+
+/// Seeds of machines with rigid loops: a third as many as others.
+pub fn rigid_seeds(usual: u64) -> Vec<u64> {
+    match std::env::var_os("FOLDWING_SEED") {
+        Some(_) => Vec::new(),
+        None => (RIGID..RIGID + count(usual).div_ceil(3)).collect(),
     }
 }
 

@@ -299,6 +299,37 @@ pub fn files(model: &Model) -> Verdict {
     }
 }
 
+/// Asks for what rigid loops do not permit; returns what is not refused with the name of the loop and the cure.
+pub fn refuse_rigid_loops(plant: &mut Plant) -> Result<(), String> {
+    let Some(name) = plant.machine().closures.iter().find(|closure| closure.rigid).map(|closure| closure.name.clone())
+    else {
+        return Ok(());
+    };
+    let time_s = plant.machine().experiment.start_time_s;
+    let mut asked = vec![
+        ("linear model", plant.study().second_order().map(|_| ())),
+        ("modes", plant.study().modes(2).map(|_| ())),
+        ("rotor", plant.study().rotor(time_s, None).map(|_| ())),
+    ];
+    if plant.machine().air.is_some() {
+        asked.push(("equilibrium in air", plant.study().equilibrium(time_s, Holding::AsReleased).map(|_| ())));
+    }
+    for (what, answer) in asked {
+        let Err(error) = answer else { return Err(format!("{what}: not refused")) };
+        let text = error.to_string();
+        // the other refusals of a machine with other parts of this kind may come first
+        let first = text.contains("is linearised") || text.contains("sliding");
+        let names_it = text.contains(&format!("{name:?}")) && text.contains("stiffness_N_m");
+        if !first && !names_it {
+            return Err(format!("{what}: {text}"));
+        }
+    }
+    match plant.hybrid().err() {
+        Some(_) => Ok(()),
+        None => Err("Model Exchange: not refused".to_owned()),
+    }
+}
+
 /// Velocity of the other frame in m/s: along the ground of a lattice, so that the ground is unchanged.
 const FRAME_M_S: Vector3<f64> = Vector3::new(4.0, -2.5, 0.0);
 

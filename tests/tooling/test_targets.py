@@ -84,6 +84,7 @@ RUN_OTHERWISE = {
     "second_importer.py": "studies/importers.py imports it",
     "blade_frequencies.py": "by hand: the figures of one section of docs/validation",
     "cost_report.py": "imported by other studies",
+    "machine_damping.py": "by hand: the table of decision 0082",
     "plot_aircraft.py": "imported by aircraft_study.py",
     "rigid_latch_gradient.py": "by hand: needs JAX and diffrax; row GR-41",
     "ptera_uvlm.py": "run by compare_lattice.py and plot_lattice_cost.py",

@@ -83,12 +83,17 @@ impl Closure {
 
     /// Change of the gap due to the node displacements in `work.bias`.
     pub(crate) fn gap_change(&self, work: &Workspace) -> Vector3<f64> {
-        let change = |side: usize| {
+        let [first, second] = self.point_changes(work);
+        second - first
+    }
+
+    /// Changes of both points due to the node displacements in `work.bias`.
+    pub(crate) fn point_changes(&self, work: &Workspace) -> [Vector3<f64>; 2] {
+        [0, 1].map(|side| {
             let Some(n) = self.nodes[side] else { return Vector3::zeros() };
             let arm = work.nodes[n].rotation * self.offsets_m[side];
             work.bias[n].linear + work.bias[n].angular.cross(&arm)
-        };
-        change(1) - change(0)
+        })
     }
 }
 

@@ -3,6 +3,9 @@
 /// Eigenvalue of the small matrix, relative to its largest, below which a row is redundant: round-off of rows that depend on others is
 /// 1e-15, and the mobilities at the loops of one machine do not differ by more than this factor.
 const REDUNDANT: f64 = 1e-11;
+/// Eigenvalue of the small matrix, relative to the mobility of the points themselves, below which it is round-off: if no loop has a freedom,
+/// as between points of a hinge's axis, the largest eigenvalue is round-off too.
+const IMMOBILE: f64 = 1e-13;
 /// Maximum number of sweeps of the Jacobi iteration, which converges quadratically.
 const JACOBI_SWEEPS: usize = 30;
 
@@ -18,6 +21,8 @@ pub(crate) struct RigidFactor {
     /// Pseudo-inverse of `S` by rows.
     inverse: Vec<f64>,
     pub(super) gaps: Vec<f64>,
+    /// Largest change of a point, in place of the difference of two points in `S`.
+    pub(super) mobility: f64,
 }
 
 impl RigidFactor {
@@ -30,6 +35,7 @@ impl RigidFactor {
             vectors: square.clone(),
             inverse: square,
             gaps: vec![0.0; rows],
+            mobility: 0.0,
         }
     }
 
@@ -58,10 +64,11 @@ impl RigidFactor {
         }
         diagonalize(&mut self.small, &mut self.vectors, n);
         let largest = (0..n).map(|k| self.small[k * n + k]).fold(0.0, f64::max);
+        let least = (REDUNDANT * largest).max(IMMOBILE * self.mobility);
         self.inverse.fill(0.0);
         for k in 0..n {
             let value = self.small[k * n + k];
-            if value <= REDUNDANT * largest || value.is_nan() {
+            if value <= least || value.is_nan() {
                 continue;
             }
             for i in 0..n {

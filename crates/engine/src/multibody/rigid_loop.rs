@@ -47,12 +47,15 @@ pub(crate) fn violations(model: &Model, work: &Workspace, residual: &mut [f64]) 
 pub(crate) fn factorize(model: &Model, work: &mut Workspace) {
     let mut factor = std::mem::replace(&mut work.rigid_factor, RigidFactor::new(0, 0));
     let rows = factor.gaps.len();
+    factor.mobility = 0.0;
     for row in 0..rows {
         let column = &mut factor.columns[row];
         project_unit_force(model, work, &model.rigid_loops[row / 3], row % 3, column);
         closure::solve(model, work, column);
         for (other, closure) in model.rigid_loops.iter().enumerate() {
-            let change = closure.gap_change(work);
+            let [first, second] = closure.point_changes(work);
+            factor.mobility = factor.mobility.max(first.amax()).max(second.amax());
+            let change = second - first;
             for axis in 0..3 {
                 factor.small[(3 * other + axis) * rows + row] = change[axis];
             }

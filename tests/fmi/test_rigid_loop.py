@@ -1,0 +1,158 @@
+"""A machine with rigid loops as an FMU of both versions: the motion of the command, rollback, continuation elsewhere, refusals."""
+
+import csv
+import subprocess
+
+import fmpy
+import fmpy.validation
+import numpy as np
+import pytest
+from conftest import ROOT
+from driving import Fmu, Instance
+from fmpy.fmi3 import FMU3Slave
+
+STEP_S, STOP_S = 2e-3, 0.3
+NAMES = ["motor.angle", "elbow.angle", "pivot.angular_velocity", "loop.front.force.x", "loop.front.gap.x", "loop.back.force.z", "loop.back.gap.z",
+         "energy.kinetic", "energy.elastic", "energy.total", "energy.dissipated"]
+
+
+def rigid(text):
+    """The model with rigid loops in place of penalties."""
+    return text.replace("stiffness_N_m = 5e5\ndamping_N_s_m = 50.0", "rigid = true")
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    """The four-bar linkage of the examples, its pin made of two rigid loops whose axial rows are redundant."""
+    path = tmp_path_factory.mktemp("rigid") / "rigid.toml"
+    path.write_text(rigid((ROOT / "examples/models/four_bar.toml").read_text()))
+    assert path.read_text().count("rigid = true") == 2
+    return path
+
+
+@pytest.fixture(scope="module")
+def packaged(foldwing, model):
+    """Its FMUs by the version of FMI."""
+    fmus = {}
+    for version in ("2", "3"):
+        fmus[version] = model.with_name(f"Rigid{version}.fmu")
+        subprocess.run([foldwing, "package", model, "-o", fmus[version], "--fmi", version], check=True)
+    return fmus
+
+
+def components(row, name):
+    """A column of the recording of a simulator: in FMI 3.0 vectors are arrays."""
+    return row[name] if name in row.dtype.names else row[name[:-2]][:, "xyz".index(name[-1])]
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_lp32_the_fmu_moves_as_the_command(foldwing, model, packaged, tmp_path, version):
+    """LP-32. FMPy finds no problem in the FMU; over 0.3 s in co-simulation, angles, forces of the loops and energies are bit-identical to
+    those of `foldwing simulate`; gaps are round-off."""
+    out = tmp_path / "out.csv"
+    named = [word for name in NAMES for word in ("--variables", name)]
+    subprocess.run([foldwing, "simulate", model, "--csv", out, "-q", "--stop", str(STOP_S), "--step", str(STEP_S), *named], check=True)
+    with open(out) as file:
+        rows = list(csv.DictReader(file))
+    assert fmpy.validation.validate_fmu(str(packaged[version])) == []
+    variables = [v.name for v in fmpy.read_model_description(str(packaged[version])).modelVariables]
+    asked = sorted({name if name in variables else name[:-2] for name in NAMES})
+    found = fmpy.simulate_fmu(str(packaged[version]), fmi_type="CoSimulation", stop_time=STOP_S, output_interval=STEP_S, output=asked)
+    assert len(rows) == len(found) == round(STOP_S / STEP_S) + 1
+    for name in NAMES:
+        expected = np.array([float(row[name]) for row in rows])
+        assert np.array_equal(components(found, name), expected), name
+        if ".gap" in name:
+            assert np.abs(expected).max() < 1e-14, name
+        else:
+            assert np.ptp(expected) > 0, f"{name} does not change"
+
+
+def test_lp33_states_of_the_fmu_are_whole(packaged, tmp_path):
+    """LP-33. FMI 2.0: a state saved in the middle of the motion, where the integrator is ahead of the communication point, continues bit by
+    bit, in the same instance and, as bytes, in another one, which has not moved."""
+    fmu = Fmu(packaged["2"], tmp_path)
+    first, second = Instance(fmu).initialize(), Instance(fmu).initialize()
+    first.advance(37, STEP_S)
+    slave = first.slave
+    state, time_s, there = slave.getFMUstate(), first.time_s, first.bits()
+    onward = first.history(60, STEP_S)
+    assert onward[-1] != there
+    slave.setFMUstate(state)
+    first.time_s = time_s
+    assert first.bits() == there
+    assert first.history(60, STEP_S) == onward
+    copy = second.slave.deSerializeFMUstate(slave.serializeFMUstate(state))
+    second.slave.setFMUstate(copy)
+    second.time_s = time_s
+    assert second.history(60, STEP_S) == onward
+
+
+def test_lp33_states_of_fmi_3_are_whole(packaged, tmp_path):
+    """LP-33. FMI 3.0: the same for angles, forces of both loops and energies."""
+    folder = fmpy.extract(str(packaged["3"]), str(tmp_path))
+    description = fmpy.read_model_description(str(packaged["3"]))
+    asked = {name[:-2] if name[-2:] in (".x", ".y", ".z") else name for name in NAMES}
+    chosen = [v for v in description.modelVariables if v.name in asked]
+    assert len(chosen) == len(asked)
+    count = sum(3 if name.startswith("loop.") else 1 for name in asked)
+
+    def started():
+        slave = FMU3Slave(guid=description.guid, unzipDirectory=folder,
+                          modelIdentifier=description.coSimulation.modelIdentifier, instanceName="rigid")
+        slave.instantiate()
+        slave.enterInitializationMode()
+        slave.exitInitializationMode()
+        return slave
+
+    def history(slave, first, last):
+        rows = []
+        for step in range(first, last):
+            slave.doStep(step * STEP_S, STEP_S)
+            rows.append(list(slave.getFloat64([v.valueReference for v in chosen], nValues=count)))
+        return rows
+
+    one, other = started(), started()
+    history(one, 0, 37)
+    state = one.getFMUState()
+    onward = history(one, 37, 97)
+    assert len({tuple(row) for row in onward}) == len(onward)
+    one.setFMUState(state)
+    assert history(one, 37, 97) == onward
+    other.setFMUState(other.deserializeFMUState(one.serializeFMUState(state)))
+    assert history(other, 37, 97) == onward
+    for slave in (one, other):
+        slave.terminate()
+        slave.freeInstance()
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+@pytest.mark.parametrize("kinds", ["me", "cs,me"])
+def test_lp34_model_exchange_is_refused_by_name(foldwing, model, tmp_path, version, kinds):
+    """LP-34. An FMU for Model Exchange is refused; the message states the cause and the cure, and no file is written."""
+    fmu = tmp_path / "Rigid.fmu"
+    said = subprocess.run([foldwing, "package", model, "-o", fmu, "--fmi", version, "--interface", kinds], capture_output=True, text=True)
+    assert said.returncode != 0 and not fmu.exists()
+    assert "rigid" in said.stderr and "stiffness_N_m" in said.stderr, said.stderr
+
+
+def test_lp35_directional_derivatives_know_the_loops(packaged, tmp_path):
+    """LP-35. FMI 2.0 in the middle of the motion: directional derivatives of the forces of both loops, the reaction of the crank and an
+    acceleration with respect to loads and accelerations of the root equal central differences of the outputs."""
+    fmu = Fmu(packaged["2"], tmp_path)
+    one = Instance(fmu).initialize()
+    one.advance(20, STEP_S)
+    outputs = [*(f"loop.{pin}.force.{axis}" for pin in ("front", "back") for axis in "xyz"), "motor.reaction_force.x",
+               "tip.rocker.angular_acceleration.y"]
+    for name in ("load.coupler[1].force.z", "load.coupler[1].moment.y", "motor.external_torque", "root.acceleration.x"):
+        references = [[fmu.variables[v].valueReference for v in names] for names in (outputs, [name])]
+        found = np.array(one.slave.getDirectionalDerivative(*references, [1.0]))
+        sides = []
+        for change in (1e-3, -1e-3):
+            one.set(name, change)
+            sides.append(np.array([one.get(output) for output in outputs]))
+        one.set(name, 0.0)
+        expected = (sides[0] - sides[1]) / 2e-3
+        # the outputs are linear in loads: what remains is their round-off over the difference
+        assert np.abs(found - expected).max() < 1e-8 * np.abs(expected).max(), name
+        assert np.abs(found[:6]).max() > 1e-6, f"{name} does not reach the loops"
