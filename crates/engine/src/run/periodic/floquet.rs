@@ -126,9 +126,10 @@ impl Plant {
     /// length, rates also divided by the shaft speed.
     ///
     /// # Errors
-    /// [`PlantError::Periodic`] if no motion is found, or a joint reaches a latch or end stop within the revolution; errors of
-    /// [`Plant::step`].
+    /// [`PlantError::Periodic`] if no motion is found, or a joint reaches a latch or end stop within the revolution;
+    /// [`PlantError::RigidLoop`]; errors of [`Plant::step`].
     pub fn periodic(&mut self, turn: &Turn, accuracy: f64) -> Result<PeriodicMotion, PlantError> {
+        self.system.refuse_rigid_loop("periodic motion")?;
         Shooting::new(self, *turn).close(accuracy)
     }
 
