@@ -12,7 +12,7 @@ import circles  # noqa: E402
 # sizes of the circles of each crate, in files; when a circle shrinks, enter its new size here
 SIZES = {
     "command": [4, 3, 2, 2, 2, 2],
-    "engine": [14, 4, 3, 3, 3, 2, 2, 2, 2, 2],
+    "engine": [4, 3, 3, 3, 3, 2, 2, 2, 2, 2],
     "file": [],
     "fmi": [2],
     "fmu": [2],

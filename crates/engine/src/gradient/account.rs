@@ -1,8 +1,9 @@
 //! Energy accounts (work of the inputs, dissipated energy): integrals of powers, eq. (X22), with jumps at events, eq. (X23).
 
 use crate::gradient::parameter::Neighbours;
-use crate::gradient::step::{ONWARD, Variation, time_step_s};
+use crate::gradient::step::{ONWARD, time_step_s};
 use crate::gradient::tape::Step;
+use crate::gradient::variation::Variation;
 use crate::gradient::{Entry, Gradient, GradientError, add};
 use crate::math::difference::SIXTH_ORDER;
 use crate::solve::EquationsOfMotion;

@@ -1,11 +1,12 @@
 //! Multipliers of a result, from the end of a run back to its start, eqs. (X10) and (X11).
 
-use crate::gradient::air::{OnEnd, Sums};
-use crate::gradient::mean::{Mean, Seeds};
+use crate::gradient::integrand::Mean;
+use crate::gradient::mean::Seeds;
 use crate::gradient::outputs::{Part, Seed};
 use crate::gradient::parameter::Neighbours;
-use crate::gradient::step::{Causes, Variation};
+use crate::gradient::sums::{OnEnd, Sums};
 use crate::gradient::tape::{Ending, Step};
+use crate::gradient::variation::{Causes, Variation, product};
 use crate::gradient::{Gradient, GradientError, RunResult, add, dot};
 use crate::solve::point::Point;
 use std::ops::Range;
@@ -229,8 +230,4 @@ impl Gradient<'_> {
             add(gradient, -1.0, &self.by_parameters(at.time_s, &by_neighbours));
         }
     }
-}
-
-pub(super) fn product(a: &Variation, b: &Variation) -> f64 {
-    dot(&a.q, &b.q) + dot(&a.v, &b.v) + dot(&a.a, &b.a)
 }

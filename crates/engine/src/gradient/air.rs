@@ -1,9 +1,8 @@
 //! Aerodynamic steps: variations and multipliers of the loads, which follow from the motion at the end of their own step, eqs. (X12), (X13).
 
 use crate::gradient::block::{self, Remains};
-use crate::gradient::forward::Front;
-use crate::gradient::mean::Mean;
-use crate::gradient::step::{Causes, Variation};
+use crate::gradient::sums::{OnEnd, Sums};
+use crate::gradient::variation::{Causes, Front, Variation};
 use crate::gradient::{Gradient, GradientError, add, dot};
 use crate::system::air::step_slopes::{AirStepSlopes, NoSlopes};
 use nalgebra::Matrix3;
@@ -14,14 +13,6 @@ pub(super) struct AirStep {
     slopes: AirStepSlopes,
     /// Per neighbour: slopes of the memory at its end and of the loads that act.
     by_neighbours: Vec<Vec<f64>>,
-}
-
-/// Multipliers at the end of an aerodynamic step.
-pub(super) struct OnEnd {
-    /// Of the motion.
-    pub motion: Variation,
-    /// Of the memory of the air.
-    pub memory: Vec<f64>,
 }
 
 impl Gradient<'_> {
@@ -170,16 +161,6 @@ impl Gradient<'_> {
     fn end_s(&self, span: &Range<usize>) -> f64 {
         self.tape.steps[span.end - 1].end.time_s
     }
-}
-
-/// Sums of the multipliers of a run, from its end back to the start.
-pub(super) struct Sums {
-    /// Slopes with respect to the parameters, if they are computed.
-    pub gradient: Option<Vec<f64>>,
-    /// Multipliers of the loads of the air in the present aerodynamic step; empty without air.
-    pub loads: Vec<f64>,
-    /// The mean over the run that is the result.
-    pub mean: Option<Mean>,
 }
 
 /// Reason for which the loads of a step have no variation.

@@ -4,10 +4,11 @@
 //! directions, so that each direction removes more than a correction by `N⁻¹` alone would. Directions of one solution serve all others with
 //! the same matrix.
 
-use crate::gradient::step::SOLVED;
 use crate::gradient::{add, dot, largest_product};
 use crate::multibody::Model;
 
+/// Remainder, as a share of the solution, at which a linear system is solved.
+const SOLVED: f64 = 3e-13;
 /// Maximum number of directions in which a solution is sought.
 const MAX_DIRECTIONS: usize = 40;
 /// Safety factor on the largest distance of `N⁻¹A` from the identity so far, for a last correction after which no remainder is computed.

@@ -3,22 +3,15 @@
 use crate::force::Moving;
 use crate::force::set::Indicator;
 use crate::gradient::account::Account;
-use crate::gradient::jump::Impulses;
-use crate::gradient::mean::Mean;
-use crate::gradient::step::{Causes, Variation};
+use crate::gradient::impulse::Impulses;
+use crate::gradient::integrand::Mean;
 use crate::gradient::tape::{Ending, Step};
+use crate::gradient::variation::{Causes, Front, Variation};
 use crate::gradient::{Entry, Gradient, GradientError, RunResult, add};
 use std::ops::Range;
 
 /// Means over the run with their places among the results, and the rows of their variations.
 type MeanRows<'a> = (&'a [(usize, Mean)], &'a mut [Vec<f64>]);
-
-/// Variations of a point of the run in several directions, and of its time.
-#[derive(Debug, Clone)]
-pub(super) struct Front {
-    pub variations: Vec<Variation>,
-    pub shifts_s: Vec<f64>,
-}
 
 /// Slopes of an indicator at its crossing.
 pub(super) struct CrossingSlopes {

@@ -11,161 +11,45 @@ mod adjoint;
 mod air;
 mod block;
 mod directions;
+mod error;
+mod factors;
 mod forward;
+mod impulse;
 mod inputs;
+mod integrand;
 mod jump;
 mod mean;
 mod outputs;
 mod parameter;
 mod prescribed;
 mod projection;
+mod result;
 mod run;
+mod run_result;
 mod sections;
 mod slopes;
 mod step;
+mod sums;
 mod tape;
+mod variation;
+mod vectors;
 
+pub use error::GradientError;
 pub use inputs::{InputColumn, InputRows};
 pub use parameter::Parameter;
+pub use run_result::RunResult;
 pub use tape::Tape;
 
 use crate::multibody::derivative::Derivative;
 use crate::run::Plant;
 use crate::solve::tableau::Tableau;
-use crate::system::{PlantError, System};
-use account::Account;
+use crate::system::System;
 use directions::Directions;
+use factors::{Factors, Side};
 use inputs::Piece;
-use outputs::{Part, Seed};
 use parameter::Neighbours;
 use sections::Sections;
-use step::{Factors, Side};
-
-/// Reason why a run has no gradient.
-#[derive(Debug, thiserror::Error)]
-pub enum GradientError {
-    /// A part of the machine has no exact derivative yet.
-    #[error("gradients do not cover {part} ({place}); remove it, or use finite differences")]
-    NotCovered {
-        /// Kind of part, in words.
-        part: &'static str,
-        /// Its name.
-        place: String,
-    },
-    /// A crossing that the motion only touches: its instant has no derivative.
-    #[error(
-        "joint {joint} reaches its latch or end stop at {time_s} s with a rate of only {closing_1_s:.1e} rad/s (or \
-         m/s), less than a millionth of its largest rate: the time of contact has no derivative; change the model so \
-         that the joint arrives faster or does not arrive"
-    )]
-    Grazing {
-        /// Joint.
-        joint: String,
-        /// Time in s.
-        time_s: f64,
-        /// Rate at which the indicator falls.
-        closing_1_s: f64,
-    },
-    /// Two crossings at one instant.
-    #[error(
-        "joints {first} and {second} have events at the same time, {time_s} s: a parameter changes the order of the \
-         events, so the two one-sided derivatives differ; separate the events by a small asymmetry"
-    )]
-    Simultaneous {
-        /// One joint.
-        first: String,
-        /// The other, or the same.
-        second: String,
-        /// Time in s.
-        time_s: f64,
-    },
-    /// Inputs over time that are not possible.
-    #[error("inputs over time: {cause}")]
-    Inputs {
-        /// Cause, in words.
-        cause: String,
-    },
-    /// A requested time that is not after the one before it.
-    #[error("the requested times must increase from the present, {from_s} s, on; {time_s} s does not")]
-    Times {
-        /// Time before it in s.
-        from_s: f64,
-        /// Time requested in s.
-        time_s: f64,
-    },
-    /// A neighbouring machine has other coordinates or starts in another state.
-    #[error(
-        "a small change of parameter {parameter} changes {what}, so the derivative is not defined; choose another \
-         value, or another parameter"
-    )]
-    Structure {
-        /// Name of the parameter.
-        parameter: String,
-        /// Change, in words.
-        what: &'static str,
-    },
-    /// A result that this run does not have.
-    #[error("the run has no {what}; use a later stop time, or choose another result")]
-    Absent {
-        /// Result, in words.
-        what: String,
-    },
-    /// A linear system without a solution to round-off.
-    #[error(
-        "the iteration for the linear equations of the step to {time_s} s converges too slowly (relative residual \
-         {left:.1e}); use a smaller solver.tolerance or solver.max_step"
-    )]
-    NotSolved {
-        /// End of the step in s.
-        time_s: f64,
-        /// Size of the last correction relative to the solution.
-        left: f64,
-    },
-    /// The run itself failed.
-    #[error(transparent)]
-    Run(#[from] PlantError),
-}
-
-/// A result of a run, a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RunResult {
-    /// An output at a requested time; the energy accounts are integrals up to there.
-    Output {
-        /// Index in [`Outputs::values`](crate::system::Outputs::values).
-        index: usize,
-        /// Index of the time among those requested.
-        time: usize,
-    },
-    /// The instant of the first closing of the latch of a joint, s.
-    LatchTime {
-        /// Index of the joint among those with one freedom.
-        joint: usize,
-    },
-    /// The impulse on the outer body with which a rigid latch closes for the first time, N·m·s; at prismatic joints N·s.
-    Impulse {
-        /// Index of the joint among those with one freedom.
-        joint: usize,
-    },
-    /// The mean of an output from the start of the run to a requested time, by the stages of its steps.
-    Mean {
-        /// Index in [`Outputs::values`](crate::system::Outputs::values).
-        index: usize,
-        /// Index of the time among those requested.
-        time: usize,
-        /// Whether it is the mean of the output's square.
-        square: bool,
-    },
-}
-
-impl RunResult {
-    /// Whether it is an instant, known at the end of the step that ends there.
-    fn is_latch_time(&self) -> bool {
-        match self {
-            Self::LatchTime { .. } => true,
-            Self::Output { .. } | Self::Impulse { .. } | Self::Mean { .. } => false,
-        }
-    }
-}
+use vectors::{add, dot, largest_product};
 
 /// Derivatives of a run that is on a tape.
 pub struct Gradient<'a> {
@@ -252,90 +136,6 @@ impl<'a> Gradient<'a> {
         let shares = self.shares(time_s);
         self.entries.iter().zip(shares).map(|(entry, share)| share * by_neighbours[entry.beside]).collect()
     }
-
-    /// The step at which a result is known; an error for results without a derivative.
-    fn step_of(&self, result: RunResult) -> Result<usize, GradientError> {
-        match result {
-            RunResult::Output { index, time } => {
-                self.check_output(index, time)?;
-                Ok(self.tape.marks[time].step)
-            }
-            RunResult::LatchTime { joint } => self.latch_step(joint),
-            RunResult::Impulse { joint } => self.impulse_step(joint),
-            RunResult::Mean { index, time, .. } => {
-                self.check_mean(index, time)?;
-                Ok(self.tape.marks[time].step)
-            }
-        }
-    }
-
-    /// The values of results.
-    ///
-    /// # Errors
-    /// Results that the run does not have, or that have no derivative.
-    pub fn values(&mut self, results: &[RunResult]) -> Result<Vec<f64>, GradientError> {
-        let value = |result: &RunResult| {
-            let step = self.step_of(*result)?;
-            match *result {
-                RunResult::Output { index, time } => self.output_at(index, time),
-                RunResult::LatchTime { .. } => Ok(self.tape.steps[step].end.time_s),
-                RunResult::Impulse { joint } => Ok(self.tape.steps[step].joints[joint].latch.impulse_n_m_s),
-                RunResult::Mean { .. } => Ok(self.mean_value(*result)),
-            }
-        };
-        results.iter().map(value).collect()
-    }
-
-    /// The slopes of a result with respect to the state at its instant and to the parameters.
-    fn seed(&mut self, result: RunResult) -> Result<Seed<'a>, GradientError> {
-        let step = self.step_of(result)?;
-        match result {
-            RunResult::Output { index, time } if Account::of(self.system, index).is_some() => {
-                Ok(self.no_seed(step, Part::of(&self.tape.marks[time].branch)))
-            }
-            RunResult::Output { index, time } => self.output_seed(index, time),
-            RunResult::LatchTime { .. } => Ok(Seed { by_shift: 1.0, ..self.no_seed(step, Part::Whole) }),
-            RunResult::Impulse { joint } => {
-                let coordinate = self.system.equations.forces.joints()[joint].coordinate;
-                Ok(self.no_seed(step, Part::Jump(coordinate)))
-            }
-            RunResult::Mean { time, .. } => Ok(self.no_seed(step, Part::of(&self.tape.marks[time].branch))),
-        }
-    }
-}
-
-/// Number of partial sums of a product and of partial maxima: each waits only for the one eight entries before it.
-const LANES: usize = 8;
-
-/// Sum of products.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.zip(b) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    rest + sums.iter().sum::<f64>()
-}
-
-/// The largest magnitude among the products of two lists; NaN does not count.
-fn largest_product(a: &[f64], b: &[f64]) -> f64 {
-    let mut largest = [0.0f64; LANES];
-    let (a, b) = (a.chunks(LANES), b.chunks(LANES));
-    for (a, b) in a.zip(b) {
-        for ((largest, a), b) in largest.iter_mut().zip(a).zip(b) {
-            let product = (a * b).abs();
-            *largest = if product > *largest { product } else { *largest };
-        }
-    }
-    largest.into_iter().fold(0.0, f64::max)
-}
-
-/// `sum += factor · values`.
-fn add(sum: &mut [f64], factor: f64, values: &[f64]) {
-    sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
 //! Slopes of results with respect to the state at their instant.
 
 use crate::gradient::account::Account;
-use crate::gradient::mean::Mean;
-use crate::gradient::step::{Causes, ONWARD, Variation, time_step_s};
+use crate::gradient::integrand::Mean;
+use crate::gradient::step::{ONWARD, time_step_s};
 use crate::gradient::tape::{Ending, Mark, Step};
+use crate::gradient::variation::{Causes, Variation};
 use crate::gradient::{Gradient, GradientError, RunResult, add};
 use crate::math::difference::SIXTH_ORDER;
 use crate::solve::EquationsOfMotion;

@@ -1,8 +1,8 @@
 //! Parameters of a run: any number of a machine, by perturbed models, eq. (X9).
 
 use crate::gradient::GradientError;
+use crate::gradient::impulse::Jump;
 use crate::gradient::inputs::{InputRows, Offset};
-use crate::gradient::jump::Jump;
 use crate::gradient::tape::{Step, Tape};
 use crate::multibody::Model;
 use crate::multibody::block_slopes::{BlockSlopes, DampingSlope};

@@ -1,6 +1,6 @@
 //! Joints with prescribed motions, whose coordinates vary with the time and with the numbers of their laws, eq. (X19).
 
-use crate::gradient::step::{Causes, Variation};
+use crate::gradient::variation::{Causes, Variation};
 use crate::gradient::{Gradient, add};
 
 /// Slopes of the coordinate of a joint with a prescribed motion at an instant: of its angle, rate and acceleration.

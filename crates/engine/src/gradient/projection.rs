@@ -1,7 +1,7 @@
 //! The projection of the end of a step onto the constraints of universal, ball and free joints, (J6), with its slopes, eq. (X27).
 
-use crate::gradient::step::Variation;
 use crate::gradient::tape::Step;
+use crate::gradient::variation::Variation;
 use crate::gradient::{Gradient, GradientError, add};
 use crate::math::difference::SIXTH_ORDER;
 use crate::multibody::joint::Joint;

@@ -1,17 +1,14 @@
 //! The linear equations of a step, eqs. (X6) and (X7).
 
+use crate::gradient::factors::{Factors, LANES, Side};
 use crate::gradient::tape::{Ending, Step};
+use crate::gradient::variation::{Causes, Variation};
 use crate::gradient::{Entry, Gradient, GradientError, add};
 use crate::math::wide::wide;
-use crate::multibody::Model;
-use crate::multibody::derivative::{Derivative, Lanes, Sweep};
 use crate::multibody::kinematics::Motion;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
-use crate::system::equations::Equations;
 
-/// Remainder, as a share of the solution, at which a linear system is solved.
-pub(super) const SOLVED: f64 = 3e-13;
 /// Steps and weights over the step of differences by time, exact to the second degree: never before the present, which may be the first
 /// instant of the inputs' stretch.
 pub(super) const ONWARD: [(f64, f64); 3] = [(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)];
@@ -23,90 +20,6 @@ const LEAST_TIME_STEP_S: f64 = 1e-6;
 /// Step of differences by time in s in a step of given length.
 pub(super) fn time_step_s(length_s: f64) -> f64 {
     (TIME_STEP * length_s).max(LEAST_TIME_STEP_S)
-}
-
-/// Quantities that vary besides the start of a step.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Causes<'c> {
-    /// The parameters, each in a direction of its own.
-    pub parameters: bool,
-    /// Loads of the air in each direction; empty if they do not vary.
-    pub loads: &'c [Vec<f64>],
-}
-
-impl Causes<'_> {
-    /// Nothing else.
-    pub const NONE: Self = Self { parameters: false, loads: &[] };
-    /// The parameters.
-    pub const PARAMETERS: Self = Self { parameters: true, loads: &[] };
-}
-
-/// Kind of the factors in use.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Factors {
-    /// Those of Newton's method, without gyroscopic and geometric terms.
-    Symmetric,
-    /// Those with all terms of the tree.
-    Exact,
-}
-
-impl Factors {
-    /// Multiplies by the inverse of the factors' matrix.
-    fn solve(self, equations: &mut Equations, derivative: &mut Derivative, values: &mut [f64]) {
-        match self {
-            Self::Symmetric => {
-                equations.solve(values);
-            }
-            Self::Exact => derivative.solve(&equations.model, values),
-        }
-    }
-
-    /// Multiplies by the transposed inverse.
-    fn solve_transposed(self, equations: &mut Equations, derivative: &mut Derivative, values: &mut [f64]) {
-        match self {
-            Self::Symmetric => equations.solve_transposed(derivative, values),
-            Self::Exact => derivative.solve_transposed(&equations.model, values),
-        }
-    }
-}
-
-/// Number of variations whose equations are solved side by side.
-pub(super) const LANES: usize = 4;
-
-/// Workspace of equations that are solved side by side.
-pub(super) struct Side {
-    along: [Vec<[f64; LANES]>; 3],
-    left: Vec<[f64; LANES]>,
-    product: Lanes<LANES>,
-    sweep: Sweep<LANES>,
-}
-
-impl Side {
-    pub fn new(model: &Model) -> Self {
-        let rows = || vec![[0.0; LANES]; model.coordinates];
-        Self { along: [rows(), rows(), rows()], left: rows(), product: Lanes::new(model), sweep: Sweep::new(model) }
-    }
-}
-
-/// A variation of a point.
-#[derive(Debug, Clone)]
-pub(super) struct Variation {
-    pub q: Vec<f64>,
-    pub v: Vec<f64>,
-    pub a: Vec<f64>,
-}
-
-impl Variation {
-    pub fn zeros(coordinates: usize) -> Self {
-        let zeros = vec![0.0; coordinates];
-        Self { q: zeros.clone(), v: zeros.clone(), a: zeros }
-    }
-
-    pub fn add(&mut self, factor: f64, other: &Self) {
-        add(&mut self.q, factor, &other.q);
-        add(&mut self.v, factor, &other.v);
-        add(&mut self.a, factor, &other.a);
-    }
 }
 
 impl Gradient<'_> {

@@ -9,6 +9,7 @@ use crate::machine::{
     Air, AttachedMass, Beyond, Body, Effect, EndStops, Failure, Gauge, GeneratorLaw, Joint, JointKind, JointMotion,
     Latch, LatchKind, LiftingSurface, Machine, Method, Motion, Motor, OneFreedom, Solver, Spring, StartState,
 };
+use crate::system::PlantError;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Range;
 use std::sync::Arc;
