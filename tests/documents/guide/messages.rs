@@ -440,6 +440,10 @@ fn produced() -> Vec<String> {
                chord_m = 0.1\nstrips = 2\n[solver]";
     write("rail_in_air.toml", reaches("[solver]", air).as_bytes());
     write("rail_damped.toml", reaches("load_stations = 0", "modal_damping_ratios = [0.1, -0.1]").as_bytes());
+    write("rail_with_ratios.toml", reaches("load_stations = 0", "modal_damping_ratios = [0.1, 0.2]").as_bytes());
+    // more ratios than a body has strains
+    let ratios = format!("elements = 1\nmodal_damping_ratios = {:?}", [0.1; 12]);
+    write("ratios.toml", model.replace("elements = 4", &ratios).as_bytes());
 
     let library = crate::guide::commands::library().to_str().unwrap().to_owned();
     let call = |line: &str| {
@@ -460,6 +464,9 @@ fn produced() -> Vec<String> {
         "check two_ways.toml",
         "check weak_bars.toml",
         "modes rigid_bars.toml",
+        "linearize rigid_bars.toml --state start -o x.npz",
+        "check rail_with_ratios.toml",
+        "check ratios.toml",
         "package rigid_bars.toml --interface me -o x.fmu",
         "check rail_on_root.toml",
         "check rail_on_bead.toml",
