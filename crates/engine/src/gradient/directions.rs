@@ -190,18 +190,25 @@ mod tests {
             image.iter_mut().zip(matrix.chunks(n)).for_each(|(image, row)| *image = dot(row, x));
         };
         let left: Vec<f64> = (0..n).map(|_| random.f64() - 0.5).collect();
-        let mut directions = Directions { scales_m: vec![2.0; n], ones: vec![1.0; n], ..Directions::default() };
-        let mut products = 0;
-        let counted = |x: &[f64], image: &mut [f64]| {
-            products += 1;
-            product(x, image);
-        };
-        let solution = directions.solve(left.clone(), &vec![0.0; n], 0.0, counted).expect("near the identity").to_vec();
-        let mut image = vec![0.0; n];
-        product(&solution, &mut image);
-        let rest = left.iter().zip(&image).fold(0.0f64, |rest, (a, b)| rest.max((a - b).abs()));
-        let whole = largest_product(&solution, &directions.ones);
-        // the second product is the one by which the distance from the identity is confirmed
-        assert!(products <= 2 && rest < SOLVED * whole, "{products} products, remainder {rest:e} of {whole}");
+        // factors for the steps to come, then those of the first stage of a step, whose distance from the identity is not known either
+        for of_stage in [false, true] {
+            let mut directions = Directions { scales_m: vec![2.0; n], ones: vec![1.0; n], ..Directions::default() };
+            if of_stage {
+                directions.restart_with_factors_of_stage(true);
+            }
+            let mut products = 0;
+            let counted = |x: &[f64], image: &mut [f64]| {
+                products += 1;
+                product(x, image);
+            };
+            let solution = directions.solve(left.clone(), &vec![0.0; n], 0.0, counted).expect("near the identity");
+            let solution = solution.to_vec();
+            let mut image = vec![0.0; n];
+            product(&solution, &mut image);
+            let rest = left.iter().zip(&image).fold(0.0f64, |rest, (a, b)| rest.max((a - b).abs()));
+            let whole = largest_product(&solution, &directions.ones);
+            // the second product is the one by which the distance from the identity is confirmed
+            assert!(products <= 2 && rest < SOLVED * whole, "{products} products, remainder {rest:e} of {whole}");
+        }
     }
 }
