@@ -58,8 +58,7 @@ const ON_AXIS: &str =
     "\n[loop.idle]\nbodies = [\"upper\", \"lower\"]\noffsets_m = [[0.7, 0.25, 0.2], [0.0, 0.15, 0.2]]\nrigid = true\n";
 
 /// LP-40. A loop between two points of the axis of a hinge restrains nothing, and all of its rows are redundant: their matrix is round-off.
-/// It
-/// carries no force and does not change the motion.
+/// It carries no force and does not change the motion.
 #[test]
 fn lp40_a_loop_without_a_freedom_carries_nothing() {
     let (mut with, mut without) = (pendulum(ON_AXIS), pendulum(""));
