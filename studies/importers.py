@@ -56,6 +56,7 @@ IMPORTERS = [
              "Model Exchange exchanges states and derivatives in its Jacobian, which the FMU refuses; with that mended 10 s of the processor do not reach 2 ms",
              "its block reads and sets all variables as one Real, and sets inputs to 0 at first: keep Real scalars only (`run_pathsim`)"),
     Importer("fmuloader; Assimulo's CVode", "fmuloader", ("2 cs", "3 cs", "2 me", "3 me"), "", "none: it passes on calls; the loop is `run_fmuloader`"),
+    Importer("FMU Manipulation Toolbox, FMU in a container", "container", ("2 cs", "3 cs"), "no Model Exchange; no arrays of FMI 3.0 in its CSV", "none"),
 ]
 
 # tried, and not available from a package registry
