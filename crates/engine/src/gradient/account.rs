@@ -240,7 +240,8 @@ impl Gradient<'_> {
             let booked = account.booked(&behind.start) - account.booked(&before.end);
             let known = account.of_jumps([is[0] - was[0], is[1] - was[1]]);
             if (booked - known).abs() > SAME_JUMP * size.max(booked.abs()) {
-                let remedy = format!("choose times before the event at {} s, or use finite differences", behind.start.time_s);
+                let remedy =
+                    format!("choose times before the event at {} s, or use finite differences", behind.start.time_s);
                 return Err(GradientError::OtherChoice { part: OTHER_ENERGIES, remedy });
             }
         }

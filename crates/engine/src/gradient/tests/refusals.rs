@@ -34,7 +34,7 @@ fn what_is_not_covered_is_refused_by_name() {
     let cases: [Case; 7] = [
         ("damping by ratios of modes (inner)", |machine| machine.bodies[0].modal_damping_ratios = vec![0.02]),
         ("failures (snap)", |machine| {
-            let effect = Effect::DriveDies { body: 1 };
+            let effect = Effect::MotorLoss { body: 1 };
             let name = "snap".to_owned();
             machine.failures.push(Failure { name, effect, at_time_s: None, after: None, when: None, delay_s: 0.0 });
         }),
@@ -232,7 +232,10 @@ fn questions_without_an_answer_are_refused() {
     plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
     let tape = plant.run_on_tape(&[0.02]).unwrap_or_else(|error| panic!("{error}"));
     let continued = plant.run_on_tape(&[0.04]).map(|_| ()).expect_err("a run that continues another");
-    assert_eq!(continued.to_string(), "gradients do not cover runs that continue an earlier run; initialise the model first");
+    assert_eq!(
+        continued.to_string(),
+        "gradients do not cover runs that continue an earlier run; initialise the model first"
+    );
     let layout = *plant.outputs().layout();
     let parameter = Parameter::new("start", 0.0, 1e-3, |shift| plant_of(machine(beside(PLACES[7], shift))));
     let parameter = parameter.unwrap_or_else(|error| panic!("{error}"));
