@@ -33,9 +33,12 @@ the lines from `fn` to its closing brace.
 
 def block_end(text, start):
     """Position after the brace that closes the first one at or behind `start`; `None` if a semicolon comes first."""
-    opening = re.compile(r"[{;]").search(text, start)
-    if not opening or opening[0] == ";":
-        return None
+    opening, nested = None, 0
+    for letter in re.compile(r"[()\[\]{;]").finditer(text, start):
+        nested += (letter[0] in "([") - (letter[0] in ")]")
+        if nested == 0 and letter[0] in "{;":
+            opening = letter
+            break
     depth = 0
     for brace in re.compile(r"[{}]").finditer(text, opening.start()):
         depth += 1 if brace[0] == "{" else -1
