@@ -217,6 +217,7 @@ validate: package venv wheel ## Compare with the methods of the paper, sweep on 
 	@rm -f $(TARGET)/agreement.csv
 	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification --test command -- --nocapture --include-ignored
 	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
+	@$(PYTHON) studies/structure.py --table docs/tables/structure.md
 	$(MAKE) long
 	FOLDWING_MACHINES=2000 $(CARGO) test --locked --release --test random -- --nocapture
 	FOLDWING_WHOLE=1 $(MAKE) pytest

@@ -711,5 +711,5 @@ const INTERNAL: &[&str] = &[
     "the residual is not finite in iteration",
     "no equilibrium beyond the load factor …",
     // the times come from names of results, which are checked before
-    "the requested times must increase from the present",
+    "the requested times must increase from the current time",
 ];

@@ -193,7 +193,7 @@ class SurfaceShape {
       const level = this.levelOf(c);
       this.begins.push(next / 12);
       for (let side = 0; side < 2; side++) for (let n = 0; n + 1 < level.length; n++) {
-        // counter-clockwise from outside, since the renderer reverses the normals of faces that are seen from behind
+        // counter-clockwise from outside, since the renderer reverses the normals of faces whose back is visible
         const [i, j] = side ? [c, c + 1] : [c + 1, c], [a, b] = [edges[i][side], edges[j][side]], [k, l] = [level[n], level[n + 1]];
         const [one, other] = fades ? [tones[i], tones[j]] : [tones[c][rowOf(k)], tones[c][rowOf(k)]];
         corner(a, k, one);

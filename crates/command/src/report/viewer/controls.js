@@ -135,7 +135,7 @@ function setControls(lists) {
   }
   showControls();
 }
-// Controls that the chosen machine lacks are hidden; where the values of the machines differ, a note lists them.
+// Controls that the chosen machine lacks are hidden; a note lists values that differ between the machines.
 function showControls() {
   for (const one of controls) {
     const value = one.values[shownMachine(one)] ?? null, { control, row } = one;

@@ -67,7 +67,7 @@ function setScales() {
   setScale(surface, surfaceField.title, surfaceField.map, [-reach, 0, reach], value => (Math.abs(reach) < 1e-2 ? figures(value, 2) : compact(value, digitsFor(reach, 3))));
 }
 
-// What is drawn with dimensions that the model does not have.
+// Notes on parts that are drawn with dimensions that the model does not have.
 function addNotes() {
   const box = document.createElement("p");
   box.id = "notes";

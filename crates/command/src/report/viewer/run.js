@@ -1,5 +1,5 @@
 
-// ---- runs: numbers of every frame, and what they mean ---------------------------------------------------------------
+// ---- runs: numbers of every frame, and their meaning ----------------------------------------------------------------
 
 const get = id => document.getElementById(id);
 
@@ -137,7 +137,7 @@ class LiveRun extends Run {
     this.numbers.set(numbers);
     this.end = numbers.length;
     this.times = [];
-    this.samples = new Map(); // by name: values at `times`, null where they were not asked for
+    this.samples = new Map(); // by name: values at `times`, null if not requested
   }
 
   // Values of one signal; column 0 is the time.
@@ -214,10 +214,10 @@ class LiveRun extends Run {
 }
 
 const besides = JSON.parse(get("beside").textContent);
-// A page of a live simulation has a run that goes on.
+// A page of a live simulation has a run that continues.
 const live = (element => element && JSON.parse(element.textContent))(document.querySelector("script.live"));
 const RunKind = live ? LiveRun : Run;
-// A page with an editor starts the viewer for one run after another and passes what is kept as `again`, which is `null` in other pages.
+// A page with an editor starts the viewer for one run after another and passes the objects that are kept as `again`, which is `null` in other pages.
 const sources = again ? [again] : [...document.querySelectorAll("script.run")].map(element =>
   ({ about: JSON.parse(element.textContent), numbers: numbersOf(element.nextElementSibling.textContent) }));
 const runs = sources.map(({ about, numbers }, i) => new RunKind(about, numbers, i ? besides.runs[i - 1] : "this run", i));
