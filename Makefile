@@ -40,7 +40,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-pytest validate-figures validate-clients validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -213,14 +213,25 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 	$(PEERS)/bin/python studies/compare_lattice.py
 	$(PEERS)/bin/python studies/plot_lattice_cost.py --foldwing $(COMMAND)
 
-validate: package venv wheel ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
+# Each stage can be run by itself, `make validate STAGES=validate-random`: the table keeps the last run of each.
+STAGES ?= validate-tests long validate-random validate-pytest validate-figures validate-clients robust validate-mutants
+
+validate: toolchain ## Run everything: whole studies, 2000 random models, all figures, the list of faults; hours. docs/tables/validate.md has its last results
+	@MAKE="$(MAKE)" $(PYTHON) tools/run_stages.py --times $(TARGET)/validate-times --keep-going --record docs/tables/validate.md $(STAGES)
+
+validate-tests: package
 	@rm -f $(TARGET)/agreement.csv
 	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification --test command -- --nocapture --include-ignored
 	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
 	@$(PYTHON) studies/structure.py --table docs/tables/structure.md
-	$(MAKE) long
+
+validate-random: toolchain
 	FOLDWING_MACHINES=2000 $(CARGO) test --locked --release --test random -- --nocapture
+
+validate-pytest: package
 	FOLDWING_WHOLE=1 $(MAKE) pytest
+
+validate-figures: package venv wheel
 	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
 	$(VENV_PYTHON) studies/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) studies/plot_input_derivatives.py $(TARGET)/verification docs/pictures
@@ -239,14 +250,17 @@ validate: package venv wheel ## Compare with the methods of the paper, sweep on 
 	$(PACKAGE_PYTHON) studies/plot_tutorial.py --foldwing $(COMMAND) --output docs/pictures
 	$(VENV_PYTHON) studies/picture_models.py --foldwing $(COMMAND) --output docs/pictures/models
 	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
+	$(VENV_PYTHON) studies/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
+
+validate-clients: package
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
 	@$(PYTHON) tools/create_venv.py $(CASADI) --requirements python/requirements-casadi.txt
 	$(CASADI)/bin/python examples/fastest_unfolding.py --foldwing $(COMMAND) --twice --picture docs/pictures/fastest_unfolding.png
 	$(CASADI)/bin/python studies/casadi_model_exchange.py --foldwing $(COMMAND)
 	$(CASADI)/bin/python studies/model_exchange_integrators.py --foldwing $(COMMAND) --table docs/tables/model_exchange.md
-	$(VENV_PYTHON) studies/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
-	$(MAKE) robust
+
+validate-mutants: toolchain
 	$(MAKE) mutants MUTANTS_ARGUMENTS=--matrix
 
 REFERENCE_COMMIT ?= 45f5929

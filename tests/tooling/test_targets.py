@@ -99,6 +99,18 @@ def target(name):
     return re.search(rf"^{name}:.*\n((?:\t.*\n|#.*\n)*)", MAKEFILE, re.M).group(1)
 
 
+def stages_of_validate():
+    return re.search(r"^STAGES \?= (.*)$", MAKEFILE, re.M).group(1).split()
+
+
+def test_validate_runs_all_its_stages():
+    assert "$(STAGES)" in target("validate") and "--keep-going" in target("validate")
+    written = set(re.findall(r"^(validate-[a-z]+):", MAKEFILE, re.M))
+    assert written and written <= set(stages_of_validate())
+    assert {"long", "robust"} <= set(stages_of_validate())
+    assert all(target(stage) for stage in stages_of_validate())
+
+
 def test_studies_that_are_short_are_listed():
     found = {}
     for folder, prefix in ((ROOT / "tests/verification", ""), (ROOT / "tests/command", "../command/")):
@@ -117,11 +129,11 @@ def test_studies_in_python_that_are_short_are_listed_and_run_whole():
         if count:
             found[path.name] = count
     assert found == SHORT_IN_PYTHON
-    assert re.search(r"^\tFOLDWING_WHOLE=1 \$\(MAKE\) pytest$", target("validate"), re.M)
+    assert re.search(r"^\tFOLDWING_WHOLE=1 \$\(MAKE\) pytest$", target("validate-pytest"), re.M)
 
 
 def test_one_call_of_validate_runs_all_of_verification():
-    recipe = target("validate")
+    recipe = target("validate-tests")
     calls = [line for line in recipe.splitlines() if "--test verification" in line]
     assert len(calls) == 1
     assert "--test command" in calls[0] and "FOLDWING_WHOLE=1" in calls[0] and "--release" in calls[0] and calls[0].endswith("--include-ignored")
@@ -155,7 +167,7 @@ def test_long_tests_have_a_short_one_beside_them():
     assert left_out == LONG.keys()
     assert set(LONG.values()) <= run
     assert re.search(r"^ +make long$", (ROOT / ".ci/run").read_text(encoding="utf-8"), re.M)
-    assert re.search(r"^\t\$\(MAKE\) long$", target("validate"), re.M)
+    assert "long" in stages_of_validate()
 
 
 def test_every_study_is_run_by_a_target():
