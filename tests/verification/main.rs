@@ -24,6 +24,8 @@ mod recursion;
 mod reference;
 mod rod;
 mod rotor;
+#[path = "../share.rs"]
+mod share;
 mod shear;
 mod shipped;
 mod static_newton;

@@ -163,6 +163,13 @@ fn f246_the_lines_of_the_guide_run() {
         words.iter_mut().filter(|word| *word == "10:80:8").for_each(|word| *word = "10:20:2".to_owned());
         // and fewer pixels
         words.iter_mut().filter(|word| *word == "1920x1080").for_each(|word| *word = "320x180".to_owned());
+        // and fewer pictures of a film, in the sizes that the lines give or leave to the command
+        if words.iter().any(|word| word == "--video") {
+            match words.iter().position(|word| word == "--to") {
+                Some(at) => words[at + 1] = "0.11".to_owned(),
+                None => words.extend(["--from", "0.1", "--to", "0.11"].map(str::to_owned)),
+            }
+        }
         if words[0] == "new" {
             let _ = std::fs::remove_file(folder.path().join(&words[1])); // the command does not overwrite files
         }
