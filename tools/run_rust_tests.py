@@ -7,6 +7,7 @@
 `cargo test` runs the same programs but does not report times. The programs report them with an option that the standard test
 harness of a stable compiler offers only if RUSTC_BOOTSTRAP is set; it is set for the programs alone, never for the compiler. All
 programs run even if one fails; the exit code is the worst of all programs. Documentation tests are left to `cargo test --doc`.
+Unit tests of some packages are compiled without optimisation (tools/rustc_of_tests.sh), unless RUSTC_WRAPPER is set already.
 With `--long` only the tests run that are ignored because they are long, and those of which `make test` runs a share of the cases.
 """
 import csv
@@ -47,7 +48,10 @@ LINE = re.compile(r"test (?P<name>\S+)(?: - should panic)? \.\.\. ok <(?P<second
 def programs(arguments):
     """Name, file and folder of each test program; builds the programs first."""
     command = [CARGO, "test", "--no-run", "--message-format=json-render-diagnostics", *arguments]
-    built = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+    environment = dict(os.environ)
+    if "--release" in arguments:
+        environment.setdefault("RUSTC_WRAPPER", str(ROOT / "tools/rustc_of_tests.sh"))
+    built = subprocess.run(command, stdout=subprocess.PIPE, text=True, env=environment)
     if built.returncode:
         sys.exit(built.returncode)
     for line in built.stdout.splitlines():
