@@ -74,6 +74,8 @@ LONG = {
     "s13_bend_of_45_degrees_under_smaller_loads": "s13_bend_of_45_degrees",
     "statics_leave_a_saddle_of_a_free_tip": "statics_in_a_lattice_judge_the_wing_with_its_air",
     "test_the_cost_of_an_iteration_is_linear_in_the_elements": "s19_cost_is_linear",
+    "test_f95_soft_fold_script": "test_f92_soft_fold_halves_the_peak_strain",
+    "test_f99_notebook_shows_what_it_says": "test_notebooks_show_what_they_store",
     "test_f292_roots_aside_and_turned": "test_f81_agrees_with_the_aircraft_in_one_piece",
     "test_f82_momentum_is_conserved_to_step_and_tolerance": "test_f83_centre_of_mass_follows_its_path",
     "test_notebooks_show_what_they_store[identify]": "test_f96_damping_recovered_from_noisy_records",
