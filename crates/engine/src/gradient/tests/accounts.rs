@@ -132,6 +132,7 @@ fn accounts_of_a_damped_arm() {
 
 /// Accounts of a run with a prescribed joint: the work of its holding torque, by the coefficients of the prescribed motion.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn work_of_a_prescribed_motion() {
     let machine = |numbers: Numbers| {
         let Numbers { start_angle, start_rate, torque, .. } = numbers;
