@@ -21,7 +21,7 @@ import sys
 CARGO = os.environ.get("CARGO", "cargo")
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LONG = re.compile(r"^ *#\[ignore = \"long; `make long` runs it\"\]\n *fn (\w+)\(", re.M)
-# Tests over many similar cases: `make test` sets FOLDWING_SHARE, the tests take one case in that many (tests/share.rs).
+# Tests over many similar cases: `make test` sets FOLDWING_SHARE, the tests take one case in that many (tests/verification/share.rs).
 SHARED = {
     "m01_mutated_models",
     "mutated_bytes_never_panic",

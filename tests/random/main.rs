@@ -14,7 +14,7 @@ mod outputs;
 #[allow(dead_code, reason = "verification uses the rest")]
 #[path = "../verification/linear_rows/compare.rs"]
 mod rows;
-#[path = "../share.rs"]
+#[path = "../verification/share.rs"]
 mod share;
 
 use crate::machines::{Model, RIGID, SLIDING, View, draw, rigid_seeds, seeds, shrink, sliding_seeds};

@@ -24,7 +24,6 @@ mod recursion;
 mod reference;
 mod rod;
 mod rotor;
-#[path = "../share.rs"]
 mod share;
 mod shear;
 mod shipped;
