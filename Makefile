@@ -107,7 +107,7 @@ test: toolchain format ## Check everything: what ships, as `make` built it
 
 long: test-venv package-venv package runner wheel ## Run the tests that `make test` leaves out for their time; CI runs them at every landing
 	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --long --times $(TEST_TIMES)/long.csv --release --locked --lib \
-	    --test verification --test robustness --test command
+	    --test verification --test random --test robustness --test command
 	$(MAKE) pytest PYTEST_ARGUMENTS="-m long"
 	$(MAKE) python PYTEST_ARGUMENTS="-m long"
 
@@ -123,11 +123,13 @@ format:
 # in the release profile, so that build scripts and macros are those of `make build`
 lint: test-venv
 	$(IMPORT) $(CARGO) clippy --release --workspace --all-targets --locked --features foldwing/import,foldwing-fmu/import -- -D warnings
-	$(IMPORT) RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps --workspace --locked --quiet --features foldwing/import,foldwing-fmu/import
+	# with the compiler of clippy, so that rustdoc reads what the check above has written: otherwise each package is checked again
+	$(IMPORT) RUSTC_WORKSPACE_WRAPPER="$$(rustc --print sysroot)/bin/clippy-driver" CLIPPY_ARGS="-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__" \
+	    RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps --workspace --locked --quiet --features foldwing/import,foldwing-fmu/import
 
 # the documents quote what `foldwing run` says, which only the feature `import` compiles
 unit: build documents
-	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/rust.csv --release --locked --lib --bins --examples \
+	@FOLDWING_SHARE=3 CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/rust.csv --release --locked --lib --bins --examples \
 	    --test verification --test random --test robustness --test command
 	@# the engine of pages, which `make` does not build
 	$(CARGO) test --release --locked --package foldwing-web

@@ -1,7 +1,8 @@
 //! Invariants of random machines: properties that hold for every machine. X-xx.
 //!
 //! Each invariant is a function of a machine; the first machine that violates one is reduced to the smallest one that still does, and
-//! printed as a model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number.
+//! printed as a model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number. `make test` sets
+//! `FOLDWING_SHARE` to draw a share of the machines for each invariant; `make long` and `cargo test` draw all.
 
 mod gradients;
 mod idle_loop;
@@ -13,8 +14,11 @@ mod outputs;
 #[allow(dead_code, reason = "verification uses the rest")]
 #[path = "../verification/linear_rows/compare.rs"]
 mod rows;
+#[path = "../verification/share.rs"]
+mod share;
 
 use crate::machines::{Model, RIGID, SLIDING, View, draw, rigid_seeds, seeds, shrink, sliding_seeds};
+use crate::share::share;
 use foldwing::config;
 use foldwing::machine::{ElementKind, Machine, Parent};
 use foldwing::plant::{Outputs, Plant};
@@ -81,6 +85,7 @@ pub fn run_on(plant: &mut Plant, model: &Model, view: &View, parts: u32) -> Resu
 
 /// Generates machines, checks one invariant, and reduces the first machine that violates it.
 fn hold(name: &str, usual: u64, invariant: impl Fn(&Model) -> Verdict) {
+    let usual = usual.div_ceil(share() as u64);
     let (mut held, mut silent) = (0, 0);
     let mut broken = Vec::new();
     let all = std::env::var_os("FOLDWING_ALL").is_some();

@@ -76,6 +76,7 @@ fn agree(
 
 /// GR-64: a folding wing with shear in both bodies, through an elastic latch.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn gradients_of_bodies_with_shear() {
     agree(|numbers| wing(numbers, [true; 2], hinge()), &["stop", "command"], 1, (1e-9, "both"));
 }
@@ -90,6 +91,7 @@ fn gradients_of_a_body_with_shear_through_a_rigid_latch() {
 
 /// GR-66: with shear in the outer body, on a ball joint.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn gradients_of_a_body_with_shear_on_a_ball_joint() {
     let ball = |numbers: Numbers| {
         let hold = Motor {
