@@ -13,8 +13,29 @@ function keptNow() {
     charts: again.done ? charts.map(chart => chart.names) : again.kept?.charts, dark: chosenDark,
     open: get("display").open, scrolled: document.querySelector("main > aside").scrollTop,
     // if the same run continues, it is shown at the time of the previous picture
-    time: state.wanted === undefined || again.done ? main.timeAt(main.position) : state.wanted, playing: state.playing,
+    time: wantedTime(), playing: state.playing,
   };
+}
+const wantedTime = () => (state.wanted === undefined || (again.done && !state.partial) ? main.timeAt(main.position) : state.wanted);
+
+// Shows the beginning of another run in the scene of this complete one, with its scales, if the two differ only in what happens: `false` where
+// the model has another structure, which needs a scene of its own and three times as long.
+const OF_THE_RUN = ["begins", "rows", "events", "recorded", "points", "signalRows"];
+const structureOf = one => JSON.stringify({ ...one, ...Object.fromEntries(OF_THE_RUN.map(name => [name, null])) });
+let structure = null;
+function continueWith(next, numbers) {
+  structure ??= structureOf(about);
+  if (!renderer || !again.done || structureOf(next) !== structure) return false;
+  Object.assign(state, { wanted: wantedTime(), partial: true });
+  for (const name of OF_THE_RUN) about[name] = next[name];
+  main.numbers = numbers;
+  main.columns.clear();
+  if (wakeMesh) makeWakeRoom(ringsOf(about));
+  get("time").max = main.last;
+  main.goTo(main.positionAt(Math.min(state.wanted, main.timeOf(main.last))));
+  listEvents();
+  show();
+  return true;
 }
 
 function keep(kept) {
@@ -23,7 +44,7 @@ function keep(kept) {
   field = FIELDS[get("field").value];
   surfaceField = SURFACE_FIELDS[get("surface-field").value];
   get("display").open = kept.open;
-  document.querySelector("main > aside").scrollTop = kept.scrolled;
+  if (again.done) document.querySelector("main > aside").scrollTop = kept.scrolled;
   const { azimuth, elevation, flat, target, distance } = kept.camera;
   Object.assign(camera, { azimuth, elevation, flat });
   get("flat").setAttribute("aria-pressed", String(flat));
@@ -34,14 +55,15 @@ function keep(kept) {
   main.goTo(main.positionAt(Math.min(kept.time, main.timeOf(main.last))));
   setScales();
   show();
-  // shaders of items that are not visible at first, as a shadow outside of the ground, would be freed with the previous run
-  renderer?.compile(scene, lens());
   if (kept.playing || again.play) play(true);
 }
 if (again.kept) keep(again.kept); else if (again.play) play(true);
 
+// After the first picture: shaders of items that are not visible in it, as a shadow outside of the ground, would be freed with the previous run.
+function prepare() { renderer?.compile(scene, lens()); }
+
 // Ends this run in the page, and its plots when the next run has plots; `dispose` frees its graphics memory after the next run has been
-// drawn.
+// drawn and prepared.
 function endRun() { state.playing = false; }
 function endPlots() { for (const chart of charts) chart.plot?.destroy(); }
 function dispose() {
@@ -53,4 +75,4 @@ function dispose() {
   for (const { made } of symbols) for (const geometry of made.values()) geometry.dispose();
   sun.dispose();
 }
-return { renderer, textPictures, main, about, charts, keptNow, endRun, endPlots, dispose };
+return { renderer, textPictures, main, about, charts, keptNow, continueWith, prepare, endRun, endPlots, dispose };
