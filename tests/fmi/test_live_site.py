@@ -245,6 +245,32 @@ def test_f392_shaders_are_kept_from_run_to_run(live, browser):
     assert not browser.complaints()
 
 
+def test_f394_shaders_of_slow_computers_are_kept(live, browser):
+    """F-394. Where frames take long, a run is played without shadows, with other shader programs. These are kept from run to run, too: frames
+    of 120 ms while runs play, and runs after them link no program.
+    """
+    browser.open(live / "index.html")
+    browser.value("location.hash = '#folding_wing', 0")
+    shown(browser)
+    browser.value("globalThis.slow = setInterval(() => { const begun = performance.now(); while (performance.now() - begun < 120); }, 1), 0")
+    browser.value("document.querySelector('#repeat').checked || document.querySelector('#repeat').click(), 0")
+    playing = "document.querySelector('#play').getAttribute('aria-pressed')"
+    if browser.value(playing) != "true":
+        browser.value("document.querySelector('#play').click(), 0")
+    for number in range(5):
+        time.sleep(2.5)
+        assert browser.value(playing) == "true"
+        if number == 2:
+            browser.value("""(gl => { globalThis.linked = 0; const own = gl.linkProgram.bind(gl);
+                gl.linkProgram = program => { linked++; own(program); }; })(page.viewer.renderer.getContext())""")
+        before = browser.value("page.latest")
+        browser.value("editor.dispatch({ changes: { from: 0, insert: '#\\n' } }), 0")
+        shown(browser, f"page.shown.done && page.shown.id > {before}")
+    time.sleep(2.5)
+    assert browser.value("linked") == 0
+    assert not browser.complaints()
+
+
 def test_f393_beginnings_of_runs_continue_in_the_scene(live, browser):
     """F-393. While a run lasts, its beginning is drawn in the scene of the previous run: the ends are where the whole run has them at the same
     times, and not where the previous run had them; the plots of the previous run, their lines and the time of the reader are kept. A model with another structure, here another

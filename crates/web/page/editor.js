@@ -6,7 +6,7 @@ const whole = selector => document.querySelector(selector);
 const pristine = FILLED.map(selector => whole(selector).cloneNode(true));
 
 // `latest` is the number of the last text sent to the engine; `shown` the last picture, with the times in ms from the key stroke.
-const page = { viewer: null, plotted: null, ender: null, kept: null, latest: 0, given: new Map(), shown: null, refused: null, model: "", waiting: null, tidy: null };
+const page = { viewer: null, plotted: null, ender: null, kept: null, latest: 0, given: new Map(), shown: null, refused: null, model: "", waiting: null };
 
 // Shows a run instead of the previous one: its beginning in the scene of that one where the model has the same structure.
 function showRun(message) {
@@ -20,15 +20,8 @@ function showRun(message) {
   page.shown = { id, done, continued, engine: ms, first: page.first.ms, all: now - begun, summary };
   setMarks(summary.marks);
   tellRun(summary, done, ms);
-  if (page.tidy) requestAnimationFrame(() => setTimeout(tidy));
-}
-// What can wait until a picture is visible.
-function tidy() {
-  page.tidy?.();
-  page.tidy = null;
 }
 function startRun({ numbers, done }, about) {
-  tidy();
   const before = page.viewer;
   const kept = before?.keptNow();
   before?.endRun();
@@ -44,8 +37,7 @@ function startRun({ numbers, done }, about) {
     about, numbers, done, renderer: before?.renderer, textPictures: before?.textPictures, signal: page.ender.signal,
     dark: kept?.dark, kept: page.fresh ? undefined : kept, play: done && first && !still,
   });
-  const { prepare } = page.viewer;
-  page.tidy = () => { prepare(); before?.dispose(); };
+  before?.dispose();
   if (done) { page.fresh = false; page.plotted = page.viewer; }
 }
 

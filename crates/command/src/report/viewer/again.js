@@ -13,7 +13,7 @@ function keptNow() {
     charts: again.done ? charts.map(chart => chart.names) : again.kept?.charts, dark: chosenDark,
     open: get("display").open, scrolled: document.querySelector("main > aside").scrollTop,
     // if the same run continues, it is shown at the time of the previous picture
-    time: wantedTime(), playing: state.playing,
+    time: wantedTime(), playing: state.playing, slowed: state.slowed,
   };
 }
 const wantedTime = () => (state.wanted === undefined || (again.done && !state.partial) ? main.timeAt(main.position) : state.wanted);
@@ -51,19 +51,22 @@ function keep(kept) {
   // the camera is kept for a machine of about the same size; the size is unknown until the run is complete
   if (again.done && Math.abs(Math.log(extents.size / kept.size)) > 0.2) frameAll(extents.points); else Object.assign(camera, { target, distance });
   followed = followPoint();
-  state.wanted = kept.time;
+  Object.assign(state, { wanted: kept.time, slowed: kept.slowed });
   main.goTo(main.positionAt(Math.min(kept.time, main.timeOf(main.last))));
   setScales();
   show();
+  // shaders of items that are not visible at first, as a shadow outside of the ground, would be freed with the previous run, and so would those
+  // without shadows, with which slow computers play
+  for (const cast of state.slowed ? [false, true] : [true]) {
+    sun.castShadow = cast && get("shadow").checked && get("ground").checked;
+    renderer?.compile(scene, lens());
+  }
   if (kept.playing || again.play) play(true);
 }
 if (again.kept) keep(again.kept); else if (again.play) play(true);
 
-// After the first picture: shaders of items that are not visible in it, as a shadow outside of the ground, would be freed with the previous run.
-function prepare() { renderer?.compile(scene, lens()); }
-
 // Ends this run in the page, and its plots when the next run has plots; `dispose` frees its graphics memory after the next run has been
-// drawn and prepared.
+// drawn.
 function endRun() { state.playing = false; }
 function endPlots() { for (const chart of charts) chart.plot?.destroy(); }
 function dispose() {
@@ -75,4 +78,4 @@ function dispose() {
   for (const { made } of symbols) for (const geometry of made.values()) geometry.dispose();
   sun.dispose();
 }
-return { renderer, textPictures, main, about, charts, keptNow, continueWith, prepare, endRun, endPlots, dispose };
+return { renderer, textPictures, main, about, charts, keptNow, continueWith, endRun, endPlots, dispose };

@@ -182,7 +182,7 @@ function tick(now) {
     main.goTo(main.positionAt(time));
     show();
     state.slow = now - state.last > 90 ? state.slow + 1 : 0;
-    if (state.slow > 3) { state.economy = Math.min(2, state.economy + 1); state.slow = 0; }
+    if (state.slow > 3) Object.assign(state, { economy: Math.min(2, state.economy + 1), slow: 0, slowed: true });
   }
   state.last = now;
   if (state.playing) requestAnimationFrame(tick);
