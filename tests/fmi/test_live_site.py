@@ -257,6 +257,7 @@ def test_f394_shaders_of_slow_computers_are_kept(live, browser):
     playing = "document.querySelector('#play').getAttribute('aria-pressed')"
     if browser.value(playing) != "true":
         browser.value("document.querySelector('#play').click(), 0")
+    browser.await_value("page.viewer.keptNow().slowed === true", True)
     for number in range(5):
         time.sleep(2.5)
         assert browser.value(playing) == "true"
