@@ -75,7 +75,7 @@ function liftOf(run, index, column, frame) {
   const up = pushedSide(run, index, column, frame).map(c => c * sides(run)[index]);
   let way = up;
   if (run.about.winds) {
-    const met = plus(vector(list, begin + run.layout.winds + 3 * surface.body), sectionAt(run, surface.body, surface.places[column], frame).v, -1);
+    const met = plus(vector(list, begin + run.layout.winds + 3 * surface.body), velocityAt(run, surface.body, surface.places[column], frame), -1);
     const along = dot(met, met);
     if (along > 1e-12) way = unit(plus(up, met, -dot(up, met) / along));
   }
