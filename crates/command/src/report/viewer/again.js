@@ -18,7 +18,7 @@ function keptNow() {
 }
 const wantedTime = () => (state.wanted === undefined || (again.done && !state.partial) ? main.timeAt(main.position) : state.wanted);
 
-// Shows the beginning of another run in the scene of this complete one, with its scales, if the two differ only in what happens: `false` where
+// Shows the beginning of another run in the scene of this complete one, with its scales, if they differ in their values over time only: `false` where
 // the model has another structure, which needs a scene of its own and three times as long.
 const OF_THE_RUN = ["begins", "rows", "events", "recorded", "points", "signalRows"];
 const structureOf = one => JSON.stringify({ ...one, ...Object.fromEntries(OF_THE_RUN.map(name => [name, null])) });
