@@ -6,7 +6,7 @@
 A stage is a target of the Makefile, or several joined by `+` that run at the same time. `stages.csv` is written to FOLDER, in
 which the stages leave their times: `*.csv` with rows of seconds and test, `*.xml` of pytest. A stage that fails ends the run, as
 in make, unless `--keep-going` is given; the exit code is that of the last failure. `--record` replaces the rows of these stages in
-a Markdown table, right after each stage, so that an interrupted run leaves what it has done.
+a Markdown table, right after each stage, so that an interrupted run leaves its complete stages.
 """
 import argparse
 import csv
@@ -69,7 +69,7 @@ def record(table, row, result):
 
 
 def commit(table):
-    """Short hash of the commit, with "+" if files other than this table and what the stages write in `docs` have changed."""
+    """Short hash of the commit, with "+" if files outside `docs`, in which the stages write, have changed."""
     def git(*words):
         return subprocess.run(["git", *words], cwd=table.parent, stdout=subprocess.PIPE, text=True).stdout.strip()
 
