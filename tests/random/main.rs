@@ -4,7 +4,6 @@
 //! printed as a model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number.
 
 mod gradients;
-mod idle_loop;
 mod invariants;
 mod keys;
 #[path = "../machines/mod.rs"]

@@ -14,6 +14,7 @@ mod energy;
 mod failures;
 mod hinges;
 mod hybrid;
+mod idle_loop;
 mod internal_loads;
 mod latch_impulse;
 mod loops;
