@@ -31,6 +31,7 @@ mod letters;
 mod loops;
 mod meant;
 mod modal_body;
+mod no_slip_file;
 mod polar_file;
 mod reference;
 mod renamed;

@@ -40,7 +40,7 @@ pub use exchange::{CoordinateName, CoordinateQuantity};
 pub use freedoms::Freedom;
 pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
 pub use outputs::{
-    EnergyOutputs, FailureOutputs, FlapOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs,
+    EnergyOutputs, FailureOutputs, FlapOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs, NoSlipOutputs,
     ModalOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
 };
 pub(crate) use shape::ENERGY_SHARES;

@@ -17,6 +17,7 @@ mod joints;
 mod known;
 mod linear;
 mod operating_point;
+mod no_slips;
 mod point_dependencies;
 mod rows;
 mod slopes;

@@ -8,6 +8,7 @@ mod damped_modes;
 mod failure;
 pub mod joint;
 mod modal;
+mod no_slip;
 pub(crate) mod profile;
 pub mod section;
 mod sliding;
@@ -86,6 +87,7 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     for closure in &machine.closures {
         closures_hold &= attached::closure(closure, &machine.bodies, checker);
     }
+    no_slip::check(machine, tree_holds, checker);
     if stand(checker) {
         damped_modes::check(machine, checker);
         if tree_holds && closures_hold {
