@@ -20,6 +20,7 @@ mod latch_impulse;
 mod loops;
 mod mode_damping;
 mod moving_root;
+mod no_slip;
 mod reaction;
 mod reading;
 mod real_time;

@@ -39,9 +39,9 @@ pub use crate::force::latch::LatchKind;
 pub use crate::force::motor::UNLIMITED;
 pub use crate::force::prescribed::Motion;
 pub use crate::force::spring::Spring;
-pub use crate::multibody::no_slip::Runner;
 use crate::load::{LoadFrame, Wrench};
 use crate::math::strain::Strain;
+pub use crate::multibody::no_slip::Runner;
 use nalgebra::{Matrix3, Vector3};
 pub use travel::{LinearMotor, LinearSpring, Travel};
 

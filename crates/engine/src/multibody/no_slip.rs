@@ -80,11 +80,8 @@ impl NoSlip {
         let velocity = node.velocity + node.spin.cross(&contact.arm_m);
         let acceleration =
             node.acceleration + node.spin_rate.cross(&contact.arm_m) + node.spin.cross(&contact.arm_rate_m_s);
-        let mut gap = Gap {
-            position_m: Vector3::zeros(),
-            velocity_m_s: Vector3::zeros(),
-            acceleration_m_s2: Vector3::zeros(),
-        };
+        let mut gap =
+            Gap { position_m: Vector3::zeros(), velocity_m_s: Vector3::zeros(), acceleration_m_s2: Vector3::zeros() };
         if self.described.holds_normal {
             gap.position_m[2] = -self.height_m(work);
         }

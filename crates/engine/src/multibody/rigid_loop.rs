@@ -98,7 +98,9 @@ pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64];
         sweep_motion(model, work, Motion { q, v, a });
         openness = Openness::of(model, work);
         let worst = openness.gap.max(openness.rate);
-        if worst <= ROUND_OFF || (round >= SETTLED && worst > 0.5 * before && openness.gap <= OPEN) || !worst.is_finite()
+        if worst <= ROUND_OFF
+            || (round >= SETTLED && worst > 0.5 * before && openness.gap <= OPEN)
+            || !worst.is_finite()
         {
             break;
         }

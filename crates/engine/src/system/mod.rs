@@ -40,8 +40,8 @@ pub use exchange::{CoordinateName, CoordinateQuantity};
 pub use freedoms::Freedom;
 pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
 pub use outputs::{
-    EnergyOutputs, FailureOutputs, FlapOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs, NoSlipOutputs,
-    ModalOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
+    EnergyOutputs, FailureOutputs, FlapOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs,
+    ModalOutputs, NoSlipOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
 };
 pub(crate) use shape::ENERGY_SHARES;
 pub use shape::{

@@ -17,7 +17,12 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology, (index, no_slip): 
     };
     let on = format!("of the plane on body {body} at {kind} {name}");
     let forces = [
-        (true, place!(layout.no_slips, index, NoSlipOutputs, side_force_n), "side_force", "across the heading, along normal x heading"),
+        (
+            true,
+            place!(layout.no_slips, index, NoSlipOutputs, side_force_n),
+            "side_force",
+            "across the heading, along normal x heading",
+        ),
         (rolls, place!(layout.no_slips, index, NoSlipOutputs, rolling_force_n), "rolling_force", "along the heading"),
         (
             no_slip.hold_normal,

@@ -95,7 +95,8 @@ fn starts(machine: &Machine, checker: &mut Checker) {
             Runner::Wheel { radius_m, .. } => radius_m * sine,
         };
         let height_m = (centre_m - no_slip.plane_point_m).dot(&no_slip.plane_normal) - reach_m;
-        let lengths = [body.length_m, no_slip.offset_m.norm(), reach_m, (frame.position_m - no_slip.plane_point_m).norm()];
+        let lengths =
+            [body.length_m, no_slip.offset_m.norm(), reach_m, (frame.position_m - no_slip.plane_point_m).norm()];
         let limit_m = START_GAP * lengths.into_iter().fold(0.0, f64::max);
         // a height of NaN is off the plane too
         if no_slip.hold_normal && !(height_m.abs() <= limit_m) {
