@@ -16,8 +16,7 @@ pub fn draw(seed: u64) -> Model {
     let mut draft = begin(&mut dice);
     tree(&mut dice, &mut draft);
     let members = draft.members.len();
-    let ends: Vec<End> =
-        (0..dice.whole(1, 2)).map(|_| on_body(&mut dice, &draft, dice_index(seed, members))).collect();
+    let ends: Vec<End> = (0..dice.whole(1, 2)).map(|_| on_body(&mut dice, &draft, dice_index(seed, members))).collect();
     let mut model = without_equilibrium(end(&mut dice, draft, seed), |_| true);
     // a machine that is refused without the constraints is refused with them
     let Ok(machine) = config::parse(&model.text(&View::plain()), "machine.toml") else { return model };

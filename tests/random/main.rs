@@ -318,7 +318,8 @@ fn x16_skates_and_wheels_do_not_slip() {
         let turned = machine(&model, &view).and_then(start).and_then(|plant| run(plant, &model, &view, 1));
         let Ok(turned) = turned else { continue };
         for (a, b) in outputs[0].no_slips().iter().zip(turned[0].no_slips()) {
-            let miss = (a.normal_force_n - b.normal_force_n).abs().max((a.side_force_n.abs() - b.side_force_n.abs()).abs());
+            let miss =
+                (a.normal_force_n - b.normal_force_n).abs().max((a.side_force_n.abs() - b.side_force_n.abs()).abs());
             let share = miss / (1.0 + a.normal_force_n.abs() + a.side_force_n.abs());
             assert!(share < 1e-6, "seed {seed}: {a:?} {b:?}");
             apart = apart.max(share);

@@ -5,7 +5,6 @@ use crate::interface::table::{Shape, Table, Text, place};
 use crate::interface::topology::Topology;
 use foldwing_engine::machine::{NoSlip, Runner};
 use foldwing_engine::plant::{NoSlipOutputs, OutputSet};
-use std::mem::offset_of;
 
 /// Outputs of a skate or a wheel: those of its rows, and its distance from the constraints.
 pub(super) fn outputs(table: &mut Table, topology: &Topology, (index, no_slip): (usize, &NoSlip)) {
