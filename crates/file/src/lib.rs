@@ -32,6 +32,7 @@ mod loops;
 mod meant;
 mod modal_body;
 mod no_slip_file;
+mod no_slips;
 mod polar_file;
 mod reference;
 mod renamed;

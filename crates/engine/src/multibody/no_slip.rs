@@ -17,7 +17,7 @@ pub struct Contact {
     pub arm_m: Vector3<f64>,
     /// Rate of that vector in m/s: for a wheel not that of the material point.
     pub arm_rate_m_s: Vector3<f64>,
-    /// Directions of the rows: across the heading, to its left seen against the normal; the heading; the normal.
+    /// Directions of the rows: across the heading, along `normal × heading`; the heading; the normal.
     pub directions: [Vector3<f64>; ROWS],
     /// Rates of the directions in 1/s.
     pub direction_rates_1_s: [Vector3<f64>; ROWS],

@@ -128,7 +128,7 @@ pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64];
     }
 }
 
-/// A state that corrections do not bring onto the constraints.
+/// Reason why corrections leave a state off the constraints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Miss {
     /// Largest gap relative to the machine's length.

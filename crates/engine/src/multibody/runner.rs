@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// Rows of a constraint by multipliers; of a skate or a wheel: across the heading, along the heading, along the normal of the plane.
 pub const ROWS: usize = 3;
 
-/// What touches the plane; directions are unit vectors of the section's frame.
+/// The part that touches the plane; directions are unit vectors of the section's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Runner {
     /// A blade: its point moves along its direction only.
@@ -31,7 +31,7 @@ pub struct NoSlipDescription {
     pub place: (usize, f64),
     /// Position of the skate's point, or of the wheel's centre, relative to the section's axis, section frame, m.
     pub offset_m: Vector3<f64>,
-    /// What touches the plane.
+    /// The part that touches the plane.
     pub runner: Runner,
     /// Unit normal of the plane, root frame, on the side of the body.
     pub normal: Vector3<f64>,

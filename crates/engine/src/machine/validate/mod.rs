@@ -87,7 +87,10 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     for closure in &machine.closures {
         closures_hold &= attached::closure(closure, &machine.bodies, checker);
     }
-    no_slip::check(machine, tree_holds, checker);
+    let no_slips_hold = no_slip::check(machine, checker);
+    if tree_holds && no_slips_hold && stand(checker) {
+        no_slip::starts(machine, checker);
+    }
     if stand(checker) {
         damped_modes::check(machine, checker);
         if tree_holds && closures_hold {

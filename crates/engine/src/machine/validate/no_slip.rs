@@ -4,15 +4,15 @@ use crate::machine::fault::{Checker, Fault, Range};
 use crate::machine::pose::{along, first_frames};
 use crate::machine::units::shortest;
 use crate::machine::validate::attached::START_GAP;
-use crate::machine::validate::{names, stand, unit_vector};
+use crate::machine::validate::basics::{names, unit_vector};
 use crate::machine::{Machine, NoSlip, Runner, StartState};
 use nalgebra::Vector3;
 
 /// Least sine of the angle between the blade, or the axis of a wheel, and the normal of the plane: the heading is not defined at 0.
 const LEAST_SINE: f64 = 0.05;
 
-/// Checks all skates and wheels.
-pub(super) fn check(machine: &Machine, tree_holds: bool, checker: &mut Checker) {
+/// Checks all skates and wheels; true if their places exist.
+pub(super) fn check(machine: &Machine, checker: &mut Checker) -> bool {
     for table in ["skate", "wheel"] {
         let own = machine.no_slips.iter().filter(|no_slip| no_slip.table() == table);
         names(table, own.map(|no_slip| no_slip.name.as_str()), checker);
@@ -29,9 +29,7 @@ pub(super) fn check(machine: &Machine, tree_holds: bool, checker: &mut Checker) 
         );
         checker.refuse(&["simulation", "start"], "\"equilibrium\"", allowed);
     }
-    if tree_holds && holds && stand(checker) {
-        starts(machine, checker);
-    }
+    holds
 }
 
 /// Checks the numbers of a skate or a wheel; true if its place exists.
@@ -59,7 +57,7 @@ fn numbers(no_slip: &NoSlip, machine: &Machine, checker: &mut Checker) -> bool {
 }
 
 /// Reports blades and axes without a heading, and points of contact off their planes, in the unstrained machine at its start angles.
-fn starts(machine: &Machine, checker: &mut Checker) {
+pub(super) fn starts(machine: &Machine, checker: &mut Checker) {
     let firsts = first_frames(&machine.bodies, |joint| joint.start_angle_rad);
     for no_slip in &machine.no_slips {
         let (table, name) = (no_slip.table(), no_slip.name.as_str());
