@@ -97,7 +97,7 @@ pub(super) fn starts(machine: &Machine, checker: &mut Checker) {
             [body.length_m, no_slip.offset_m.norm(), reach_m, (frame.position_m - no_slip.plane_point_m).norm()];
         let limit_m = START_GAP * lengths.into_iter().fold(0.0, f64::max);
         // a height of NaN is off the plane too
-        if no_slip.hold_normal && !(height_m.abs() <= limit_m) {
+        if no_slip.hold_normal && (height_m.abs() > limit_m || height_m.is_nan()) {
             let point_m: Vector3<f64> = centre_m - no_slip.plane_normal * reach_m;
             let allowed = format!(
                 "a point of contact in the plane in the unstrained model at its start angles, within {} m; a plane_point_m such as \
