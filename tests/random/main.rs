@@ -285,10 +285,10 @@ fn x16_skates_and_wheels_do_not_slip() {
             silent += 1;
             continue;
         };
-        let first = plant.machine().no_slips[0].clone();
+        let (first, start_s) = (plant.machine().no_slips[0].clone(), plant.machine().experiment.start_time_s);
         for refused in [
             plant.study().second_order().map(|_| ()),
-            plant.study().equilibrium(plant.machine().experiment.start_time_s, Holding::AsReleased).map(|_| ()),
+            plant.study().equilibrium(start_s, Holding::AsReleased).map(|_| ()),
         ] {
             let text = refused.expect_err("not refused").to_string();
             let named = text.contains(&format!("the {} {:?} constrains velocities", first.table(), first.name));
