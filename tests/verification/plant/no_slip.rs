@@ -528,7 +528,7 @@ fn wh08_rows_that_are_not_constrained() {
             *rolling = false;
         }
     }
-    let mut lifted = disc([2.0, 0.4, 1.0], 0.0, start, Rotation3::identity());
+    let mut lifted = disc([2.0, 0.0, 1.0], 0.0, start, Rotation3::identity());
     lifted.no_slips[0].hold_normal = false;
     let rolled = disc([0.0, 0.0, -9.0], 0.0, start, Rotation3::identity());
     let [mut sliding, mut lifted, mut rolled] = [sliding, lifted, rolled].map(started);
