@@ -193,6 +193,9 @@ impl System {
         if let Some(closure) = machine.closures.iter().find(|closure| closure.rigid) {
             return refuse("rigid loops", &closure.name);
         }
+        if let Some(no_slip) = machine.no_slips.first() {
+            return refuse("skates and wheels", &no_slip.name);
+        }
         if let (Some((body, _)), Some(_)) = (machine.spatials().next(), &machine.air) {
             return refuse("universal, ball and free joints in air", &machine.bodies[body].joint.name);
         }

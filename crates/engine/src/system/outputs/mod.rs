@@ -25,7 +25,7 @@ pub(crate) use gauges::gauge_points;
 pub use generators::GeneratorOutputs;
 pub use joints::JointOutputs;
 pub use latches::LatchOutputs;
-pub use loads::LoopOutputs;
+pub use loads::{LoopOutputs, NoSlipOutputs};
 pub use output_set::OutputSet;
 pub use points::PointOutputs;
 pub use spatial::SpatialOutputs;
@@ -130,6 +130,7 @@ impl System {
         }
         if wanted.meets(OutputSet::LOOPS) {
             loads::fill_loops(outputs.loops_mut(), &present, &self.machine);
+            loads::fill_no_slips(outputs.no_slips_mut(), &present);
         }
         if wanted.meets(OutputSet::ROOT) {
             loads::fill_root(outputs.root_mut(), &present);
