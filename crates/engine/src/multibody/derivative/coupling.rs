@@ -1,5 +1,10 @@
 //! Wrenches of the forces of inertia on nodes with the variations of nodes, NOTATION eq. (X31).
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "several arrays have the index, and iterators are not inlined into code for vectors"
+)]
+
 use crate::math::wide::Fours;
 use crate::multibody::derivative::chain::Timed;
 use crate::multibody::derivative::gains::{Gains, Quad, TURNS, UNDAMPED, Undamped, add_turned, add_undamped, set};

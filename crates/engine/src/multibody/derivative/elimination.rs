@@ -1,5 +1,10 @@
 //! Elimination of the unknowns of one link or joint, NOTATION eq. (X32).
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "several arrays have the index, and iterators are not inlined into code for vectors"
+)]
+
 use crate::math::strain::{STRAINS, StrainMatrix};
 use crate::math::wide::Fours;
 use crate::multibody::derivative::chain::Column;

@@ -4,6 +4,11 @@
 //! that. The wrench on the node and all outboard parts is a 6×15 matrix times these; in every link the strains, and in every joint its angle,
 //! are eliminated by a small inverse, from the tips to the root. The factors leave out rotation of the root and loads at stations.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "several arrays have the index, and iterators are not inlined into code for vectors"
+)]
+
 use crate::beam::element::ElementKind;
 use crate::math::strain::{STRAINS, StrainMatrix};
 use crate::math::wide::{Fours, WithFours, with_fours};
