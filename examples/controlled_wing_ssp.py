@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A wing with a controller in one SSP system, with the parameters of both in SSV files, run by FMPy and, if installed, libcosim and Ecos.
+"""A wing with a controller in one SSP system, with the parameters of both in SSV files, run by FMPy and, if installed, libcosim, Ecos and
+FMU Manipulation Toolbox.
 
     python examples/controlled_wing_ssp.py --foldwing target/release/foldwing --output controlled_wing.ssp
 
@@ -9,6 +10,7 @@ of the motor, and a start angle of 120 degrees and a tolerance in the SSV. Featu
 
 - FMPy 0.3 ignores parameters, and sets input connectors without a connection to 0: `for_fmpy` removes these, and `start_values` reads
   SSV and SSM.
+- FMU Manipulation Toolbox 2.0 ignores parameters: `run_container` writes the system as its CSV.
 - libcosim 0.13 and Ecos 0.7 read parameters only where the SSD contains them, and no SSM: `inlined` writes them there.
 """
 
@@ -206,7 +208,33 @@ def run_ecos(members, folder, stop_s, step_s):
     return angles
 
 
-RUNS = {"FMPy": run_fmpy, "libcosim": run_libcosim, "Ecos": run_ecos}
+def run_container(members, folder, stop_s, step_s):
+    """Fold angle in rad after each step, of a container FMU of FMU Manipulation Toolbox, which ignores the parameters of an SSP file: the
+    same system as its CSV, whose start values are those of SSV and SSM."""
+    import fmu_manipulation_toolbox  # noqa: F401, the program comes with it
+    from fmpy import simulate_fmu
+
+    root = Path(folder) / "container"
+    root.mkdir(exist_ok=True)
+    rows = ["rule;from_fmu;from_port;to_fmu;to_port"]
+    for name in ("model", "controller"):
+        (root / f"{name}.fmu").write_bytes(members[f"resources/{name}.fmu"])
+        rows.append(f"FMU;{name}.fmu;;;")
+    rows += [f"LINK;{start}.fmu;{output};{end}.fmu;{put}" for start, output, end, put in WIRES]
+    for name, value in start_values(members).items():
+        component, _, variable = name.partition(".")
+        # a Boolean is a number there
+        rows.append(f"START;{component}.fmu;{variable};{int(value) if isinstance(value, bool) else value!r};")
+    rows.append("OUTPUT;model.fmu;fold.angle;;angle")
+    (root / "system.csv").write_text("\n".join([*rows, ""]), encoding="utf-8")
+    command = [str(Path(sys.executable).parent / "fmucontainer"), "-fmu-directory", str(root), "-container", f"system.csv:{step_s!r}", "-no-auto-input",
+               "-no-auto-output", "-no-auto-link", "-sequential"]
+    subprocess.run(command, check=True, capture_output=True)
+    found = simulate_fmu(str(root / "system.fmu"), stop_time=stop_s, output_interval=step_s, output=["angle"], record_events=False)
+    return [float(angle) for angle in found["angle"][1:]]
+
+
+RUNS = {"FMPy": run_fmpy, "libcosim": run_libcosim, "Ecos": run_ecos, "FMU container": run_container}
 
 
 def system(foldwing, folder, start_deg, values=None):
@@ -236,9 +264,9 @@ def main():
             try:
                 angles = run(members, folder, arguments.stop, arguments.step)
             except ImportError as error:
-                print(f"{name:8} not run: {error}")
+                print(f"{name:13} not run: {error}")
                 continue
-            print(f"{name:8} fold angle after {arguments.stop} s: {math.degrees(angles[-1]):.9f} degrees")
+            print(f"{name:13} fold angle after {arguments.stop} s: {math.degrees(angles[-1]):.9f} degrees")
 
 
 if __name__ == "__main__":

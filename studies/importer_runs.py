@@ -12,7 +12,10 @@ import ctypes
 import importlib.metadata
 import logging
 import os
+import shutil
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import Callable, Dict, List, NamedTuple, Tuple
 
@@ -186,6 +189,25 @@ def run_pathsim(task: Task) -> Rows:
     return ["time", *names], rows
 
 
+def run_container(task: Task) -> Rows:
+    """A container FMU of FMU Manipulation Toolbox, whose C library loads and steps the FMU inside; FMPy runs the container."""
+    variables = scalars(task)
+    folder = Path(tempfile.mkdtemp())
+    inner = shutil.copy(task.fmu, folder / "model.fmu")
+    # names within the container are its own, without brackets and dots
+    rows = [f"OUTPUT;model.fmu;{row.name};;out{k}" for k, row in enumerate(variables)]
+    (folder / "box.csv").write_text("\n".join(["rule;from_fmu;from_port;to_fmu;to_port", "FMU;model.fmu;;;", *rows, ""]), encoding="utf-8")
+    version = read_model_description(str(inner)).fmiVersion[0]
+    command = [str(Path(sys.prefix) / "bin/fmucontainer"), "-fmu-directory", str(folder), "-container", f"box.csv:{task.interval_s!r}", "-fmi", version,
+               "-no-auto-input", "-no-auto-output", "-no-auto-link"]
+    subprocess.run(command, check=True, capture_output=True)
+    names = [f"out{k}" for k in range(len(variables))]
+    found = simulate_fmu(str(folder / "box.fmu"), fmi_type="CoSimulation", stop_time=task.stop_s, output_interval=task.interval_s, output=names,
+                         record_events=False)
+    shutil.rmtree(folder)
+    return ["time", *(row.name for row in variables)], [[float(value) for value in row] for row in zip(found["time"], *(found[name] for name in names))]
+
+
 def loaded(task: Task):
     """Instance of fmuloader, initialised, with the reader of its outputs."""
     description = read_model_description(task.fmu)
@@ -288,9 +310,9 @@ def exchange(task: Task, slave, values: Callable[[], List[float]], names: List[s
 
 
 IMPORTERS: Dict[str, Callable[[Task], Rows]] = {"fmpy": run_fmpy, "casadi": run_casadi, "libcosim": run_libcosim, "ecos": run_ecos,
-                                                "pathsim": run_pathsim, "fmuloader": run_fmuloader}
+                                                "pathsim": run_pathsim, "fmuloader": run_fmuloader, "container": run_container}
 PACKAGES = {"fmpy": ["fmpy"], "casadi": ["casadi"], "libcosim": ["libcosimpy"], "ecos": ["ecospy"], "pathsim": ["pathsim", "pathsim-fmi"],
-            "fmuloader": ["fmuloader", "assimulo-testing"]}
+            "fmuloader": ["fmuloader", "assimulo-testing"], "container": ["fmu-manipulation-toolbox"]}
 
 
 def main() -> None:

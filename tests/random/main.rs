@@ -4,6 +4,7 @@
 //! printed as a model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number. `make test` sets
 //! `FOLDWING_SHARE` to draw a share of the machines for each invariant; `make long` and `cargo test` draw all.
 
+mod dependencies;
 mod gradients;
 mod invariants;
 mod keys;
@@ -194,6 +195,12 @@ fn x11_rows_of_linear_models_are_those_of_the_machine() {
 #[test]
 fn x13_gradients_are_the_same_both_ways() {
     hold("X-13", 60, gradients::both_ways);
+}
+
+/// ME-21. Model Exchange: the dependencies of the model description have no false zero.
+#[test]
+fn me21_declared_dependencies_have_no_false_zero() {
+    hold("ME-21", 60, dependencies::declared);
 }
 
 /// Bodies on sliding joints cross element boundaries of their beam in more than a third of the machines that have them, in both

@@ -80,6 +80,21 @@ pub struct Request<'a> {
     pub manner: Manner,
 }
 
+impl Request<'_> {
+    /// The interface type; fails if there is none of this number, or no name of the instance.
+    fn kind(&self) -> Result<InterfaceKind, InstantiationError> {
+        let kind = match self.fmu_type {
+            0 => InterfaceKind::ModelExchange,
+            1 => InterfaceKind::CoSimulation,
+            other => return Err(InstantiationError::WrongType(other)),
+        };
+        if self.name.is_none_or(str::is_empty) {
+            return Err(InstantiationError::NoName);
+        }
+        Ok(kind)
+    }
+}
+
 /// Times and tolerance given by the importer before the initialisation, in s.
 #[derive(Debug, Clone, Copy)]
 pub struct Setup {
@@ -94,12 +109,19 @@ pub struct Setup {
 impl Instance {
     /// Instantiates the model in the resource folder, with a silent log.
     pub fn new(request: &Request) -> Result<Self, InstantiationError> {
-        let kind = match request.fmu_type {
-            0 => InterfaceKind::ModelExchange,
-            1 => InterfaceKind::CoSimulation,
-            other => return Err(InstantiationError::WrongType(other)),
-        };
-        let Model { machine, plant, interface, guid } = Model::of(request)?;
+        request.kind()?;
+        let (text, path) = resource::read_model(request.resource_location)?;
+        Self::of_text(request, &text, &path.to_string_lossy())
+    }
+
+    /// Instantiates a model from the text of its file, with a silent log. `file` is the name of the file in messages; the resource
+    /// location of the request is not used.
+    ///
+    /// # Errors
+    /// The request or the text is invalid, or the GUID or token does not belong to the text.
+    pub fn of_text(request: &Request, text: &str, file: &str) -> Result<Self, InstantiationError> {
+        let kind = request.kind()?;
+        let Model { machine, plant, interface, guid } = Model::of(request, text, file)?;
         if kind == InterfaceKind::ModelExchange && !interface.has_states() {
             return Err(InstantiationError::NoModelExchange);
         }
@@ -299,7 +321,7 @@ impl Instance {
     }
 }
 
-/// Model in the resource folder.
+/// Model of an instance.
 struct Model {
     machine: Arc<Machine>,
     plant: Plant,
@@ -309,16 +331,12 @@ struct Model {
 
 impl Model {
     /// Reads the model with the variable table to which the GUID or token belongs: with or without continuous states, in arrays or scalars.
-    fn of(request: &Request) -> Result<Self, InstantiationError> {
-        if request.name.is_none_or(str::is_empty) {
-            return Err(InstantiationError::NoName);
-        }
-        let (text, path) = resource::read_model(request.resource_location)?;
-        let machine = Arc::new(config::parse(&text, &path.to_string_lossy())?);
+    fn of(request: &Request, text: &str, file: &str) -> Result<Self, InstantiationError> {
+        let machine = Arc::new(config::parse(text, file)?);
         let mut plant = unwatched(&machine);
         let token = |interface: &Interface| match request.version {
-            Version::Fmi2 => guid(&text, interface.variables()),
-            Version::Fmi3 => interface.instantiation_token(&text),
+            Version::Fmi2 => guid(text, interface.variables()),
+            Version::Fmi3 => interface.instantiation_token(text),
         };
         let given = request.guid.unwrap_or("(null)");
         let plain = || Interface::new(&machine);

@@ -101,3 +101,36 @@ fn a_state_ends_where_its_bytes_end() {
     assert!(longer.contains("damaged") && longer.contains("3 bytes too many"), "{longer}");
     assert!(refused(&|payload| payload.truncate(payload.len() - 1)).expect("refused").contains("damaged"));
 }
+
+/// An instance of a text instead of a folder, as in the WebAssembly component: the GUID must belong to the text, and messages state the name
+/// of the file.
+#[test]
+fn an_instance_of_a_text_needs_no_folder() {
+    let machine = config::parse(WING, "wing.toml").expect("valid");
+    let own = Interface::new(&machine).instantiation_token(WING);
+    let made = |name: Option<&'static str>, token: &str, text: &str| {
+        let request = Request {
+            version: Version::Fmi3,
+            name,
+            fmu_type: 1,
+            guid: Some(token),
+            resource_location: None,
+            manner: Manner::default(),
+        };
+        Instance::of_text(&request, text, "model.toml")
+    };
+    let mut instance = made(Some("wing"), &own, WING).expect("an instance");
+    instance.enter_initialization();
+    instance.exit_initialization().expect("an initial state");
+    instance.do_step(0.0, 1e-3).expect("a step");
+    assert_eq!(instance.last_successful_time_s(), 1e-3);
+
+    let refused = |outcome: Result<Instance, InstantiationError>| match outcome {
+        Ok(_) => panic!("not refused"),
+        Err(error) => error.to_string(),
+    };
+    assert!(refused(made(Some("wing"), "{other}", WING)).contains(&own));
+    assert!(refused(made(Some("wing"), &own, "name = 3")).contains("model.toml"));
+    assert!(refused(made(Some(""), &own, WING)).contains("instance name is missing"));
+    assert!(refused(made(None, &own, WING)).contains("instance name is missing"));
+}

@@ -117,6 +117,11 @@ impl Depends {
         Self::on_push(Reach::Group(topology.group[body]))
     }
 
+    /// Returns whether aerodynamic loads act on the output.
+    pub fn is_in_air(&self) -> bool {
+        self.running.iter().any(|cause| matches!(cause, Cause::Air))
+    }
+
     /// Sets whether the initial value is that of an equilibrium.
     pub fn settling(mut self, settles: bool) -> Self {
         self.settles = settles;

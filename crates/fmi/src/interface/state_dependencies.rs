@@ -41,7 +41,7 @@ impl Interface {
     /// Adds dependencies of continuous outputs and derivatives on the states. The time derivative of a coordinate is the state of its rate;
     /// that of a redundant rotation parameter depends on the parameters of its joint and their rates. Accelerations depend on the motion of
     /// the tree and of the trees connected to it, and on the loads on it. Outputs and the energy accounts are assumed to depend on all
-    /// states.
+    /// states, aerodynamic loads and outputs on which they act also on all inputs.
     pub(super) fn add_states_to(&self, found: &mut [Dependencies], machine: &Machine) {
         if !self.has_states() {
             return;
@@ -57,6 +57,13 @@ impl Interface {
         let list = |rows: Vec<u32>| rows.into_iter().map(|row| (row, DependencyKind::Dependent)).collect();
         for ((found, row), bound) in found.iter_mut().zip(&self.variables).zip(&self.bounds) {
             match bound.place {
+                // the loads of strips contain the apparent mass, so that all forces on the machine act on them
+                Place::Output(_)
+                    if machine.air.is_some()
+                        && bound.depends.is_some_and(|depends| self.depends[depends].is_in_air()) =>
+                {
+                    *found = Dependencies { on_all: true, ..Dependencies::default() };
+                }
                 Place::Output(_) if row.variability == Variability::Continuous && !found.on_all => {
                     found.running.extend(states.iter().map(|&state| (state, DependencyKind::Dependent)));
                     if found.running.len() > MAXIMUM_LISTED {
