@@ -40,7 +40,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-pytest validate-figures validate-clients validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -107,7 +107,7 @@ test: toolchain format ## Check everything: what ships, as `make` built it
 
 long: test-venv package-venv package runner wheel ## Run the tests that `make test` leaves out for their time; CI runs them at every landing
 	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --long --times $(TEST_TIMES)/long.csv --release --locked --lib \
-	    --test verification --test robustness --test command
+	    --test verification --test random --test robustness --test command
 	$(MAKE) pytest PYTEST_ARGUMENTS="-m long"
 	$(MAKE) python PYTEST_ARGUMENTS="-m long"
 
@@ -123,11 +123,13 @@ format:
 # in the release profile, so that build scripts and macros are those of `make build`
 lint: test-venv
 	$(IMPORT) $(CARGO) clippy --release --workspace --all-targets --locked --features foldwing/import,foldwing-fmu/import -- -D warnings
-	$(IMPORT) RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps --workspace --locked --quiet --features foldwing/import,foldwing-fmu/import
+	# with the compiler of clippy, so that rustdoc reads what the check above has written: otherwise each package is checked again
+	$(IMPORT) RUSTC_WORKSPACE_WRAPPER="$$(rustc --print sysroot)/bin/clippy-driver" CLIPPY_ARGS="-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__" \
+	    RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps --workspace --locked --quiet --features foldwing/import,foldwing-fmu/import
 
 # the documents quote what `foldwing run` says, which only the feature `import` compiles
 unit: build documents
-	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/rust.csv --release --locked --lib --bins --examples \
+	@FOLDWING_SHARE=3 CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/rust.csv --release --locked --lib --bins --examples \
 	    --test verification --test random --test robustness --test command
 	@# the engine of pages, which `make` does not build
 	$(CARGO) test --release --locked --package foldwing-web
@@ -213,13 +215,25 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 	$(PEERS)/bin/python studies/compare_lattice.py
 	$(PEERS)/bin/python studies/plot_lattice_cost.py --foldwing $(COMMAND)
 
-validate: package venv wheel ## Compare with the methods of the paper, sweep on Dask, flutter, damp the wing, unfold it in the tunnel: target/verification, docs/pictures
+# Each stage can be run by itself, `make validate STAGES=validate-random`: the table keeps the last run of each.
+STAGES ?= validate-tests long validate-random validate-pytest validate-figures validate-clients robust validate-mutants
+
+validate: toolchain ## Run everything: whole studies, 2000 random models, all figures, the list of faults; hours. docs/tables/validate.md has its last results
+	@MAKE="$(MAKE)" $(PYTHON) tools/run_stages.py --times $(TARGET)/validate-times --keep-going --record docs/tables/validate.md $(STAGES)
+
+validate-tests: package
 	@rm -f $(TARGET)/agreement.csv
 	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification --test command -- --nocapture --include-ignored
 	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
-	$(MAKE) long
+	@$(PYTHON) studies/structure.py --table docs/tables/structure.md
+
+validate-random: toolchain
 	FOLDWING_MACHINES=2000 $(CARGO) test --locked --release --test random -- --nocapture
+
+validate-pytest: package
 	FOLDWING_WHOLE=1 $(MAKE) pytest
+
+validate-figures: package venv wheel
 	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
 	$(VENV_PYTHON) studies/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) studies/plot_input_derivatives.py $(TARGET)/verification docs/pictures
@@ -238,14 +252,17 @@ validate: package venv wheel ## Compare with the methods of the paper, sweep on 
 	$(PACKAGE_PYTHON) studies/plot_tutorial.py --foldwing $(COMMAND) --output docs/pictures
 	$(VENV_PYTHON) studies/picture_models.py --foldwing $(COMMAND) --output docs/pictures/models
 	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
+	$(VENV_PYTHON) studies/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
+
+validate-clients: package
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
 	@$(PYTHON) tools/create_venv.py $(CASADI) --requirements python/requirements-casadi.txt
 	$(CASADI)/bin/python examples/fastest_unfolding.py --foldwing $(COMMAND) --twice --picture docs/pictures/fastest_unfolding.png
 	$(CASADI)/bin/python studies/casadi_model_exchange.py --foldwing $(COMMAND)
 	$(CASADI)/bin/python studies/model_exchange_integrators.py --foldwing $(COMMAND) --table docs/tables/model_exchange.md
-	$(VENV_PYTHON) studies/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
-	$(MAKE) robust
+
+validate-mutants: toolchain
 	$(MAKE) mutants MUTANTS_ARGUMENTS=--matrix
 
 REFERENCE_COMMIT ?= 45f5929

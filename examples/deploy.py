@@ -58,7 +58,7 @@ def main():
 
 
 def deploy(fmu, start_values=None):
-    """Simulate the default experiment; returns all outputs as FMPy's structured array."""
+    """Simulate the run of the model's settings; returns all outputs as FMPy's structured array."""
     outputs = [v.name for v in read_model_description(str(fmu)).modelVariables if v.causality == "output"]
     return simulate_fmu(str(fmu), output=outputs, start_values=start_values or {})
 

@@ -4,7 +4,7 @@
 Usage: identify_damping.py --fmu FoldingWing.fmu [--record RECORD.csv] [--picture OUT.png]
 
 Otsuka et al. fitted `α`, the mass-proportional damping of the wing, and `c`, the damping of the fold joint, to the largest
-strain of their experiment. A single value does not determine two coefficients; the time history does: `c` slows the
+strain that they measured. A single value does not determine two coefficients; the time history does: `c` slows the
 unfolding, `α` damps the latched wing. A record is a CSV file with the columns `time` (s, equally spaced from 0) and
 `strain`. Without a record the script generates one from the FMU, with other coefficients and noise, and recovers them.
 

@@ -14,7 +14,7 @@ import pathlib
 FRAGILE, LOOSE = 1.5, 100.0
 HEAD = """# Observed and allowed differences
 
-What tests of the verification observe, what they allow, and how many times the one goes into the other. *Fragile*: below 1.5, the next
+Differences that the tests of the verification observe, those that they allow, and the ratio of allowed to observed. *Fragile*: below 1.5, the next
 compiler may break the test. *Loose*: above 100, faults pass that the row is there to find. Written by
 `python studies/agreement.py --rows target/agreement.csv --table docs/tables/agreement.md` (`make validate`) from the rows that tests give through
 `agree` of `tests/verification/agreement.rs`.

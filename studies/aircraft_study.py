@@ -81,22 +81,22 @@ Without gust, largest change within {fall_ms} ms, from 65 stations per wing at G
 centre of mass. The aircraft's momentum is 5.1 N·s.
 
 {momentum}
-The second table is what the tolerance alone adds, at steps of {step_ms:g} ms against a tolerance of 1e-11.
+The second table has the change due to the tolerance alone, at steps of {step_ms:g} ms against a tolerance of 1e-11.
 
-## What the solvers need
+## Effort of the solvers
 
 Steps of each FMU per communication step, mean of 40 at the beginning, to a tolerance of 1e-8; *fails*: more than 50, or
 diverged.
 
 {effort}
 Without knowledge of the apparent mass the iteration converges with the ratio of the mass that the wings put against
-accelerations of the fuselage to its own. This is not the {wings_g:.0f} g that both wings weigh, and not what the
-directional derivatives say either: these hold the state, and then the beam gives way behind the root.
+accelerations of the fuselage to its own. This is not the {wings_g:.0f} g of both wings, nor the mass by the
+directional derivatives: these hold the state, and then the beam yields behind the root.
 
 {moved}
 So they suffice where steps are so short that the state hardly changes, and at the start, where one correction settles
-the loads to round-off. What is missing, the quasi-Newton iteration learns from its own repetitions in the first steps,
-and keeps.
+the loads to round-off. The quasi-Newton iteration obtains the rest from its own repetitions in the first steps,
+and keeps it.
 """
 
 

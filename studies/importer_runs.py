@@ -29,7 +29,7 @@ NUMBERS = ("Real", "Float64", "Boolean")
 
 
 class Task(NamedTuple):
-    """What is run."""
+    """A run of an FMU by an importer."""
 
     fmu: str
     kind: str

@@ -5,7 +5,7 @@
 
 Every model without a lattice is integrated from its start over 20 ms by FMPy's CVode, SciPy's Radau, BDF and LSODA, CasADi's CVODES and
 IDAS, and by explicit methods with `solver.frequency_limit`. The error is the largest difference of fold angles in rad and of places of
-tips in m at the end from the reference, over what moves farthest: still air, co-simulation at a tolerance of 1e-9; strips, whose
+tips in m at the end from the reference, relative to the largest motion: still air, co-simulation at a tolerance of 1e-9; strips, whose
 co-simulation takes aerodynamic steps, SciPy's Radau at 1e-9 in Model Exchange. The limit changes the equations: the column of explicit
 methods is compared with a reference without the limit. `!` is a failure, whose message follows the table.
 """
@@ -36,8 +36,8 @@ HEAD = """\
 # Integrators of importers on the Model Exchange FMUs
 
 The shipped models without a lattice over 20 ms from their start at a tolerance of 1e-6: largest difference of fold angles and places of tips at the end from
-the reference, over what moves farthest, and processor time. Reference: co-simulation at 1e-9; for strips (`flared_wing_tip`, `goland_wing`, `slender_wing`) SciPy's Radau at 1e-9. The
-explicit methods have `solver.frequency_limit` at the number in their column, which changes the equations, and Euler steps of 1e-5 s. `!`: refused by the FMU with the message below the table.
+the reference, relative to the largest motion, and processor time. Reference: co-simulation at 1e-9; for strips (`flared_wing_tip`, `goland_wing`, `slender_wing`) SciPy's Radau at 1e-9. The
+explicit methods have `solver.frequency_limit` at the number in their column, which changes the equations, and Euler steps of 1e-5 s. `!`: rejected by the FMU with the message below the table.
 `python studies/model_exchange_integrators.py --foldwing COMMAND --table docs/tables/model_exchange.md` (`make validate`).
 
 """

@@ -150,14 +150,14 @@ def main():
 
 # The exceptions by group, as described in the page.
 WHAT_DOES_NOT_FALL = """\
-What does not fall, by group:
+Errors that do not fall, by group:
 
 | models | outputs | cause | cure |
 |---|---|---|---|
 | `folding_wing`, `folding_wing_as_printed`, `folding_wing_constant`, `branched`, `four_bar` | accelerations, velocities and rates of inner stations, root forces, a few strains and angles | waves along the bodies and the highest bending modes, which a release and a latch strike and nothing damps: no step resolves them above 1e-8 and the method damps them, the undamped equations keep them | `stiffness_damping_s`, 1e-5 s and more |
 | `double_pendulum` | rates, forces, strain, accelerations | bending of 1 % of the rates that the sudden start leaves and nothing damps; beside it the longest step, which binds at 1e-4 and 1e-5 | `stiffness_damping_s = 1e-3` |
 | `curved_blade`, `roll_fold` | most outputs; heights of the outer stations | the longest step binds at 1e-4 and 1e-5, where the errors are already below those of the tolerance: they are small, not stuck | none needed; with a larger `max_step_s` the tolerance decides, and every output falls |
-| `flared_wing_tip`, `goland_wing`, `slender_wing` | accelerations, root forces and moments, velocities and rates of the stations | the structure takes at least one step per aerodynamic step, and down to 1e-7 mostly no more: the errors are the same at 1e-4 and 1e-7. The largest are those of waves that the loads strike at the begin of every aerodynamic step | a smaller `aerodynamics.step_s`, whose own error is larger and of second order (Q-01) |""".splitlines()
+| `flared_wing_tip`, `goland_wing`, `slender_wing` | accelerations, root forces and moments, velocities and rates of the stations | the structure takes at least one step per aerodynamic step, and down to 1e-7 mostly no more: the errors are the same at 1e-4 and 1e-7. The largest are those of waves that the loads strike at the start of every aerodynamic step | a smaller `aerodynamics.step_s`, whose own error is larger and of second order (Q-01) |""".splitlines()
 
 
 def settings(cure):

@@ -23,7 +23,7 @@ import matplotlib.pyplot as plt
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "examples"))
 
-import house_style  # noqa: E402, it stands beside the examples
+import house_style  # noqa: E402, a file of the examples
 
 CHORD_PANELS = 8
 STEPS = 100

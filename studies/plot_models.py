@@ -39,7 +39,7 @@ def with_stations(text):
 
 
 def simulate(foldwing, text):
-    """Columns of a run of a model text by its default experiment."""
+    """Columns of a run of a model text by its own simulation settings."""
     with tempfile.TemporaryDirectory() as folder:
         model, table = Path(folder) / "model.toml", Path(folder) / "run.csv"
         model.write_text(with_stations(text), encoding="utf-8")

@@ -22,7 +22,9 @@ sys.path.insert(0, str(ROOT / "examples"))
 from house_style import BLUE, FAINT, ORANGE, PURPLE, SKY, VERMILION, label_ends, save, use  # noqa: E402
 
 UNCERTAINTY_DEG = 0.5  # of a digitised point, tests/reference/folding_wingtips/README.md
-OURS = {"lattice": (BLUE, "-", "Foldwing, vortex lattice"), "line": (SKY, "-", "Foldwing, strips with lifting line"), "strips": (SKY, ":", "Foldwing, strips without lifting line")}
+# colour, line, width and label; the lattice is wide, since strips with the lifting line often lie on it
+OURS = {"lattice": (BLUE, "-", 3.2, "Foldwing, vortex lattice"), "line": (SKY, "-", 1.4, "Foldwing, strips with lifting line"),
+        "strips": (SKY, ":", 1.6, "Foldwing, strips without lifting line")}
 
 
 def find(series, case, air, quantity=None, source=None, variant=""):
@@ -48,8 +50,8 @@ def panel(axes, series, case, title, x_label, y_label="fold angle, tip up (°)",
     for air in airs:
         ours = find(series, case, air, quantity, source, variant)
         if ours:
-            colour, line, label = OURS[air]
-            axes.plot(ours["x"], ours["ours"], color=colour, linestyle=line, linewidth=1.6, label=label)
+            colour, line, width, label = OURS[air]
+            axes.plot(ours["x"], ours["ours"], color=colour, linestyle=line, linewidth=width, label=label)
     if stalling := find(series, case, "lattice", quantity, source, "published polar"):
         axes.plot(stalling["x"], stalling["ours"], color=BLUE, linestyle="--", linewidth=1.6, label="Foldwing, vortex lattice with the profile's polar")
     what = "measured" if source == "experiment" else source
@@ -83,19 +85,21 @@ def front(series, output):
 
 
 def sideslip(series, output):
-    figure, grid = plt.subplots(2, 4, figsize=(15, 7.2))
-    for column, (flare, pitch) in enumerate(((20, 0), (20, 10), (10, 5), (30, 5))):
+    """Draws a row for each flare and pitch, as built at the left, with the tip 2 deg nose down at the right."""
+    figure, grid = plt.subplots(4, 2, figsize=(7.8, 11.6))
+    for row, (flare, pitch) in enumerate(((20, 0), (20, 10), (10, 5), (30, 5))):
         case = f"sideslip wing over speed, flare {flare}, pitch {pitch}"
-        for row, variant in enumerate(("", "tip 2 deg nose down")):
+        for column, variant in enumerate(("", "tip 2 deg nose down")):
             title = f"flare {flare}°, pitch {pitch}°" + (", tip 2° nose down" if variant else "")
             panel(grid[row][column], series, case, title, "airspeed (m/s)", other=("Healy's lattice", "Healy's lattice"), variant=variant, band=False)
-    legend(figure, list(grid.flat), 5)
-    figure.tight_layout(rect=(0, 0.07, 1, 1))
+    legend(figure, list(grid.flat), 3)
+    figure.tight_layout(rect=(0, 0.045, 1, 1), h_pad=1.6)
     save(figure, output / "wind_tunnel_sideslip.png")
 
 
 def pazy(series, output):
-    figure, axes = plt.subplots(1, 4, figsize=(15, 3.9))
+    figure, grid = plt.subplots(2, 2, figsize=(7.8, 6.6))
+    axes = list(grid.flat)
     deflection, twist = "deflection of the tip, % of the length", "twist of the tip, deg"  # names in the data
     percent, degrees = "deflection of the tip (% of the length)", "twist of the tip (°)"
     panel(axes[0], series, "Pazy wing, bending test", "bending test", "tip mass (kg)", percent, other=("UM/NAST", "UM/NAST"), quantity=deflection, airs=("lattice",), uncertainty=0.5)
@@ -106,8 +110,8 @@ def pazy(series, output):
     if theirs:
         axes[2].plot(theirs["x"], theirs["theirs"], color=FAINT, linestyle="--", linewidth=1.2, label="UM/NAST")
     panel(axes[3], series, wind, "in the wind, pitch 5°", "airspeed (m/s)", degrees, quantity="tip_twist_deg", uncertainty=0.1)
-    legend(figure, list(axes), 5)
-    figure.tight_layout(rect=(0, 0.12, 1, 1))
+    legend(figure, axes, 3)
+    figure.tight_layout(rect=(0, 0.08, 1, 1), h_pad=1.6)
     save(figure, output / "wind_tunnel_pazy.png")
 
 

@@ -53,7 +53,7 @@ def sideslip_over_pitch(study):
 
 
 def sideslip_over_sideslip(study):
-    """Fold angle of the sideslip wing over sideslip for three twists of the tip, below the jump that the experiment shows."""
+    """Fold angle of the sideslip wing over sideslip for three twists of the tip, below the jump in the measurement."""
     for twist, pitch, jump in SIDESLIPS:
         where = {"tip_twist_deg": twist, "root_pitch_deg": pitch}
         name = "sideslip_wing_fold_vs_sideslip.csv"

@@ -38,7 +38,7 @@ NAVIGATION = {
     "Theory": ["docs/guide/theory", "docs/NOTATION"],
     "What agrees": ["docs/VALIDATION", "docs/validation/papers", "docs/validation/deployment", "docs/validation/tunnel", "docs/validation/*",
                     "docs/BENCHMARKS", "docs/tables/*", "gallery"],
-    "Development": ["docs/ARCHITECTURE", "docs/WALKTHROUGH", "docs/decisions/README", "docs/decisions/*", "docs/*", "studies/README", "CONTRIBUTING", "CHANGELOG",
+    "Development": ["docs/ARCHITECTURE", "docs/WALKTHROUGH", "docs/tables/structure", "docs/decisions/README", "docs/decisions/*", "docs/*", "studies/README", "CONTRIBUTING", "CHANGELOG",
                     "docs/history/*", "SECURITY"],
 }
 

@@ -6,7 +6,7 @@ A circle is a strongly connected component of two or more files in the graph of 
 a table of all crates, and for each crate that is named the files of its circles; `--cuts` adds imports whose removal opens each circle, the
 most effective first.
 
-What counts as an import: every path in `use` or in code that begins with `crate`, `self`, `super` or a module declared in the same file.
+Imports are all paths in `use` and in code whose first part is `crate`, `self`, `super` or a module declared in the same file.
 Comments, string literals and everything under `#[cfg(test)]` are ignored. A name that another file itself imports by `use` is followed to the
 file that defines the item: an import through `mod.rs` is an import of that file, and a re-export (`pub use`) is an import only if the file
 also uses the name itself. A path into the `mod.rs` of the same folder is an import of `mod.rs` if the item is defined there.
@@ -40,7 +40,7 @@ def code_of(text):
 
 
 def end_of_item(text, start):
-    """Position after the item that begins at `start`: its semicolon or comma, or its closing brace."""
+    """Position after the item at `start`: its semicolon or comma, or its closing brace."""
     depth = 0
     for at in range(start, len(text)):
         if text[at] in "([{":

@@ -3,8 +3,8 @@
 `collect_licenses.py` rewrites the file, `collect_licenses.py --check` reports whether it is up to date (exit code 1 if
 not). The packages are those that `cargo metadata` resolves for the library on the platforms below: normal dependencies with
 default features, without those of builds and tests and without procedural macros, whose code is not part of the library.
-The list includes the two libraries of the page that plays a run (tools/vendor_viewer.py). Where a package offers a choice,
-the shortest licence is taken (MIT before the others). The texts come from the packages themselves, with their copyright
+The list includes the two libraries of the page that plays a run (tools/vendor_viewer.py). Of the licences that a package
+offers, the shortest is taken (MIT before the others). The texts come from the packages themselves, with their copyright
 notices.
 """
 

@@ -5,7 +5,7 @@ Everything is pinned: packages by `python/requirements.txt` with hashes, and, if
 (a separate package on Debian and Ubuntu), pip itself by the hash below. Only the standard library is used
 here.
 
-An environment that is up to date is not changed; an incomplete one is never taken for a complete one.
+An environment that is up to date is not changed; an incomplete one is never accepted as complete.
 """
 
 import argparse
@@ -48,7 +48,7 @@ def main():
 
 
 def create(folder, requirements, without_ensurepip):
-    """Creates the environment unless its stamp says that it is up to date."""
+    """Creates the environment unless its stamp is that of the requirements."""
     if sys.version_info < OLDEST_PYTHON:
         raise SetupError(f"Python {'.'.join(map(str, OLDEST_PYTHON))} or newer is needed, this is {sys.version.split()[0]}")
     stamp = folder / "foldwing-stamp"

@@ -1,7 +1,7 @@
 """Compare two builds of the command on the shipped models and on random ones: every output, bit by bit.
 
 Both commands simulate each model and write all outputs as CSV, in their shortest form that reads back to the same number, so that equal
-texts mean equal bits. Each model runs twice with each command, and the two runs must be identical. Where the outputs of the two commands
+texts mean equal bits. Each model runs twice with each command, and the two runs must be identical. If the outputs of the two commands
 differ, the table lists the difference relative to the range of the output; the reasons are to be entered in `differential_reasons.csv`
 next to the table (columns `model,output,reason`; `*` matches all), which is kept when the table is renewed.
 """
@@ -17,7 +17,7 @@ from pathlib import Path
 from old_names import Command
 
 ROOT = Path(__file__).resolve().parents[1]
-# limit for a run of a shipped model: what takes `make deploy` seconds may take minutes on a busy machine
+# limit for a run of a shipped model: a run of seconds in `make deploy` may take minutes on a busy machine
 TIMEOUT_S = 600
 
 

@@ -113,7 +113,7 @@ def rows():
     code, tests = places()
     planted = faults()
     for number, chapter in equations().items():
-        # an item says more than a file, whose head names whole chapters
+        # an item is more specific than a file, whose head names whole chapters
         where = sorted(code.get(number, {}), key=lambda place: "::" not in place)
         where += [fault["file"] for fault in planted.get(number, []) if not any(place.startswith(fault["file"]) for place in where)]
         where = list(dict.fromkeys(where))

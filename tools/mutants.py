@@ -6,7 +6,7 @@ copy of the tree, in `target/mutants/tree`, each behind a switch that is turned 
 that the tests are compiled only once. The sources in git and the shipped libraries have no such switch.
 
 Each finder must pass without a fault and fail with its fault. A fault without a finder fails the target unless it has a
-`reason`. `--find` looks for finders: every test is run once without a fault to record which faults it reaches, then each fault
+`reason`. `--find` determines finders: every test is run once without a fault to record which faults it reaches, then each fault
 is turned on for the tests that reach it, the fastest first.
 """
 
@@ -287,7 +287,7 @@ def finds(programs, test, number, seconds):
 
 
 def find(given, faults, programs, reached):
-    """Looks for the fastest test that finds each fault, and writes it into the list."""
+    """Determines the fastest test that finds each fault, and writes it into the list."""
     def one(fault):
         number, spent = fault["number"], 0.0
         tests = sorted((test for test, found in reached.items() if number in found["reached"]), key=lambda test: reached[test]["seconds"])

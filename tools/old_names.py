@@ -1,6 +1,6 @@
 """Models and options for commands of 0.1.0: names that have changed since, from the table with which the reader rejects them.
 
-    command = Command(path)                     # asks it once which names it supports
+    command = Command(path)                     # determines once which names it supports
     with command.model(path) as model: ...      # the file itself, or a copy with the old names next to it
     command.option("--variables")               # "--output" for an old command
     command.column("fold.torque")               # "fold.external_torque": the current name

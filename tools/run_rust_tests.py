@@ -7,7 +7,8 @@
 `cargo test` runs the same programs but does not report times. The programs report them with an option that the standard test
 harness of a stable compiler offers only if RUSTC_BOOTSTRAP is set; it is set for the programs alone, never for the compiler. All
 programs run even if one fails; the exit code is the worst of all programs. Documentation tests are left to `cargo test --doc`.
-With `--long` only the tests run that are ignored because they are long.
+Unit tests of some packages are compiled without optimisation (tools/rustc_of_tests.sh), unless RUSTC_WRAPPER is set already.
+With `--long` only the tests run that are ignored because they are long, and those of which `make test` runs a share of the cases.
 """
 import csv
 import json
@@ -20,13 +21,37 @@ import sys
 CARGO = os.environ.get("CARGO", "cargo")
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LONG = re.compile(r"^ *#\[ignore = \"long; `make long` runs it\"\]\n *fn (\w+)\(", re.M)
+# Tests over many similar cases: `make test` sets FOLDWING_SHARE, the tests take one case in that many (tests/verification/share.rs).
+SHARED = {
+    "m01_mutated_models",
+    "mutated_bytes_never_panic",
+    "nasty_values_never_panic",
+    "p94_forged_snapshots_give_no_nan",
+    "rc01_random_calls",
+    "strange_machines_are_taken_or_refused",
+    "v03_residual_equals_dense_form",
+    "v04_solve_equals_dense_cholesky",
+    "x02_turned_machines_move_alike",
+    "x03_mirror_images_move_alike",
+    "x04_energy_accounts_are_closed",
+    "x05_states_are_whole",
+    "x06_communication_steps_do_not_matter",
+    "x07_files_give_one_machine",
+    "x08_frames_that_move_along_see_one_motion",
+    "x09_exchanged_derivatives_are_those_of_the_motion",
+    "x11_rows_of_linear_models_are_those_of_the_machine",
+    "x13_gradients_are_the_same_both_ways",
+}
 LINE = re.compile(r"test (?P<name>\S+)(?: - should panic)? \.\.\. ok <(?P<seconds>[\d.]+)s>$")
 
 
 def programs(arguments):
     """Name, file and folder of each test program; builds the programs first."""
     command = [CARGO, "test", "--no-run", "--message-format=json-render-diagnostics", *arguments]
-    built = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+    environment = dict(os.environ)
+    if "--release" in arguments:
+        environment.setdefault("RUSTC_WRAPPER", str(ROOT / "tools/rustc_of_tests.sh"))
+    built = subprocess.run(command, stdout=subprocess.PIPE, text=True, env=environment)
     if built.returncode:
         sys.exit(built.returncode)
     for line in built.stdout.splitlines():
@@ -43,9 +68,9 @@ def long_tests():
     return {name for path in sources for name in LONG.findall(path.read_text(encoding="utf-8"))}
 
 
-def ignored(executable, folder):
-    """Paths of the ignored tests of a program."""
-    listed = subprocess.run([executable, "--ignored", "--list"], cwd=folder, stdout=subprocess.PIPE, text=True, check=True)
+def listed_tests(executable, folder):
+    """Paths of the tests of a program."""
+    listed = subprocess.run([executable, "--list"], cwd=folder, stdout=subprocess.PIPE, text=True, check=True)
     return [line.removesuffix(": test") for line in listed.stdout.splitlines() if line.endswith(": test")]
 
 
@@ -74,15 +99,15 @@ def main():
         table, arguments = pathlib.Path(arguments[1]), arguments[2:]
     split = arguments.index("--") if "--" in arguments else len(arguments)
     for_cargo, for_tests = arguments[:split], arguments[split + 1 :]
-    worst, rows, left = 0, [], long_tests() if long else set()
+    worst, rows, left = 0, [], long_tests() | SHARED if long else set()
     for name, executable, folder in programs(for_cargo):
         chosen = for_tests
         if long:
-            chosen = [path for path in ignored(executable, folder) if path.rsplit("::", 1)[-1] in left]
+            chosen = [path for path in listed_tests(executable, folder) if path.rsplit("::", 1)[-1] in left]
             left -= {path.rsplit("::", 1)[-1] for path in chosen}
             if not chosen:
                 continue
-            chosen = ["--ignored", "--exact", *chosen]
+            chosen = ["--include-ignored", "--exact", *chosen]
         print(f"== {name}", flush=True)
         code, times = run(executable, folder, chosen)
         worst = max(worst, abs(code))

@@ -1,7 +1,7 @@
 """Renews KaTeX, which typesets the equations of the documentation site (`make site`).
 
 Fetches the exact version below from the npm registry into a temporary folder and writes script, style sheet and licence
-into `tools/site/vendor`. The fonts are embedded in the style sheet, because browsers may refuse to load fonts for a page that
+into `tools/site/vendor`. The fonts are embedded in the style sheet, because browsers may not load fonts for a page that
 was opened from the disk; of their three formats only woff2 is kept, which every current browser reads. Needs node, npm and a
 network; building the site needs none of them, because the output is committed. The same version gives the same bytes:
 `--check` reports whether the committed files are up to date.

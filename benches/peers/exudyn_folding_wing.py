@@ -143,7 +143,7 @@ class Wing:
     def before_step(self, system, time_s):
         """Closes the latch at the first step that starts beyond the latch angle; stops a run whose steps shrink without limit.
 
-        `time_s` is the end of the step that begins; the coordinates belong to the end of the last accepted step. If they have not
+        `time_s` is the end of the next step; the coordinates belong to the end of the last accepted step. If they have not
         changed, the last step was rejected and a shorter one is tried.
         """
         self.steps_left -= 1

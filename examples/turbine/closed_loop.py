@@ -40,7 +40,7 @@ RECORDED = ["rotor.wind", SPEED, FAST, "rotor.thrust", "rotor.power", "pitch1.an
 
 HEAD = """# Operating points of the turbine in closed loop
 
-Where the loop of `examples/turbine/closed_loop.py` comes to rest, under the conditions of OpenFAST's map of operating points
+Steady states of the loop of `examples/turbine/closed_loop.py`, under the conditions of OpenFAST's map of operating points
 (`openfast_aeromap_flexible.csv`: blades bend; no cone, tilt, tower motion and gravity; AeroDyn's rules), from a speed 3 % and a pitch 1 degree off;
 "off" is the distance from the map. Above rated wind the map takes more than the rated power of 5.2966 MW out of the wind, so that the loop needs more pitch
 and has less thrust; the last two columns are the same loop with the map's power for the rated one.

@@ -40,7 +40,7 @@ def checked(function: F) -> F:
     tuples are checked too; those of other iterables are not, as a check could exhaust them. Annotations of other types, and of types
     that are imported only for type checkers, are not checked.
 
-    The function raises `ArgumentError`, with the name of the argument, its value and what is allowed.
+    The function raises `ArgumentError`, with the name of the argument, its value and the allowed ones.
     """
     signature = inspect.signature(function)
     hints: Dict[str, Any] = {}

@@ -42,7 +42,7 @@ class Live:
             model.write_bytes(text.encode())
             start.write_bytes(state)
             command += [*(["--compare"] if number > 1 else []), str(model), "--state", str(start)]
-        # Ctrl-C at the prompt interrupts what runs there, not the server
+        # Ctrl-C at the prompt interrupts the code that runs there, not the server
         self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
         assert self._process.stdout is not None and self._process.stderr is not None
         self._reader = threading.Thread(target=self._read, args=(self._process.stderr,), daemon=True)

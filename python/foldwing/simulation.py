@@ -48,7 +48,7 @@ class Simulation(_native.Simulation):
         Args:
             step: length of the step in s.
             speed: simulated seconds per second of wall-clock time: the call returns when the wall clock has reached the end of the step.
-                1 is real time, as on a test rig or for a human operator in the loop. The schedule begins with the first of consecutive
+                1 is real time, as on a test rig or for a human operator in the loop. The schedule starts with the first of consecutive
                 paced steps, so that the next steps make up for a single late one; `late_s` is the delay at the end of this step. Default:
                 as fast as possible.
         """

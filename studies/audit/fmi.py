@@ -1,4 +1,4 @@
-"""The FMU as seen by an importer: loading and unloading, rates of outputs, derivatives with aerodynamics, cost of a step, a light carrier.
+"""The FMU from an importer's side: loading and unloading, rates of outputs, derivatives with aerodynamics, cost of a step, a light carrier.
 
 `python3 studies/audit/fmi.py [NAME]`; `FOLDWING` names the command whose FMU is examined. Linux only (`dlclose`, `/proc`).
 """

@@ -132,7 +132,7 @@ fn what_has_no_gradient_is_refused_by_name() {
         ),
         (
             &["--of", "mean(energy.work)", "--by", "fold.motor_damping"],
-            "gradients do not cover means of energy accounts",
+            "gradients do not cover means of energy accounts; choose their values at times, or use finite differences",
             3,
         ),
         (&["--of", "fold.angle", "--by", "fold.release"], "--by fold.release", 2),

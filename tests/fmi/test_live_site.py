@@ -236,11 +236,101 @@ def test_f392_shaders_are_kept_from_run_to_run(live, browser):
                 browser.value("""(gl => { globalThis.linked = 0; const own = gl.linkProgram.bind(gl);
                     gl.linkProgram = program => { linked++; own(program); }; })(page.viewer.renderer.getContext())""")
             before = browser.value("page.latest")
-            browser.value("editor.dispatch({ changes: { from: 0, insert: '#\\n' } }), 0")
+            # a comment, then another name, which needs a new scene for the beginning of the run, too
+            place = re.search(r'(?m)^name *= *"()', browser.value("editor.state.doc.toString()")).end() if number % 2 else 0
+            browser.value(f"editor.dispatch({{ changes: {{ from: {place}, insert: {json.dumps('A' if number % 2 else '#' + chr(10))} }} }}), 0")
             shown(browser, f"page.shown.done && page.shown.id > {before}")
         assert browser.value("linked") == 0, name
         browser.value("delete page.viewer.renderer.getContext().linkProgram, 0")
     assert not browser.complaints()
+
+
+def test_f394_shaders_of_slow_computers_are_kept(live, browser):
+    """F-394. Where frames take long, a run is played without shadows, with other shader programs. These are kept from run to run, too: frames
+    of 120 ms while runs play, and runs after them link no program.
+    """
+    browser.open(live / "index.html")
+    browser.value("location.hash = '#folding_wing', 0")
+    shown(browser)
+    browser.value("globalThis.slow = setInterval(() => { const begun = performance.now(); while (performance.now() - begun < 120); }, 1), 0")
+    browser.value("document.querySelector('#repeat').checked || document.querySelector('#repeat').click(), 0")
+    playing = "document.querySelector('#play').getAttribute('aria-pressed')"
+    if browser.value(playing) != "true":
+        browser.value("document.querySelector('#play').click(), 0")
+    browser.await_value("page.viewer.keptNow().slowed === true", True)
+    for number in range(5):
+        time.sleep(2.5)
+        assert browser.value(playing) == "true"
+        if number == 2:
+            browser.value("""(gl => { globalThis.linked = 0; const own = gl.linkProgram.bind(gl);
+                gl.linkProgram = program => { linked++; own(program); }; })(page.viewer.renderer.getContext())""")
+        before = browser.value("page.latest")
+        browser.value("editor.dispatch({ changes: { from: 0, insert: '#\\n' } }), 0")
+        shown(browser, f"page.shown.done && page.shown.id > {before}")
+    time.sleep(2.5)
+    assert browser.value("linked") == 0
+    assert not browser.complaints()
+
+
+def test_f393_beginnings_of_runs_continue_in_the_scene(live, browser):
+    """F-393. While a run lasts, its beginning is drawn in the scene of the previous run: the ends are where the whole run has them at the same
+    times, and not where the previous run had them; the plots of the previous run, their lines and the time of the reader are kept. A model with another structure, here another
+    length of a body or another name, gets a scene of its own.
+    """
+    browser.open(live / "index.html")
+    browser.value("location.hash = '#folding_wing', 0")
+    first = shown(browser)
+    browser.value("document.querySelector('#play').getAttribute('aria-pressed') === 'true' && document.querySelector('#play').click(), 0")
+    browser.value("(bar => { bar.value = bar.max; bar.dispatchEvent(new Event('input')); })(document.querySelector('#time')), 0")
+    browser.await_value("document.querySelector('#clock').textContent", "t = 0.4000 s")
+    browser.value("""(own => {
+        globalThis.log = [];
+        globalThis.ends = (run, frame) => [run.timeOf(frame), ...run.about.bodies.map((body, b) => run.section(b, body.rims.length - 1, frame).at)];
+        showRun = message => {
+            const scene = page.viewer, plots = page.plotted.charts.length;
+            own(message);
+            const { main } = page.viewer;
+            log.push({ id: message.id, done: message.done, continued: page.shown.continued, same: page.viewer === scene, plots,
+                drawn: [main.timeAt(main.position), ...main.about.bodies.map((body, b) => main.section(b, body.rims.length - 1).at)],
+                lines: page.plotted.charts.map(chart => chart.line.style.transform), ends: Array.from({ length: main.count }, (_, frame) => ends(main, frame)), slider: Number(document.querySelector("#time").max),
+            });
+        };
+    })(showRun)""")
+    before = browser.value("(run => Array.from({ length: run.count }, (_, frame) => ends(run, frame)))(page.viewer.main)")
+    text = browser.value("editor.state.doc.toString()")
+    lines = browser.value("page.plotted.charts.map(chart => chart.line.style.transform)")
+
+    def typed(pattern, value):
+        """Pictures of the run after the first match of a pattern is replaced; in the first group stands the text to replace."""
+        last = browser.value("log.length = 0, page.latest")
+        type_at(browser, re.search(pattern, browser.value("editor.state.doc.toString()")).span(1), value)
+        shown(browser, f"page.shown.done && page.shown.id > {last}")
+        return browser.value("log")
+
+    def away(found, frames):
+        """Largest distance in m of the ends in a frame from those of a run, interpolated between its frames; and the time of that frame."""
+        time, *ends = found
+        late = next(i for i, frame in enumerate(frames) if frame[0] >= time - 1e-9)
+        (a, *from_m), (b, *to_m) = frames[max(late - 1, 0)], frames[late]
+        share = (time - a) / (b - a) if b > a else 1.0
+        return max(abs(x + share * (y - x) - z) for p, q, r in zip(from_m, to_m, ends) for x, y, z in zip(p, q, r))
+
+    pictures = typed(r"constant_torque_N_m *= *([0-9.e-]+)", "0.2")
+    *partial, whole = pictures
+    assert partial and whole["done"] and not any(one["done"] for one in partial), [one["done"] for one in pictures]
+    for one in partial:
+        assert one["continued"] and one["same"] and one["plots"] == whole["plots"] and one["lines"] == lines
+        assert one["slider"] == len(one["ends"]) - 1 and one["drawn"][0] == pytest.approx(one["ends"][-1][0], abs=1e-6)
+        assert away(one["drawn"], whole["ends"]) < 1e-3, one["drawn"]  # chords between frames of the whole run
+    late = max(partial, key=lambda one: one["drawn"][0])["drawn"]
+    print(f"beginnings until {[round(one['drawn'][0], 4) for one in partial]} s; the last one {away(late, before):.3f} m from the previous run")
+    if late[0] > 0.02:
+        assert away(late, before) > 0.01
+    # the reader was at the end of the run, and is again
+    assert not whole["continued"] and whole["drawn"][0] == pytest.approx(0.4, abs=1e-6) and whole["slider"] == len(whole["ends"]) - 1
+    for pattern, value in ((r'(?m)^name *= *"([^"]*)"', "Another"), (r"length_m *= *([0-9.e-]+)", "0.4")):
+        assert not any(one["continued"] for one in typed(pattern, value))
+    assert browser.value("editor.state.doc.toString()") != text and browser.value("page.shown.id") > first["id"] and not browser.complaints()
 
 
 def test_lw08_editor_has_its_notice():

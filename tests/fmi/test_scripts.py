@@ -114,6 +114,7 @@ def test_f94_faster_soft_fold_still_halves(soft_gains, wing):
     assert FREE_PEAK / 2 > peaks[0] > peaks[1] > peaks[2]
 
 
+@pytest.mark.long
 def test_f95_soft_fold_script(foldwing, wing, tmp_path):
     """F-95. The script itself prints the pairs of latch time and strain and draws them."""
     printed = run_script("soft_fold", "--foldwing", foldwing, "--fmu", wing.path, picture=tmp_path / "soft.png")
@@ -168,6 +169,7 @@ def test_f98_identification_reads_a_record(wing, tmp_path):
         identify_damping.read_record(record)
 
 
+@pytest.mark.long
 def test_f99_notebook_shows_what_it_says(foldwing, wing):
     """F-99. Every cell of the notebook runs in plain Python and prints the stored output, numbers within 2 %.
 

@@ -2,6 +2,7 @@
 
 use crate::machines::course::{Action, Doing};
 use crate::machines::model::{Form, Model, Table, Value};
+use crate::machines::no_slip::{self, NO_SLIP};
 use crate::machines::rigid::{self, RIGID};
 use crate::machines::sliding::{self, SLIDING};
 use crate::machines::view::Frame;
@@ -105,8 +106,12 @@ impl Draft {
     }
 }
 
-/// A machine from a seed, reproducible; seeds from [`SLIDING`] on give machines with sliding joints, those from [`RIGID`] on machines with rigid loops.
+/// A machine from a seed, reproducible; seeds from [`SLIDING`] on give machines with sliding joints, those from [`RIGID`] on machines with rigid
+/// loops, those from [`NO_SLIP`] on machines with skates and wheels.
 pub fn draw(seed: u64) -> Model {
+    if seed >= NO_SLIP {
+        return no_slip::draw(seed);
+    }
     if seed >= RIGID {
         return rigid::draw(seed);
     }

@@ -9,7 +9,7 @@ use crate::machines::view::{Frame, View};
 use foldwing::config;
 use foldwing::machine::Machine;
 use foldwing::machine::pose::{along, first_frames};
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Machines of this seed and above have rigid loops.
 pub const RIGID: u64 = 2_000_000;
@@ -45,7 +45,7 @@ pub fn draw(seed: u64) -> Model {
 }
 
 /// Two to four bodies, at least one of them a beam.
-fn tree(dice: &mut Dice, draft: &mut Draft) {
+pub(super) fn tree(dice: &mut Dice, draft: &mut Draft) {
     for index in 0..dice.whole(2, 4) {
         let kind = match dice.whole(0, 5) {
             _ if index == 0 => Kind::Beam,
@@ -60,10 +60,21 @@ fn tree(dice: &mut Dice, draft: &mut Draft) {
 }
 
 /// A point of a loop: its body, `None` on the root, its position along the body and its offset.
-struct End {
-    body: Option<usize>,
-    position_m: f64,
-    offset_m: Vector3<f64>,
+pub(super) struct End {
+    pub body: Option<usize>,
+    pub position_m: f64,
+    pub offset_m: Vector3<f64>,
+}
+
+/// An arbitrary point of a body.
+pub(super) fn on_body(dice: &mut Dice, draft: &Draft, index: usize) -> End {
+    let member = &draft.members[index];
+    let position_m = match member.kind {
+        Kind::Beam => (member.length_m * dice.number(0.3, 1.0)).min(member.length_m),
+        Kind::Modal => member.length_m,
+        Kind::Rigid => 0.0,
+    };
+    End { body: Some(index), position_m, offset_m: dice.vector(0.05) }
 }
 
 /// Two points on different bodies, or on a body and the root; the offset of the second one follows from the pose.
@@ -116,6 +127,12 @@ fn frame(machine: &Machine, end: &End) -> Option<foldwing::machine::pose::Frame>
     Some(along(&machine.bodies[index], &firsts[index], end.position_m))
 }
 
+/// Attitude of its section, and position of a point, in the root frame and in m.
+pub(super) fn placed(machine: &Machine, end: &End) -> (Matrix3<f64>, Vector3<f64>) {
+    let attitude = frame(machine, end).map_or_else(Matrix3::identity, |frame| frame.attitude);
+    (attitude, position_m(machine, end))
+}
+
 /// Position of a point in the root frame in m.
 fn position_m(machine: &Machine, end: &End) -> Vector3<f64> {
     frame(machine, end).map_or(end.offset_m, |frame| frame.position_m + frame.attitude * end.offset_m)
@@ -127,8 +144,13 @@ fn offset_m(machine: &Machine, end: &End, point: Vector3<f64>) -> Vector3<f64> {
 }
 
 /// The model without a start in equilibrium if it has aerodynamics, for which rigid loops refuse it.
-fn without_equilibrium_in_air(mut model: Model) -> Model {
-    if model.has("aerodynamics") {
+fn without_equilibrium_in_air(model: Model) -> Model {
+    without_equilibrium(model, |model| model.has("aerodynamics"))
+}
+
+/// The model without a start in equilibrium, under a condition.
+pub(super) fn without_equilibrium(mut model: Model, condition: impl Fn(&Model) -> bool) -> Model {
+    if condition(&model) {
         for table in &mut model.tables {
             table.keys.retain(|(key, value)| !(*key == "start" && *value == Value::from("equilibrium")));
         }

@@ -71,7 +71,7 @@ pub fn both_ways(model: &Model) -> Verdict {
         };
         let row = match gradient.forward(&[result]) {
             Ok(mut table) => table.remove(0),
-            Err(GradientError::NotCovered { .. }) => continue,
+            Err(GradientError::NotCovered { .. } | GradientError::OtherChoice { .. }) => continue,
             Err(error) => return Verdict::Broken(format!("{result:?} forward: {error}")),
         };
         let (other, value) = match (gradient.adjoint(result), gradient.values(&[result])) {

@@ -1,11 +1,11 @@
 //! Invariants of random machines: properties that hold for every machine. X-xx.
 //!
 //! Each invariant is a function of a machine; the first machine that violates one is reduced to the smallest one that still does, and
-//! printed as a model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number.
+//! printed as a model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number. `make test` sets
+//! `FOLDWING_SHARE` to draw a share of the machines for each invariant; `make long` and `cargo test` draw all.
 
 mod dependencies;
 mod gradients;
-mod idle_loop;
 mod invariants;
 mod keys;
 #[path = "../machines/mod.rs"]
@@ -14,11 +14,14 @@ mod outputs;
 #[allow(dead_code, reason = "verification uses the rest")]
 #[path = "../verification/linear_rows/compare.rs"]
 mod rows;
+#[path = "../verification/share.rs"]
+mod share;
 
-use crate::machines::{Model, RIGID, SLIDING, View, draw, rigid_seeds, seeds, shrink, sliding_seeds};
+use crate::machines::{Model, NO_SLIP, RIGID, SLIDING, View, draw, rigid_seeds, seeds, shrink, sliding_seeds};
+use crate::share::share;
 use foldwing::config;
 use foldwing::machine::{ElementKind, Machine, Parent};
-use foldwing::plant::{Outputs, Plant};
+use foldwing::plant::{Holding, Outputs, Plant};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -82,6 +85,7 @@ pub fn run_on(plant: &mut Plant, model: &Model, view: &View, parts: u32) -> Resu
 
 /// Generates machines, checks one invariant, and reduces the first machine that violates it.
 fn hold(name: &str, usual: u64, invariant: impl Fn(&Model) -> Verdict) {
+    let usual = usual.div_ceil(share() as u64);
     let (mut held, mut silent) = (0, 0);
     let mut broken = Vec::new();
     let all = std::env::var_os("FOLDWING_ALL").is_some();
@@ -280,6 +284,65 @@ fn x15_rigid_loops_stay_closed() {
     assert!(silent <= 5 && 2 * loaded > machines, "{loaded} of {machines}, {silent} do not run");
 }
 
+/// Skates and wheels of random machines neither slip nor leave their planes, at any point of any body, in any combination of joints,
+/// events and inputs; a machine that is rotated and mirrored as a whole has the same forces at the start. Every analysis that
+/// they do not permit is refused with their name.
+#[test]
+fn x16_skates_and_wheels_do_not_slip() {
+    let (mut largest, mut machines, mut loaded, mut silent, mut apart) = (0.0f64, 0, 0, 0, 0.0f64);
+    let view = View { turn: nalgebra::UnitQuaternion::from_euler_angles(0.4, -1.1, 2.3), mirror: true };
+    for seed in NO_SLIP..NO_SLIP + 60 {
+        let model = draw(seed);
+        let Ok(mut plant) = machine(&model, &View::plain()).and_then(start) else {
+            silent += 1;
+            continue;
+        };
+        let (first, start_s) = (plant.machine().no_slips[0].clone(), plant.machine().experiment.start_time_s);
+        for refused in [
+            plant.study().second_order().map(|_| ()),
+            plant.study().equilibrium(start_s, Holding::AsReleased).map(|_| ()),
+        ] {
+            let text = refused.expect_err("not refused").to_string();
+            let named = text.contains(&format!("the {} {:?} constrains velocities", first.table(), first.name));
+            assert!(named || text.contains("is linearised"), "seed {seed}: {text}");
+        }
+        assert!(plant.hybrid().is_err(), "seed {seed}");
+        let Ok(plant) = machine(&model, &View::plain()).and_then(start) else { unreachable!() };
+        let parsed = plant.machine().clone();
+        let Ok(outputs) = run(plant, &model, &View::plain(), 1) else {
+            silent += 1;
+            continue;
+        };
+        machines += 1;
+        let mut most_n = 0.0f64;
+        for outputs in &outputs {
+            let speed_m_s = 1.0 + outputs.tips().iter().map(|tip| tip.velocity_m_s.norm()).fold(0.0, f64::max);
+            for (found, no_slip) in outputs.no_slips().iter().zip(&parsed.no_slips) {
+                let slip = found.slip_m_s / speed_m_s;
+                let height_m = if no_slip.hold_normal { found.height_m.abs() } else { 0.0 };
+                let place = format!("seed {seed}, {:?} at {} s", no_slip.name, outputs.time_s);
+                assert!(slip < 1e-9 && height_m < 1e-9, "{place}: slip {slip:.1e}, height {height_m:.1e} m");
+                largest = largest.max(slip).max(height_m);
+                most_n = most_n.max(found.side_force_n.abs()).max(found.normal_force_n.abs());
+            }
+        }
+        loaded += usize::from(most_n > 0.01);
+        let turned = machine(&model, &view).and_then(start).and_then(|plant| run(plant, &model, &view, 1));
+        let Ok(turned) = turned else { continue };
+        for (a, b) in outputs[0].no_slips().iter().zip(turned[0].no_slips()) {
+            let miss =
+                (a.normal_force_n - b.normal_force_n).abs().max((a.side_force_n.abs() - b.side_force_n.abs()).abs());
+            let share = miss / (1.0 + a.normal_force_n.abs() + a.side_force_n.abs());
+            assert!(share < 1e-6, "seed {seed}: {a:?} {b:?}");
+            apart = apart.max(share);
+        }
+    }
+    println!(
+        "X-16: slip and height up to {largest:.1e} in {machines} machines, {loaded} with forces, views {apart:.1e} apart; {silent} do not run"
+    );
+    assert!(silent <= 15 && 2 * loaded > machines, "{loaded} of {machines}, {silent} do not run");
+}
+
 /// Parts of the format that the generator omits, with reasons.
 const NOT_DRAWN: [(&str, &str); 12] = [
     ("section.*.shape = \"angle\"", "its mirror image has no words: its legs point to +y and +z"),
@@ -303,7 +366,7 @@ fn x10_the_generator_draws_the_whole_format() {
     const SEEDS: u64 = 2000;
     let schema: serde_json::Value = serde_json::from_str(&config::schema()).expect("JSON");
     let mut drawn = std::collections::BTreeSet::new();
-    for seed in (0..SEEDS).chain(SLIDING..SLIDING + 200).chain(RIGID..RIGID + 20) {
+    for seed in (0..SEEDS).chain(SLIDING..SLIDING + 200).chain(RIGID..RIGID + 20).chain(NO_SLIP..NO_SLIP + 20) {
         let file: toml::Table = draw(seed).text(&View::plain()).parse().expect("TOML");
         drawn.extend(keys::said(&schema, Some(&serde_json::to_value(&file).expect("JSON"))));
     }

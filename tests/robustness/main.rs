@@ -44,5 +44,7 @@ mod random_faces;
 mod random_session;
 mod rolled_back;
 mod saved_numbers;
+#[path = "../verification/share.rs"]
+mod share;
 mod standard;
 mod watchdog;

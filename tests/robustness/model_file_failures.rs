@@ -24,7 +24,7 @@ fn accepted_failures_mean_what_they_say() {
         [
             Failure {
                 name: "motor".into(),
-                effect: Effect::DriveRunsAway { body: 1, to_rad: pi, rate_rad_s: 0.5 * pi },
+                effect: Effect::MotorRunaway { body: 1, to_rad: pi, rate_rad_s: 0.5 * pi },
                 at_time_s: Some(0.1),
                 after: None,
                 when: Some(bound),
@@ -32,7 +32,7 @@ fn accepted_failures_mean_what_they_say() {
             },
             Failure {
                 name: "latch".into(),
-                effect: Effect::LatchBreaks { body: 1 },
+                effect: Effect::LatchBreak { body: 1 },
                 at_time_s: None,
                 after: Some(0),
                 when: None,

@@ -284,10 +284,10 @@ fn twist_of_a_modal_body_is_read_in_radians() {
 #[test]
 fn angles_of_failures_are_read_in_radians() {
     let machine = read(&format!("{MODEL}{FAILING}"));
-    let Effect::DriveRunsAway { to_rad, rate_rad_s, .. } = machine.failures[0].effect else { panic!("runs away") };
+    let Effect::MotorRunaway { to_rad, rate_rad_s, .. } = machine.failures[0].effect else { panic!("runs away") };
     close("to_deg", to_rad, 75.0);
     close("rate_deg_s", rate_rad_s, 15.0);
-    let Effect::BrakeComesOn { brake, .. } = machine.failures[2].effect else { panic!("a brake") };
+    let Effect::BrakeApplied { brake, .. } = machine.failures[2].effect else { panic!("a brake") };
     close("slip_deg_s", brake.slip_rad_s, 0.5);
     let bounds = [
         ("angle_above_deg", 90.0),

@@ -3,6 +3,7 @@
 //! `FOLDWING_MUTATIONS` sets how many files are derived from the shipped ones, `FOLDWING_SEED` runs a single one.
 
 use crate::fmu::{Attempt, Fmu, Resources, WING, guid_of};
+use crate::share::share;
 use fastrand::Rng;
 use foldwing::aero::AirOptions;
 use foldwing::config::{self, ConfigError};
@@ -231,7 +232,7 @@ fn m01_mutated_models() {
     let mut tally: BTreeMap<&str, usize> = BTreeMap::new();
     let seeds = match number("FOLDWING_SEED") {
         Some(seed) => seed..seed + 1,
-        None => 0..number("FOLDWING_MUTATIONS").unwrap_or(SHARE),
+        None => 0..number("FOLDWING_MUTATIONS").unwrap_or(SHARE.div_ceil(share())),
     };
     for seed in seeds {
         guard.note(|| format!("FOLDWING_SEED={seed}"));

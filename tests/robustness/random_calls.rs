@@ -4,6 +4,7 @@
 
 use crate::random_faces::{self, Cast};
 use crate::random_session::{Session, Tally};
+use crate::share::share;
 use std::process::Command;
 
 /// Number of calls in a plain `cargo test`.
@@ -25,7 +26,7 @@ pub fn number(name: &str) -> Option<usize> {
 /// each sequence, a reset instance is bit-identical to a new one.
 #[test]
 fn rc01_random_calls() {
-    let calls = number("FOLDWING_CALLS").unwrap_or(SHARE);
+    let calls = number("FOLDWING_CALLS").unwrap_or(SHARE.div_ceil(share()));
     let guard = crate::watchdog::watch(number("FOLDWING_WATCHDOG").unwrap_or(60) as u64);
     let mut session = Session::new();
     let mut tally = Tally::default();

@@ -1,7 +1,10 @@
-"""Phrases of a private dialect that must not return to texts for users, nor to the comments of the crates below: the terms of the field are
+"""Phrases of a private dialect that must not return to texts for users, nor to the comments of the sources below: the terms of the field are
 in `docs/guide/glossary.md`."""
 
+import ast
+import io
 import re
+import tokenize
 from pathlib import Path
 
 import pytest
@@ -57,6 +60,9 @@ PHRASES = [
 # folders of Rust files whose comments are checked, and the phrases forbidden in them in addition to those above
 SOURCES = sorted(path for path in (ROOT / "crates/engine/src").iterdir() if path.is_dir()) + [
     ROOT / f"crates/{name}/src" for name in ("command", "file", "fmi", "fmu", "python", "recording", "study", "web")]
+# folders of Python files whose comments, docstrings and templates of pages are checked, and of JavaScript files, without those of others
+SCRIPTS = ["benches", "examples", "python", "studies", "tools"]
+PAGE_SCRIPTS = ["crates/command/src/report/viewer", "crates/web/page", "tools/site"]
 # terms of FMI, in the crates of its interface
 _OF_FMI = {"command": r"\bexperiments?\b", "fmi": r"\bexperiments?\b", "fmu": r"\bexperiments?\b"}
 COMMENT_PHRASES = PHRASES + [
@@ -108,6 +114,51 @@ def comments(file):
             block = []
 
 
+def _joined(lines):
+    """Adjacent lines of comments joined, with the number of the first; `lines` are pairs of a number and a text."""
+    first = last = None
+    block = []
+    for number, text in [*lines, (None, "")]:
+        if block and (number is None or number != last + 1):
+            yield first, " ".join(block)
+            block = []
+        first, last = first if block else number, number
+        block.append(text)
+
+
+def python_comments(file):
+    """Comments, docstrings and Markdown templates of a Python file without code, with line numbers."""
+    text = file.read_text(encoding="utf-8")
+    own, found = [], []
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            comment = (token.start[0], token.string.lstrip("#!").strip())
+            (own if token.line.lstrip().startswith("#") else found).append(comment)
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and (docstring := ast.get_docstring(node)):
+            found.append((node.body[0].lineno, docstring))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and re.match(r"# .*\n", node.value):
+            found.append((node.lineno, node.value))
+    return [(number, re.sub(r"`[^`]*`", "", comment)) for number, comment in [*_joined(own), *found]]
+
+
+def script_comments(file):
+    """Comments of a JavaScript file without code, with line numbers."""
+    own, found = [], []
+    for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+        if comment := re.match(r"\s*//+ ?(.*)$", line):
+            own.append((number, comment[1]))
+        elif behind := re.search(r"[;,{})\]] // (.*)$", line):
+            found.append((number, behind[1]))
+    return [(number, re.sub(r"`[^`]*`", "", comment)) for number, comment in [*_joined(own), *found]]
+
+
+def _forbidden(files, comments_of):
+    """Places and forbidden phrases of the comments of files."""
+    return [f"{file.relative_to(ROOT)}:{number}: {match[0]!r}" for file in files for number, text in comments_of(file)
+            for phrase in COMMENT_PHRASES for match in [re.search(phrase, text, re.IGNORECASE)] if match]
+
+
 @pytest.mark.parametrize("page", [page for page in PAGES if page.name not in GENERATED], ids=lambda page: page.name)
 def test_pages_are_in_the_words_of_the_field(page):
     found = [f"{number}: {match[0]!r} in {line.strip()[:120]}" for number, line in prose(page) for phrase in PHRASES
@@ -120,6 +171,29 @@ def test_comments_are_in_the_words_of_the_field(folder):
     found = [f"{file.relative_to(ROOT)}:{number}: {match[0]!r}" for file in sorted(folder.rglob("*.rs")) for number, text in comments(file)
              for phrase in COMMENT_PHRASES if phrase != _OF_FMI.get(folder.parent.name) for match in [re.search(phrase, text, re.IGNORECASE)] if match]
     assert not found, "\n".join(found)
+
+
+@pytest.mark.parametrize("folder", SCRIPTS)
+def test_comments_of_scripts_are_in_the_words_of_the_field(folder):
+    files = sorted((ROOT / folder).rglob("*.py"))
+    found = _forbidden(files, python_comments)
+    assert files and not found, "\n".join(found)
+
+
+@pytest.mark.parametrize("folder", PAGE_SCRIPTS)
+def test_comments_of_page_scripts_are_in_the_words_of_the_field(folder):
+    files = sorted((ROOT / folder).glob("*.js"))
+    found = _forbidden(files, script_comments)
+    assert files and not found, "\n".join(found)
+
+
+def test_phrases_of_scripts_are_found(tmp_path):
+    file = tmp_path / "some.py"
+    file.write_text('"""It is\nsaid, as `what` says."""\n\nA = 1  # as it knows\n# What\n# is\n\n# this\nPAGE = """# Title\n\nIt asks.\n"""\n', encoding="utf-8")
+    assert python_comments(file) == [(5, "What is"), (8, "this"), (4, "as it knows"), (1, "It is\nsaid, as  says."), (9, "# Title\n\nIt asks.\n")]
+    script = tmp_path / "some.js"
+    script.write_text('// What\n// is\nf("http://a"); // as `it` knows\n', encoding="utf-8")
+    assert script_comments(script) == [(1, "What is"), (3, "as  knows")]
 
 
 def test_phrases_are_found():

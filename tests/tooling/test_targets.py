@@ -1,9 +1,12 @@
 """Everything that `make test` omits is run by `make validate` or another target."""
 
 import re
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+import run_rust_tests  # noqa: E402
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 
 # Sources of `tests/verification` and `tests/command` with studies that are short unless FOLDWING_WHOLE is set, and the number of places.
@@ -50,6 +53,8 @@ SHORT_IN_PYTHON = {
 # Tests that `make test` leaves to `make long`, which CI runs at every merge; each with a test of the same capability in `make test`.
 LONG = {
     "rc02_random_calls_under_valgrind": "rc01_random_calls",
+    "accounts_and_means_of_spatial_joints": "gradients_of_a_universal_joint",
+    "accounts_pass_through_a_latch_and_a_stop": "accounts_pass_through_a_rigid_latch",
     "c11_ball_and_universal": "c10_ball_and_ball",
     "c12_ball_and_revolute": "c10_ball_and_ball",
     "c14_euler_parameters_in_root_or_parent_frame_give_one_motion": "c13_tip_meets_the_reference_up_to_1_s",
@@ -58,17 +63,27 @@ LONG = {
     "c22_penalty_joint_needs_tuning": "c10_ball_and_ball",
     "c40_product_follows_the_dense_model": "v03_residual_equals_dense_form",
     "d08_unloaded_libraries_leave_nothing": "test_f26_instantiating_and_freeing_leaves_memory_flat",
+    "e14_rates_in_air_are_slopes_of_what_is_read": "e15_rates_hold_where_inputs_change_at_every_point",
     "flutter_names_the_divergence_of_a_wing_under_load": "flutter_names_what_no_speed_stands_for",
+    "gradients_of_a_body_with_shear_on_a_ball_joint": "gradients_of_a_body_with_shear_through_a_rigid_latch",
+    "gradients_of_bodies_with_shear": "gradients_of_a_body_with_shear_through_a_rigid_latch",
+    "hy02_strips_tend_to_the_air_of_the_instant": "shipped_wing_unfolds_and_latches_under_an_integrator_from_outside",
+    "lr01_rows_of_shipped_models": "lr02_rows_of_random_machines",
     "pl23_root_strain_over_the_gear_inertia": "pl18_a_blade_that_bends",
     "q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine": "q71_small_inputs_move_the_linear_lattice_as_the_machine",
     "q76_listed_modes_are_the_slowest_of_the_whole_model": "q87_a_wing_of_many_elements_lists_all_its_modes",
     "q83_wings_that_bend_far_rest_on_the_path_from_still_air": "q84_divergence_ends_the_path_and_is_named",
     "q89_all_motions_between_the_axes_are_found": "q87_a_wing_of_many_elements_lists_all_its_modes",
+    "rl14_random_chains_with_rigid_latches": "rl16_command_stopper_opening_and_closing_again",
+    "s13_bend_of_45_degrees_under_smaller_loads": "s13_bend_of_45_degrees",
     "statics_leave_a_saddle_of_a_free_tip": "statics_in_a_lattice_judge_the_wing_with_its_air",
     "test_the_cost_of_an_iteration_is_linear_in_the_elements": "s19_cost_is_linear",
+    "test_f95_soft_fold_script": "test_f92_soft_fold_halves_the_peak_strain",
+    "test_f99_notebook_shows_what_it_says": "test_notebooks_show_what_they_store",
     "test_f292_roots_aside_and_turned": "test_f81_agrees_with_the_aircraft_in_one_piece",
     "test_f82_momentum_is_conserved_to_step_and_tolerance": "test_f83_centre_of_mass_follows_its_path",
     "test_notebooks_show_what_they_store[identify]": "test_f96_damping_recovered_from_noisy_records",
+    "work_of_a_prescribed_motion": "accounts_with_inputs_over_time",
     "wt43_modes_of_the_turbine": "wt42_the_turbine_under_gravity",
     "wt45_the_turbine_in_wind": "wt42_the_turbine_under_gravity",
     "wt63_a_blade_in_strips": "wt62_what_swings_is_noticed",
@@ -99,6 +114,18 @@ def target(name):
     return re.search(rf"^{name}:.*\n((?:\t.*\n|#.*\n)*)", MAKEFILE, re.M).group(1)
 
 
+def stages_of_validate():
+    return re.search(r"^STAGES \?= (.*)$", MAKEFILE, re.M).group(1).split()
+
+
+def test_validate_runs_all_its_stages():
+    assert "$(STAGES)" in target("validate") and "--keep-going" in target("validate")
+    written = set(re.findall(r"^(validate-[a-z]+):", MAKEFILE, re.M))
+    assert written and written <= set(stages_of_validate())
+    assert {"long", "robust"} <= set(stages_of_validate())
+    assert all(target(stage) for stage in stages_of_validate())
+
+
 def test_studies_that_are_short_are_listed():
     found = {}
     for folder, prefix in ((ROOT / "tests/verification", ""), (ROOT / "tests/command", "../command/")):
@@ -117,11 +144,11 @@ def test_studies_in_python_that_are_short_are_listed_and_run_whole():
         if count:
             found[path.name] = count
     assert found == SHORT_IN_PYTHON
-    assert re.search(r"^\tFOLDWING_WHOLE=1 \$\(MAKE\) pytest$", target("validate"), re.M)
+    assert re.search(r"^\tFOLDWING_WHOLE=1 \$\(MAKE\) pytest$", target("validate-pytest"), re.M)
 
 
 def test_one_call_of_validate_runs_all_of_verification():
-    recipe = target("validate")
+    recipe = target("validate-tests")
     calls = [line for line in recipe.splitlines() if "--test verification" in line]
     assert len(calls) == 1
     assert "--test command" in calls[0] and "FOLDWING_WHOLE=1" in calls[0] and "--release" in calls[0] and calls[0].endswith("--include-ignored")
@@ -155,7 +182,21 @@ def test_long_tests_have_a_short_one_beside_them():
     assert left_out == LONG.keys()
     assert set(LONG.values()) <= run
     assert re.search(r"^ +make long$", (ROOT / ".ci/run").read_text(encoding="utf-8"), re.M)
-    assert re.search(r"^\t\$\(MAKE\) long$", target("validate"), re.M)
+    assert "long" in stages_of_validate()
+
+
+def test_tests_of_a_share_of_their_cases_run_whole_in_long():
+    """`make test` alone sets the share, and `make long` runs every test that takes one, on all cases."""
+    found = set()
+    for path in (ROOT / "tests").rglob("*.rs"):
+        text = path.read_text(encoding="utf-8")
+        for body in re.findall(r"#\[test\]\n *(?:#\[.*\]\n *)*fn (.*?)\n}\n", text, re.S):
+            if re.search(r'\bshare\(\)|\bhold\("X-', body):
+                found.add(body.split("(", 1)[0])
+    assert found == run_rust_tests.SHARED
+    assert MAKEFILE.count("FOLDWING_SHARE") == 1 and "FOLDWING_SHARE=3" in target("unit")
+    arguments = re.search(r"run_rust_tests.py --long .*\n.*", target("long")).group()
+    assert all(f"--test {program}" in arguments for program in ("verification", "random", "robustness", "command"))
 
 
 def test_every_study_is_run_by_a_target():

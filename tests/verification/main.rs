@@ -24,6 +24,7 @@ mod recursion;
 mod reference;
 mod rod;
 mod rotor;
+mod share;
 mod shear;
 mod shipped;
 mod static_newton;

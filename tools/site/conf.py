@@ -27,7 +27,7 @@ html_static_path = [str(HERE / "foldwing.css"), str(HERE / "frames.js")]
 html_copy_source = False
 html_show_sphinx = False
 html_use_index = False
-# summaries of search results need requests, which browsers refuse for pages opened from the disk; the results themselves do not
+# summaries of search results need requests, which browsers block for pages opened from the disk; the results themselves do not
 html_show_search_summary = False
 
 

@@ -1,5 +1,5 @@
 // Typesets every equation of the page. One that KaTeX does not understand stays as it is written, in red, with the reason under the
-// pointer: KaTeX's own way of going on would colour a single unknown command and hide it from tests.
+// pointer: KaTeX's own error handling would colour a single unknown command and hide it from tests.
 for (const place of document.querySelectorAll(".equation")) {
   const source = place.textContent;
   try {

@@ -52,7 +52,7 @@ pub(super) fn expand(file: &mut ModelFile) -> Copies {
                 );
             )*};
         }
-        carried!(mass, load, gauge, internal_load, surface, control_surface);
+        carried!(mass, load, gauge, internal_load, skate, wheel, surface, control_surface);
     }
     copies
 }

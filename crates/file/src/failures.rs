@@ -89,8 +89,8 @@ fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Chec
         Kind::LatchBreak => Failure::latch_break(name, target),
         Kind::LatchNoCapture => Failure::latch_no_capture(name, target),
         Kind::LockRelease => Failure::lock_release(name, target),
-        Kind::SpringBreak => Failure::spring_weakens(name, target, failure.remaining_fraction.unwrap_or(0.0)),
-        Kind::LoopBreak => Failure::loop_weakens(name, target, failure.remaining_fraction.unwrap_or(0.0)),
+        Kind::SpringBreak => Failure::spring_break(name, target, failure.remaining_fraction.unwrap_or(0.0)),
+        Kind::LoopBreak => Failure::loop_break(name, target, failure.remaining_fraction.unwrap_or(0.0)),
         Kind::StiffnessLoss => {
             let Some(remaining) = failure.remaining_fraction else {
                 checker.refuse(&place("remaining_fraction"), "a fraction from 1e-6 to 1");

@@ -8,6 +8,7 @@ use crate::body_file::{BodyFile, RigidBodyFile};
 use crate::failure_file::FailureFile;
 use crate::joint_file::JointFile;
 use crate::modal_body::ModalBodyFile;
+use crate::no_slip_file::{SkateFile, WheelFile};
 use crate::rotor_file::{PolarFile, TowerFile, WindFile};
 use crate::run::{SimulationFile, SolverFile};
 use crate::section_files::FileUnits;
@@ -61,6 +62,12 @@ pub(super) struct ModelFile {
     /// Ball joints that close kinematic loops, by name; FMU outputs: `loop.<name>.gap` and `loop.<name>.force`.
     #[serde(default, rename = "loop")]
     pub closures: IndexMap<String, LoopFile>,
+    /// Skates by name; FMU outputs: `skate.<name>.side_force` and others.
+    #[serde(default)]
+    pub skate: IndexMap<String, SkateFile>,
+    /// Wheels by name; FMU outputs: `wheel.<name>.side_force` and others.
+    #[serde(default)]
+    pub wheel: IndexMap<String, WheelFile>,
     /// Point masses and rigid bodies by name.
     #[serde(default)]
     pub mass: IndexMap<String, MassFile>,

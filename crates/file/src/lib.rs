@@ -31,6 +31,8 @@ mod letters;
 mod loops;
 mod meant;
 mod modal_body;
+mod no_slip_file;
+mod no_slips;
 mod polar_file;
 mod reference;
 mod renamed;

@@ -8,7 +8,7 @@ use crate::error::Problem;
 use crate::file::ModelFile;
 use crate::meant::did_you_mean;
 use crate::run::{MethodFile, ModeFile};
-use crate::{air, attachments, body, failures, joints, loops, modal_body, sections, shaped};
+use crate::{air, attachments, body, failures, joints, loops, modal_body, no_slips, sections, shaped};
 use foldwing_engine::machine::builder::MachineBuilder;
 use foldwing_engine::machine::fault::{Fault as MachineFault, Subject};
 use foldwing_engine::machine::{Machine, Method, Solver};
@@ -209,7 +209,7 @@ fn describe(file: &ModelFile, checker: &mut Checker) -> MachineBuilder {
         machine = machine.body(modal_body::build(name, body, checker), joint);
     }
     machine = attachments::add(file, &lawless, machine);
-    machine = loops::add(file, machine);
+    machine = no_slips::add(file, loops::add(file, machine));
     machine = failures::add(file, machine, checker);
     machine = air::add(file, &lawless, machine, checker);
     let simulation = &file.simulation;

@@ -62,7 +62,7 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "the wind meets the surface of {body} {from}, at {} deg from its chord: the aerodynamic models assume attached flow \
-                     that leaves at the trailing edge, and their loads are unreliable beyond {} deg; rotate the wind or the machine",
+                     that leaves at the trailing edge, and their loads are unreliable beyond {} deg; rotate the wind or the model",
                     four_digits(angle_rad.to_degrees()),
                     MAXIMUM_FLOW_RAD.to_degrees().round()
                 )

@@ -8,8 +8,20 @@ const pristine = FILLED.map(selector => whole(selector).cloneNode(true));
 // `latest` is the number of the last text sent to the engine; `shown` the last picture, with the times in ms from the key stroke.
 const page = { viewer: null, plotted: null, ender: null, kept: null, latest: 0, given: new Map(), shown: null, refused: null, model: "", waiting: null };
 
-// Shows a run instead of the previous one.
-function showRun({ id, about, numbers, summary, done, ms }) {
+// Shows a run instead of the previous one: its beginning in the scene of that one where the model has the same structure.
+function showRun(message) {
+  const { id, about, numbers, summary, done, ms } = message;
+  const parsed = JSON.parse(about);
+  const continued = !done && !page.fresh && Boolean(page.viewer?.continueWith(parsed, numbers));
+  if (!continued) startRun(message, parsed);
+  whole("main").classList.remove("behind");
+  const now = performance.now(), begun = page.given.get(id);
+  if (page.first?.id !== id) page.first = { id, ms: now - begun };
+  page.shown = { id, done, continued, engine: ms, first: page.first.ms, all: now - begun, summary };
+  setMarks(summary.marks);
+  tellRun(summary, done, ms);
+}
+function startRun({ numbers, done }, about) {
   const before = page.viewer;
   const kept = before?.keptNow();
   before?.endRun();
@@ -22,17 +34,11 @@ function showRun({ id, about, numbers, summary, done, ms }) {
   const first = !before || page.fresh;
   const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   page.viewer = startViewer({
-    about: JSON.parse(about), numbers, done, renderer: before?.renderer, textPictures: before?.textPictures, signal: page.ender.signal,
+    about, numbers, done, renderer: before?.renderer, textPictures: before?.textPictures, signal: page.ender.signal,
     dark: kept?.dark, kept: page.fresh ? undefined : kept, play: done && first && !still,
   });
   before?.dispose();
   if (done) { page.fresh = false; page.plotted = page.viewer; }
-  whole("main").classList.remove("behind");
-  const now = performance.now(), begun = page.given.get(id);
-  if (page.first?.id !== id) page.first = { id, ms: now - begun };
-  page.shown = { id, done, engine: ms, first: page.first.ms, all: now - begun, summary };
-  setMarks(summary.marks);
-  tellRun(summary, done, ms);
 }
 
 const LATCH = ({ joint, time_s }) => `${joint} latches at ${time_s.toFixed(5)} s`;

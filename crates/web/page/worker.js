@@ -1,8 +1,8 @@
 // ---- worker with the engine: receives texts, sends pictures; the run of an outdated text is abandoned ----------------------------
 
-// A long run shows its beginning after this time (ms), and more of it whenever the elapsed time has grown by the factor.
-const FIRST_MS = 4, LATER = 4;
-// Duration (ms) of a slice; between slices the worker checks for a new text.
+// A run shows its beginning after this time (ms) of steps, and more of it whenever the elapsed time has grown by the factor.
+const FIRST_MS = 1, LATER = 4;
+// Duration (ms) of the later slices; between slices the worker checks for a new text.
 const SLICE_MS = 4;
 // Maximum number of frames of a picture after the first.
 const FRAMES = 150;
@@ -39,14 +39,15 @@ async function run(task) {
     postMessage({ kind: "refused", id: task.id, ...JSON.parse(read()), ms: performance.now() - began });
     return;
   }
-  let state = 0, next = began + FIRST_MS;
+  let state = 0, next = 0, slice = FIRST_MS;
   while (state === 0) {
-    const until = performance.now() + SLICE_MS;
+    const until = performance.now() + slice;
     do state = engine.foldwing_advance(1); while (state === 0 && performance.now() < until);
     if (state === 0 && performance.now() > next) {
       send(task, began, false);
       next = began + LATER * (performance.now() - began);
     }
+    slice = SLICE_MS;
     await turn();
     if (wanted) return;
   }

@@ -157,12 +157,23 @@ fn f246_the_lines_of_the_guide_run() {
         }
         // fewer steps than for a minute are sufficient to see that a line runs
         words.iter_mut().filter(|word| *word == "100000").for_each(|word| *word = "100".to_owned());
-        // so are fewer speeds than those that bracket divergence, or over which a tip without springs is tracked from three start angles
+        // so are fewer speeds than those that bracket divergence, or over which a tip without springs is tracked, and fewer start angles
         words.iter_mut().filter(|word| *word == "10:40:4").for_each(|word| *word = "10:20:2".to_owned());
         words.iter_mut().filter(|word| *word == "10:40:10").for_each(|word| *word = "10:20:10".to_owned());
         words.iter_mut().filter(|word| *word == "10:80:8").for_each(|word| *word = "10:20:2".to_owned());
+        words
+            .iter_mut()
+            .filter(|word| *word == "fold.start_angle=0:1.4:3")
+            .for_each(|word| *word = "fold.start_angle=0:1.4:2".to_owned());
         // and fewer pixels
         words.iter_mut().filter(|word| *word == "1920x1080").for_each(|word| *word = "320x180".to_owned());
+        // and fewer pictures of a film, in the sizes that the lines give or leave to the command
+        if words.iter().any(|word| word == "--video") {
+            match words.iter().position(|word| word == "--to") {
+                Some(at) => words[at + 1] = "0.11".to_owned(),
+                None => words.extend(["--from", "0.1", "--to", "0.11"].map(str::to_owned)),
+            }
+        }
         if words[0] == "new" {
             let _ = std::fs::remove_file(folder.path().join(&words[1])); // the command does not overwrite files
         }

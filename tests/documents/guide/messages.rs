@@ -415,6 +415,18 @@ fn produced() -> Vec<String> {
     let weak = "[failure.pin]\nkind = \"loop_break\"\nloop = \"front\"\nat_time_s = 1.0\n\n[simulation]";
     write("weak_bars.toml", bars("rigid = true\n").replace("[simulation]", weak).as_bytes());
 
+    // a castoring wheel, and starts and motions that contradict it
+    let gear = include_str!("../../../examples/gear/castor.toml");
+    write("gear.toml", gear.as_bytes());
+    let (on_plane, at_rest) = ("radius_m = 0.125\naxis = [0.0, 0.0, 1.0]", "step_s = 2e-3\nstart = \"equilibrium\"");
+    write("gear_off_plane.toml", gear.replace("radius_m = 0.125", "radius_m = 0.1").as_bytes());
+    write("gear_flat.toml", gear.replace("radius_m = 0.125", on_plane).as_bytes());
+    write("gear_at_rest.toml", gear.replace("step_s = 2e-3", at_rest).as_bytes());
+    let slips = "name = \"Slips\"\n[rigid_body.block]\nmass_kg = 1.0\n[joint.rail]\ntype = \"prismatic\"\nparent = \"root\"\n\
+                 child = \"block\"\naxis = [0, 1, 0]\nmotion = \"prescribed\"\npolynomial_m = [0.0, 0.5]\n\
+                 [skate.blade]\nbody = \"block\"\n";
+    write("gear_slips.toml", slips.as_bytes());
+
     // a body that slides along a beam, with parts that exclude it
     let rail = include_str!("../../verification/plant/sliding.toml");
     let reaches = |old: &str, new: &str| {
@@ -438,6 +450,10 @@ fn produced() -> Vec<String> {
     write("rail_closed.toml", reaches("[solver]", closed).as_bytes());
     let air = "[aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 0.0]\n[surface.beam]\nbody = \"beam\"\n\
                chord_m = 0.1\nstrips = 2\n[solver]";
+    write(
+        "rail_skates.toml",
+        reaches("[solver]", "[skate.blade]\nbody = \"bead\"\nhold_normal = false\n[solver]").as_bytes(),
+    );
     write("rail_in_air.toml", reaches("[solver]", air).as_bytes());
     write("rail_damped.toml", reaches("load_stations = 0", "modal_damping_ratios = [0.1, -0.1]").as_bytes());
     write("rail_with_ratios.toml", reaches("load_stations = 0", "modal_damping_ratios = [0.1, 0.2]").as_bytes());
@@ -468,6 +484,13 @@ fn produced() -> Vec<String> {
         "check rail_with_ratios.toml",
         "check ratios.toml",
         "package rigid_bars.toml --interface me -o x.fmu",
+        "modes gear.toml",
+        "package gear.toml --interface me -o x.fmu",
+        "check gear_off_plane.toml",
+        "check gear_flat.toml",
+        "check gear_at_rest.toml",
+        "simulate gear_slips.toml",
+        "check rail_skates.toml",
         "check rail_on_root.toml",
         "check rail_on_bead.toml",
         "check rail_outside.toml",
@@ -711,5 +734,5 @@ const INTERNAL: &[&str] = &[
     "the residual is not finite in iteration",
     "no equilibrium beyond the load factor …",
     // the times come from names of results, which are checked before
-    "the requested times must increase from the present",
+    "the requested times must increase from the current time",
 ];

@@ -50,6 +50,12 @@ child = "bodynameb"
 [loop.loopname]
 bodies = ["bodynamea", "bodynameb"]
 stiffness_N_m = 1e4
+[skate.skatename]
+body = "bodyname"
+[wheel.wheelname]
+body = "bodyname"
+radius_m = 0.1
+plane_point_m = [0.0, 0.0, -0.1]
 [gauge.gaugename]
 body = "bodyname"
 position_m = 0.01
@@ -120,7 +126,7 @@ const HEAD: &str = "\
 # All variables of the FMU
 
 This page is generated from the program's table of variables; a test keeps it current. `<joint>`, `<body>`, `<gauge>`,
-`<section>`, `<loop>` and `<name>` (of a failure or a control surface) are placeholders for names in the model file, `[i]` is an index from 1.
+`<section>`, `<loop>`, `<skate>`, `<wheel>` and `<name>` (of a failure or a control surface) are placeholders for names in the model file, `[i]` is an index from 1.
 `{x,y,z}` abbreviates three variables: `gravity.{x,y,z}` are `gravity.x`, `gravity.y` and `gravity.z`.
 `foldwing check MODEL.toml --list-variables` lists the variables of a model with their start values, and
 `documentation/index.html` inside the FMU contains the same table.
@@ -179,6 +185,11 @@ const WHERE: &[(&str, &str)] = &[
     ("gauge.", "each gauge"),
     ("internal_load.", "each `internal_load`"),
     ("loop.", "each closed loop"),
+    ("skate.<skate>.normal_force", "each skate with `hold_normal`"),
+    ("skate.", "each skate"),
+    ("wheel.<wheel>.normal_force", "each wheel with `hold_normal`"),
+    ("wheel.<wheel>.rolling_force", "each wheel with `rolling`"),
+    ("wheel.", "each wheel"),
     ("tip.<body>", "each free end; `tip` where there is only one"),
     ("body.", "each body"),
 ];
@@ -250,13 +261,16 @@ fn table(model: &str) -> Interface {
 
 /// Names of the model file as placeholders. Longer names first: they contain the shorter ones.
 fn generic(text: &str) -> String {
-    ["body", "joint", "gauge", "loop", "section", "surface"].iter().fold(text.to_owned(), |text, kind| {
-        ["a", "b", ""]
-            .iter()
-            .fold(text, |text, suffix| text.replace(&format!("{kind}name{suffix}"), &format!("<{kind}>")))
-            .replace("failurename", "<name>")
-            .replace("flapname", "<name>")
-    })
+    ["body", "joint", "gauge", "loop", "skate", "wheel", "section", "surface"].iter().fold(
+        text.to_owned(),
+        |text, kind| {
+            ["a", "b", ""]
+                .iter()
+                .fold(text, |text, suffix| text.replace(&format!("{kind}name{suffix}"), &format!("<{kind}>")))
+                .replace("failurename", "<name>")
+                .replace("flapname", "<name>")
+        },
+    )
 }
 
 /// Name with the components of a vector or quaternion combined, and the component.

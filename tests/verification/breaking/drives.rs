@@ -154,11 +154,11 @@ fn fl06_latches_break_and_do_not_catch() {
     };
     let (_, sound) = wing(None);
     assert!(sound.outputs().latches()[0].closed.is_on());
-    let (drift, broken) = wing(Some((Effect::LatchBreaks { body: 1 }, 0.2)));
+    let (drift, broken) = wing(Some((Effect::LatchBreak { body: 1 }, 0.2)));
     let latch = broken.outputs().latches()[0];
     assert!(!latch.closed.is_on() && latch.count.get() == 1 && latch.time_s < 0.2, "{latch:?}");
     assert!(drift < 1e-4, "energy account drifts by {drift:e} J");
-    let (drift, uncaught) = wing(Some((Effect::LatchDoesNotCatch { body: 1 }, 0.05)));
+    let (drift, uncaught) = wing(Some((Effect::LatchNoCapture { body: 1 }, 0.05)));
     let latch = uncaught.outputs().latches()[0];
     assert!(!latch.closed.is_on() && latch.count.get() == 0, "{latch:?}");
     let least_rad = uncaught.outputs().joints()[0].angle_rad;
@@ -183,7 +183,7 @@ fn fl08_failures_may_be_there_at_the_start() {
         Failure::motor_loss("motor", "hinge").at_time_s(-1.0),
         Failure::motor_jam("jam", "hinge").after("motor"),
         Failure::latch_no_capture("latch", "hinge"),
-        Failure::spring_weakens("spring", "hinge", 0.5).after("latch").delay_s(0.25),
+        Failure::spring_break("spring", "hinge", 0.5).after("latch").delay_s(0.25),
     ];
     let spring = Spring { stiffness_n_m_rad: 1.0, ..Spring::default() };
     let joint = |joint: JointBuilder| sprung(joint).spring(spring).latch(Latch::rigid().angle_rad(START_RAD));

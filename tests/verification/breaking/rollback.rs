@@ -23,7 +23,7 @@ fn outputs_until(plant: &mut Plant, end_s: f64, steps: usize) -> Vec<Outputs> {
 fn fl20_rollback_over_failures_to_the_bit() {
     let brake = FrictionBrake { torque_n_m: 0.05, ramp_s: 0.1, slip_rad_s: 1e-2 };
     let failures = [
-        Failure::spring_weakens("spring", "hinge", 0.3).when("hinge", Quantity::Angle, BoundSide::Below, 0.1),
+        Failure::spring_break("spring", "hinge", 0.3).when("hinge", Quantity::Angle, BoundSide::Below, 0.1),
         Failure::motor_runaway("runaway", "hinge", 1.0, 2.0).at_time_s(0.31),
         Failure::brake_applied("brake", "hinge", brake).after("spring").delay_s(0.2),
         Failure::motor_jam("jam", "hinge").at_time_s(0.8),

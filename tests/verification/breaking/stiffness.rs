@@ -14,7 +14,7 @@ fn fl25_a_spring_keeps_a_share() {
         joint.spring(Spring { stiffness_n_m_rad, ..Spring::default() }).start_angle_rad(START_RAD)
     };
     let fails_s = 0.1;
-    let mut plant = begun(joint, Failure::spring_weakens("spring", "hinge", 0.25).at_time_s(fails_s));
+    let mut plant = begun(joint, Failure::spring_break("spring", "hinge", 0.25).at_time_s(fails_s));
     assert!(drift_j(&mut plant, 1.0, 9) < 1e-8);
     let at = |f: fn(f64) -> f64, w: f64, t: f64| f(w * t);
     let (angle_rad, rate_rad_s) = (
@@ -122,7 +122,7 @@ fn fl29_a_spring_breaks_with_its_damper() {
         let spring = Spring { stiffness_n_m_rad, damping_n_m_s_rad: 0.1 * stiffness_n_m_rad, ..Spring::default() };
         joint.spring(spring).start_angle_rad(START_RAD)
     };
-    let mut plant = begun(joint, Failure::spring_weakens("spring", "hinge", 0.0).at_time_s(0.1));
+    let mut plant = begun(joint, Failure::spring_break("spring", "hinge", 0.0).at_time_s(0.1));
     drift_j(&mut plant, 0.2, 3);
     let rate_rad_s = plant.outputs().joints()[0].rate_rad_s;
     drift_j(&mut plant, 1.0, 5);

@@ -128,6 +128,7 @@ fn model_files(folder: &Path) -> Vec<PathBuf> {
 /// present, at the ends of aerodynamic steps, where every usual communication point lies, and inside these steps. Aerodynamic loads are
 /// constant within a step (Q1); their jump at its start is not part of the rate.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn e14_rates_in_air_are_slopes_of_what_is_read() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let mut models = 0;

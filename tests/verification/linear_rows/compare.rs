@@ -330,7 +330,7 @@ pub fn linear_rows_agree_at(plant: &mut Plant) -> Rows {
     };
     let is_hybrid = match plant.hybrid() {
         Ok(_) => true,
-        Err(NotHybrid::Air | NotHybrid::RigidLoop | NotHybrid::Sliding) => false,
+        Err(NotHybrid::Air | NotHybrid::NoSlip | NotHybrid::RigidLoop | NotHybrid::Sliding) => false,
         Err(NotHybrid::Uninitialized) => panic!("not initialised"),
     };
     let compared = Compared { interface: &interface, model: &model, given: &given, outputs: &outputs };

@@ -25,6 +25,7 @@ fn shipped(path: &str) -> Machine {
 const LEFT_OUT: &[(&str, &str)] = &[
     ("flight/folding_aircraft.toml", "no steady flight"),
     ("flying_aircraft.toml", "no steady flight"),
+    ("gear/castor.toml", "constrains velocities"),
     ("models/flying_wing.toml", "no steady flight"),
     ("models/double_pendulum.toml", "no stiffness resists a motion of joint"),
     ("sliding/jib_crane.toml", "no linear model"),
@@ -53,6 +54,7 @@ fn examples() -> Vec<String> {
 /// LR-01. Shipped models about their start, or about their equilibrium if a joint has several degrees of freedom. Short studies: one of
 /// each kind of aerodynamics and joint.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn lr01_rows_of_shipped_models() {
     const SHORT: [&str; 6] = [
         "models/goland_wing.toml",

@@ -116,6 +116,7 @@ fn folding_wing_in_air(step_s: f64) -> String {
 /// that of an external integrator with instantaneous loads: the tip of Goland's wing in a gust. The folding wing unfolds in the same way:
 /// the difference at 0.5 ms is 5e-7 s of the latch time, close to the tolerance of the structural steps.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn hy02_strips_tend_to_the_air_of_the_instant() {
     let goland = |step_s: f64| {
         let text = include_str!("../../../examples/models/goland_wing.toml");

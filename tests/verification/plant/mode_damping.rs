@@ -152,7 +152,7 @@ fn lp12_factors_contain_the_damping_of_modes() {
     let offsets_m = [Vector3::new(0.1, 0.0, 0.2), Vector3::new(-0.1, 0.3, 0.0)];
     let loops = [[Some((0, 0.5)), Some((2, 0.5))], [Some((1, 0.5)), None]];
     let loops = loops.map(|places| ClosureDescription { places, offsets_m, rigid: false, penalty });
-    let mut model = Model::with_closures(&bodies, &loops);
+    let mut model = Model::with_constraints(&bodies, &loops, &[]);
     for body in 0..3 {
         model.damp_modes(body, &[0.1, 0.4, 0.2]);
     }

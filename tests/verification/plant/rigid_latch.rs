@@ -185,6 +185,7 @@ fn rl13_states_around_the_closing_are_complete() {
 /// caught it, within its window. Undamped bodies vibrate after each impact with frequencies that no step resolves at 1e-6; the numerical
 /// damping of these is not part of the energy balance: half a per cent of the largest kinetic energy.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn rl14_random_chains_with_rigid_latches() {
     let (mut closings, mut worst) = (0, 0f64);
     let chains = if is_whole() { 60 } else { 20 };

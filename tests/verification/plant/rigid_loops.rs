@@ -418,7 +418,7 @@ fn lp29_refusals_name_the_loop() {
         (with(pin().damping_n_s_m(1.0)), "no penalty in a loop with rigid = true"),
         (with(pin().inertia_kg(1.0)), "no penalty in a loop with rigid = true"),
         (with(Closure::between("pin", ["crank", "coupler"], 0.0).offsets_m([[0.2, 0.0, 0.0]; 2])), "or rigid = true"),
-        (with(pin()).failure(Failure::loop_weakens("snap", "pin", 0.5)), "constraint forces have none to weaken"),
+        (with(pin()).failure(Failure::loop_break("snap", "pin", 0.5)), "constraint forces have none to weaken"),
     ];
     for (builder, expected) in cases {
         let text = builder.build().expect_err(expected).to_string();

@@ -235,7 +235,7 @@ fn lp04_a_flying_body_tied_to_the_root() {
 /// balance still closes.
 #[test]
 fn lp05_a_loop_on_the_root_breaks() {
-    let snap = Failure::loop_weakens("snap", "foot", 0.0).at_time_s(0.0503);
+    let snap = Failure::loop_break("snap", "foot", 0.0).at_time_s(0.0503);
     let mut plant = start(built(braced("root", [0, 1], 0.0).failure(snap)));
     let begin_j = balance_j(plant.outputs());
     for step in 1..=100 {

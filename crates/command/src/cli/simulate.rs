@@ -46,8 +46,8 @@ pub struct Arguments {
     /// JSON file for the vortex lattice and its wake at the times of `--lattice-at`
     #[arg(long, value_name = "OUT.json", requires = "lattice_at")]
     lattice: Option<PathBuf>,
-    /// Time in s at which to write the lattice; may be repeated. The lattice is written at the next communication point, as it is at the
-    /// end of the current aerodynamic step
+    /// Time in s at which to write the lattice; may be repeated. The file has its state at the end of the aerodynamic step that contains the
+    /// next communication point
     #[arg(long, value_name = "S", requires = "lattice", allow_negative_numbers = true)]
     lattice_at: Vec<f64>,
     /// Variables to write: names or patterns (`fold.*`), separated by commas; may be repeated [default: all outputs]

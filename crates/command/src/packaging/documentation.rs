@@ -6,7 +6,7 @@ use crate::packaging::{VERSION, air_section, drawing, palette, use_section};
 use foldwing_engine::beam::section::Section;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{
-    Body, ElementKind, JointKind, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel,
+    Body, ElementKind, JointKind, LatchKind, OneFreedom, Parent, Runner, Spatial, SpatialFreedom, Travel,
 };
 use foldwing_engine::math::so3::rotation_vector;
 use foldwing_engine::math::strain::STRAINS;
@@ -55,6 +55,7 @@ pub fn page(machine: &Machine, variables: &[Variable], extras: &Extras) -> Strin
     bodies_section(&mut html, machine);
     joints_section(&mut html, machine);
     loops_section(&mut html, machine);
+    no_slips_section(&mut html, machine);
     air_section::write(&mut html, machine);
     experiment_section(&mut html, machine);
     use_section::drive(&mut html, machine, variables, extras.kinds);
@@ -225,6 +226,43 @@ fn loops_section(html: &mut String, machine: &Machine) {
                 false => penalty.map(number),
             });
             row
+        }),
+    );
+}
+
+/// Writes the section on skates and wheels; empty without them.
+fn no_slips_section(html: &mut String, machine: &Machine) {
+    if machine.no_slips.is_empty() {
+        return;
+    }
+    html.push_str(
+        "<h2>Skates and wheels</h2>\n<p>A skate moves along its direction only, the point of contact of a wheel does not slip, on planes \
+         that are fixed in the root frame.</p>\n",
+    );
+    let head =
+        ["name", "on", "offset (m)", "kind", "direction or axis", "plane normal", "point of the plane (m)", "normal"];
+    table(
+        html,
+        &head,
+        machine.no_slips.iter().map(|no_slip| {
+            let body = escape(&machine.bodies[no_slip.body].name);
+            let (kind, direction) = match &no_slip.runner {
+                Runner::Skate { direction } => ("skate".to_owned(), direction),
+                Runner::Wheel { axis, radius_m, rolling } => {
+                    let rolls = if *rolling { "rolling" } else { "sliding along its heading" };
+                    (format!("wheel of radius {} m, {rolls}", number(*radius_m)), axis)
+                }
+            };
+            vec![
+                escape(&no_slip.name).into_owned(),
+                format!("{body} at {} m", number(no_slip.position_m)),
+                vector(no_slip.offset_m.as_slice()),
+                kind,
+                vector(direction.as_slice()),
+                vector(no_slip.plane_normal.as_slice()),
+                vector(no_slip.plane_point_m.as_slice()),
+                if no_slip.hold_normal { "held" } else { "free" }.to_owned(),
+            ]
         }),
     );
 }

@@ -85,6 +85,7 @@ pub(crate) fn two_body_machine() -> Machine {
         description: "Two bodies < one wing & a joint".to_owned(),
         bodies: vec![body("inner", clamp), body("outer", fold)],
         closures: Vec::new(),
+        no_slips: Vec::new(),
         air: None,
         gauges: vec![],
         internal_loads: vec![],

@@ -47,6 +47,7 @@ impl Kinds {
             true if sampled => Err(NotHybrid::Air),
             true if machine.sliding_joint().is_some() => Err(NotHybrid::Sliding),
             true if machine.closures.iter().any(|closure| closure.rigid) => Err(NotHybrid::RigidLoop),
+            true if !machine.no_slips.is_empty() => Err(NotHybrid::NoSlip),
             true | false => Ok(()),
         }
     }

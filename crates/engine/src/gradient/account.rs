@@ -116,8 +116,8 @@ impl Gradient<'_> {
     /// Returns an error if slopes of accounts are not available for this run.
     pub(super) fn check_account(&self) -> Result<(), GradientError> {
         if self.sections.is_some() {
-            let place = "work and dissipation".into();
-            return Err(GradientError::NotCovered { part: "energy accounts of a run with aerodynamics", place });
+            let remedy = "choose another output, or use finite differences".into();
+            return Err(GradientError::OtherChoice { part: "energy accounts of a run with aerodynamics", remedy });
         }
         Ok(())
     }
@@ -240,8 +240,9 @@ impl Gradient<'_> {
             let booked = account.booked(&behind.start) - account.booked(&before.end);
             let known = account.of_jumps([is[0] - was[0], is[1] - was[1]]);
             if (booked - known).abs() > SAME_JUMP * size.max(booked.abs()) {
-                let place = format!("event at {} s; ask for times before it", behind.start.time_s);
-                return Err(GradientError::NotCovered { part: OTHER_ENERGIES, place });
+                let remedy =
+                    format!("choose times before the event at {} s, or use finite differences", behind.start.time_s);
+                return Err(GradientError::OtherChoice { part: OTHER_ENERGIES, remedy });
             }
         }
         Ok(())

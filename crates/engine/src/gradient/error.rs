@@ -5,7 +5,7 @@ use crate::system::PlantError;
 /// Reason why a run has no gradient.
 #[derive(Debug, thiserror::Error)]
 pub enum GradientError {
-    /// A part of the machine has no exact derivative yet.
+    /// A part of the model has no exact derivative yet.
     #[error("gradients do not cover {part} ({place}); remove it, or use finite differences")]
     NotCovered {
         /// Kind of part, in words.
@@ -13,11 +13,19 @@ pub enum GradientError {
         /// Its name.
         place: String,
     },
+    /// A result, or a start of the run, without an exact derivative; another choice has one.
+    #[error("gradients do not cover {part}; {remedy}")]
+    OtherChoice {
+        /// Kind of result or start, in words.
+        part: &'static str,
+        /// The other choice, as an instruction.
+        remedy: String,
+    },
     /// A crossing that the motion only touches: its instant has no derivative.
     #[error(
         "joint {joint} reaches its latch or end stop at {time_s} s with a rate of only {closing_1_s:.1e} rad/s (or \
          m/s), less than a millionth of its largest rate: the time of contact has no derivative; change the model so \
-         that the joint arrives faster or does not arrive"
+         that the joint reaches it faster or not at all"
     )]
     Grazing {
         /// Joint.
@@ -47,14 +55,14 @@ pub enum GradientError {
         cause: String,
     },
     /// A requested time that is not after the one before it.
-    #[error("the requested times must increase from the present, {from_s} s, on; {time_s} s does not")]
+    #[error("the requested times must increase from the current time, {from_s} s, on; {time_s} s does not")]
     Times {
         /// Time before it in s.
         from_s: f64,
         /// Time requested in s.
         time_s: f64,
     },
-    /// A neighbouring machine has other coordinates or starts in another state.
+    /// A neighbouring model has other coordinates or starts in another state.
     #[error(
         "a small change of parameter {parameter} changes {what}, so the derivative is not defined; choose another \
          value, or another parameter"

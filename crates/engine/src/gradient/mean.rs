@@ -62,12 +62,12 @@ impl Gradient<'_> {
     pub(super) fn check_mean(&self, index: usize, time: usize) -> Result<(), GradientError> {
         self.check_output(index, time)?;
         if Account::of(self.system, index).is_some() {
-            let place = "ask for their values at times".into();
-            return Err(GradientError::NotCovered { part: "means of energy accounts", place });
+            let remedy = "choose their values at times, or use finite differences".into();
+            return Err(GradientError::OtherChoice { part: "means of energy accounts", remedy });
         }
         if self.sections.is_some() {
-            let place = "ask for values at times".into();
-            return Err(GradientError::NotCovered { part: "means over a run with aerodynamics", place });
+            let remedy = "choose values at times, or use finite differences".into();
+            return Err(GradientError::OtherChoice { part: "means over a run with aerodynamics", remedy });
         }
         if self.tape.marks[time].branch.is_none() {
             return Err(GradientError::Absent { what: "mean up to its start".to_owned() });

@@ -25,19 +25,19 @@ mod prescribed;
 mod projection;
 mod result;
 mod run;
-mod run_result;
 mod sections;
 mod slopes;
 mod step;
 mod sums;
 mod tape;
+mod values;
 mod variation;
 mod vectors;
 
 pub use error::GradientError;
 pub use inputs::{InputColumn, InputRows};
 pub use parameter::Parameter;
-pub use run_result::RunResult;
+pub use result::RunResult;
 pub use tape::Tape;
 
 use crate::multibody::derivative::Derivative;

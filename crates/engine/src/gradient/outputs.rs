@@ -98,17 +98,17 @@ impl<'a> Gradient<'a> {
             self.check_account()?;
         }
         if layout.circulation_m2_s.range().contains(&index) || layout.flaps.range().contains(&index) {
-            let place = "ask for loads and motions".into();
-            return Err(GradientError::NotCovered { part: "circulations and control surfaces as results", place });
+            let remedy = "choose loads or motions, or use finite differences".into();
+            return Err(GradientError::OtherChoice { part: "circulations and control surfaces as results", remedy });
         }
         if self.sections.is_some() && self.tape.marks[time].branch.is_none() {
-            let place = "ask for a later time".into();
-            return Err(GradientError::NotCovered { part: "results at the start of a run with aerodynamics", place });
+            let remedy = "choose a later time".into();
+            return Err(GradientError::OtherChoice { part: "results at the start of a run with aerodynamics", remedy });
         }
         if layout.changes_at_events(index) {
-            return Err(GradientError::NotCovered {
+            return Err(GradientError::OtherChoice {
                 part: "outputs that change at events only, such as latch times",
-                place: "ask for the latch time itself".into(),
+                remedy: "choose the latch time of the joint as the result".into(),
             });
         }
         Ok(())

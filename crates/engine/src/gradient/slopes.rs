@@ -176,6 +176,7 @@ impl System {
     /// Returns an error for machines with parts whose derivatives are not known, by their names.
     pub(crate) fn refuse_gradient(&self) -> Result<(), GradientError> {
         let refuse = |part, place: &str| Err(GradientError::NotCovered { part, place: place.into() });
+        let other = |part, remedy: &str| Err(GradientError::OtherChoice { part, remedy: remedy.into() });
         let machine = &*self.machine;
         if let Some((part, place)) = self.air_without_slopes() {
             return refuse(part, place);
@@ -191,6 +192,9 @@ impl System {
         }
         if let Some(closure) = machine.closures.iter().find(|closure| closure.rigid) {
             return refuse("rigid loops", &closure.name);
+        }
+        if let Some(no_slip) = machine.no_slips.first() {
+            return refuse("skates and wheels", &no_slip.name);
         }
         if let (Some((body, _)), Some(_)) = (machine.spatials().next(), &machine.air) {
             return refuse("universal, ball and free joints in air", &machine.bodies[body].joint.name);
@@ -210,10 +214,10 @@ impl System {
             return refuse("inputs that vary in time", "inputs");
         }
         if !self.state.initialized || self.inputs_changed() {
-            return refuse("inputs or parameters changed since initialisation", "initialise the machine again");
+            return other("inputs or parameters that changed after the initialisation", "initialise the model again");
         }
         if self.state.statistics.steps != 0 {
-            return refuse("runs that do not begin at the start", "initialise the machine first");
+            return other("runs that continue an earlier run", "initialise the model first");
         }
         for joint in self.equations.forces.joints() {
             let name = &machine.bodies[joint.body].joint.name;

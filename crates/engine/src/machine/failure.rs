@@ -28,17 +28,17 @@ pub struct Failure {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effect {
     /// Motor and generator of a joint lose their torque; their inertia remains.
-    DriveDies {
+    MotorLoss {
         /// Body of the joint.
         body: usize,
     },
     /// The joint is held at its position, as by a lock.
-    DriveJams {
+    MotorJam {
         /// Body of the joint.
         body: usize,
     },
     /// The neutral angle of the motor moves to a given angle, independent of its command.
-    DriveRunsAway {
+    MotorRunaway {
         /// Body of the joint.
         body: usize,
         /// Final neutral angle in rad, or position in m.
@@ -47,43 +47,43 @@ pub enum Effect {
         rate_rad_s: f64,
     },
     /// The latch opens, and does not close again.
-    LatchBreaks {
+    LatchBreak {
         /// Body of the joint.
         body: usize,
     },
     /// An open latch stays open; a closed one stays closed until it is opened.
-    LatchDoesNotCatch {
+    LatchNoCapture {
         /// Body of the joint.
         body: usize,
     },
     /// The lock of a joint opens permanently, because the link that held it fails.
-    StopperOpens {
+    LockRelease {
         /// Body of the joint.
         body: usize,
     },
     /// Spring and damper of a joint are reduced to a fraction.
-    SpringWeakens {
+    SpringBreak {
         /// Body of the joint.
         body: usize,
         /// Remaining fraction, from 0 to 1.
         remaining: f64,
     },
     /// The penalty that closes a loop is reduced to a fraction.
-    LoopWeakens {
+    LoopBreak {
         /// Index into [`Machine::closures`](crate::machine::Machine::closures).
         closure: usize,
         /// Remaining fraction, from 0 to 1; at 0 the loop is open.
         remaining: f64,
     },
     /// All stiffness of a beam is reduced to a fraction.
-    BodyWeakens {
+    StiffnessLoss {
         /// Index of the beam.
         body: usize,
         /// Remaining fraction, above 0 and up to 1.
         remaining: f64,
     },
     /// A brake is applied.
-    BrakeComesOn {
+    BrakeApplied {
         /// Body of the joint.
         body: usize,
         /// The friction brake.
@@ -95,15 +95,15 @@ impl Effect {
     /// Body of the joint whose forces the failure changes, if any.
     pub fn joint_of(&self) -> Option<usize> {
         match *self {
-            Self::DriveDies { body }
-            | Self::DriveJams { body }
-            | Self::DriveRunsAway { body, .. }
-            | Self::LatchBreaks { body }
-            | Self::LatchDoesNotCatch { body }
-            | Self::StopperOpens { body }
-            | Self::SpringWeakens { body, .. }
-            | Self::BrakeComesOn { body, .. } => Some(body),
-            Self::LoopWeakens { .. } | Self::BodyWeakens { .. } => None,
+            Self::MotorLoss { body }
+            | Self::MotorJam { body }
+            | Self::MotorRunaway { body, .. }
+            | Self::LatchBreak { body }
+            | Self::LatchNoCapture { body }
+            | Self::LockRelease { body }
+            | Self::SpringBreak { body, .. }
+            | Self::BrakeApplied { body, .. } => Some(body),
+            Self::LoopBreak { .. } | Self::StiffnessLoss { .. } => None,
         }
     }
 }

@@ -10,6 +10,7 @@ pub(crate) mod edges;
 pub mod failure;
 pub mod fault;
 mod joint_kind;
+mod no_slip;
 mod one_freedom;
 pub mod pose;
 pub mod travel;
@@ -19,6 +20,7 @@ pub mod validate;
 pub use closure::{Closure, LoopEnd};
 pub use failure::{Effect, Failure};
 pub use fault::{Fault, Refused};
+pub use no_slip::NoSlip;
 pub use one_freedom::{OneFreedom, Revolute};
 
 use crate::aero::flap::Flap;
@@ -39,6 +41,7 @@ pub use crate::force::prescribed::Motion;
 pub use crate::force::spring::Spring;
 use crate::load::{LoadFrame, Wrench};
 use crate::math::strain::Strain;
+pub use crate::multibody::no_slip::Runner;
 use nalgebra::{Matrix3, Vector3};
 pub use travel::{LinearMotor, LinearSpring, Travel};
 
@@ -53,6 +56,8 @@ pub struct Machine {
     pub bodies: Vec<Body>,
     /// Joints that close loops, by the penalty method.
     pub closures: Vec<Closure>,
+    /// Skates and wheels.
+    pub no_slips: Vec<NoSlip>,
     /// Strain gauges.
     pub gauges: Vec<Gauge>,
     /// Sections whose internal loads are outputs.

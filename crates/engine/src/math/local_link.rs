@@ -260,6 +260,7 @@ fn spread(f: Lanes, g: Lanes, [x, y, z]: Three, [xy, xz, yz]: Three, across: Thr
     ]
 }
 
+/// Poses and Jacobians of links in their inner frames, eqs. (K3), (K4), with the terms that their rates share.
 #[inline(always)]
 fn place<const N: usize>(length_m: Lanes, q: &Strains<N>) -> (Shared, LocalLinks) {
     let turn: Three = from_fn(|i| length_m * q.0[TWIST + i]);

@@ -196,7 +196,7 @@ pub struct LinkGeometry {
 
 impl LinkGeometry {
     /// Pose and Jacobian of a link of `length_m` with `strain = (εx, κx, κy, κz)`, followed by `γy, γz` with shear, attached to the frame
-    /// `inner` (world ← a).
+    /// `inner` (world ← a), eqs. (K3), (K4).
     #[inline]
     pub fn new<const N: usize>(inner: &Matrix3<f64>, length_m: f64, strain: &[f64; N]) -> (Self, Link<N>) {
         let (e_x, e_y, e_z) = (column(inner, 0), column(inner, 1), column(inner, 2));

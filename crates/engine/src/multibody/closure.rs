@@ -97,28 +97,6 @@ impl Closure {
     }
 }
 
-/// Applies all closures, rigid loops with their multipliers in the accelerations `a`; returns the sum of their wrenches on the root, see
-/// [`Closure::apply`].
-pub(crate) fn apply_all(model: &Model, work: &mut Workspace, a: &[f64]) -> Option<Pair> {
-    let mut on_root: Option<Pair> = None;
-    let mut book = |own: Option<Pair>| {
-        if let Some(own) = own {
-            let sum = on_root.get_or_insert(Pair::ZERO);
-            sum.linear += own.linear;
-            sum.angular += own.angular;
-        }
-    };
-    for closure in &model.closures {
-        book(closure.apply(work));
-    }
-    for (index, closure) in model.rigid_loops.iter().enumerate() {
-        let force_n = Vector3::from_column_slice(&a[model.multipliers(index)]);
-        work.rigid_forces[index] = force_n;
-        book(closure.apply_force(work, force_n));
-    }
-    on_root
-}
-
 /// Value that replaces an absent penalty; its inverse and the square of the inverse are still finite.
 const ABSENT: f64 = 1e-150;
 
@@ -199,6 +177,12 @@ pub(crate) fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
 /// Generalised forces due to a unit force across a closure's gap.
 pub(crate) fn project_unit_force(model: &Model, work: &mut Workspace, closure: &Closure, axis: usize, out: &mut [f64]) {
     work.bias.fill(Pair::ZERO);
+    load_unit_force(work, closure, axis);
+    project_bias(model, work, out);
+}
+
+/// Adds a unit force across a closure's gap to the wrenches in `work.bias`.
+pub(crate) fn load_unit_force(work: &mut Workspace, closure: &Closure, axis: usize) {
     let mut unit = Vector3::zeros();
     unit[axis] = 1.0;
     for (side, force) in [(0, -unit), (1, unit)] {
@@ -207,6 +191,10 @@ pub(crate) fn project_unit_force(model: &Model, work: &mut Workspace, closure: &
         work.bias[n].linear += force;
         work.bias[n].angular += (node.rotation * closure.offsets_m[side]).cross(&force);
     }
+}
+
+/// Generalised forces due to the wrenches on the nodes in `work.bias`, which are overwritten.
+pub(crate) fn project_bias(model: &Model, work: &mut Workspace, out: &mut [f64]) {
     out.fill(0.0);
     for (index, body) in model.bodies.iter().enumerate().rev() {
         let mut p = work.bias[body.last_node()];

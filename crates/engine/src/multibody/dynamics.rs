@@ -6,7 +6,7 @@
 use crate::load::{RootMotion, Wrench};
 use crate::math::so3::hat;
 use crate::math::strain::{SHEARED, STRAINS};
-use crate::multibody::closure;
+use crate::multibody::constraint;
 pub use crate::multibody::elastic::Damping;
 use crate::multibody::elastic::elastic_forces;
 use crate::multibody::kinematics::{Motion, sweep_motion};
@@ -92,7 +92,7 @@ pub(super) fn sweep_forces<const PROJECT: bool>(
     }
     react_on_carriers(model, work, environment.damping);
     let rotors_on_root = react_of_rotors::<PROJECT>(model, work, motion, environment.root, residual);
-    let loops_on_root = closure::apply_all(model, work, motion.a);
+    let loops_on_root = constraint::apply_all(model, work, motion.a);
     sweep_inward::<PROJECT>(model, work, residual);
     if PROJECT {
         rigid_loop::violations(model, work, residual);

@@ -1,5 +1,5 @@
-//! Factorisation and solution of `(a BᵀM B + b C + c K) x = r`: the tree by its recursion, then closed loops and damped modes, then rigid
-//! loops, each as a correction of low rank.
+//! Factorisation and solution of `(a BᵀM B + b C + c K) x = r`: the tree by its recursion, then closed loops and damped modes, then
+//! constraints, each as a correction of low rank.
 
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::Model;
@@ -22,7 +22,7 @@ pub fn factorize(
     if model.is_bordered() {
         closure::factorize(model, work, weights).ok_or(BadPivot { coordinate: 0 })?;
     }
-    if !model.rigid_loops.is_empty() {
+    if model.constraints() > 0 {
         rigid_loop::factorize(model, work);
     }
     Ok(())
@@ -34,5 +34,5 @@ pub fn factorize(
 /// `x`. Not finite if an entry is not finite. Allocates nothing.
 pub fn solve(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let norm = closure::solve(model, work, x);
-    if model.rigid_loops.is_empty() { norm } else { rigid_loop::correct(model, work, x) }
+    if model.constraints() == 0 { norm } else { rigid_loop::correct(model, work, x) }
 }

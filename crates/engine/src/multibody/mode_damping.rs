@@ -69,6 +69,7 @@ impl Model {
             stations: Vec::new(),
             closures: Vec::new(),
             rigid_loops: Vec::new(),
+            no_slips: Vec::new(),
             damped_modes: Vec::new(),
             slides: Vec::new(),
             reference_length_m: self.reference_length_m,

@@ -14,6 +14,7 @@ pub use crate::multibody::element::{Elastic, Element, Strained};
 use crate::multibody::joint::{Joint, JointKind};
 use crate::multibody::loops::{Closure, ClosureDescription};
 use crate::multibody::modal::Modal;
+use crate::multibody::runner::{NoSlip, NoSlipDescription, ROWS};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
 /// Description of a body for meshing.
@@ -191,6 +192,8 @@ pub struct Model {
     pub closures: Vec<Closure>,
     /// Rigid loops, without a penalty: their multipliers are the last coordinates, three for each, NOTATION eq. (C5).
     pub rigid_loops: Vec<Closure>,
+    /// Skates and wheels: their multipliers follow those of the rigid loops, three for each, NOTATION eq. (L47).
+    pub no_slips: Vec<NoSlip>,
     /// Modes of beams damped by their ratios.
     pub damped_modes: Vec<DampedMode>,
     /// Sliding joints.
@@ -204,18 +207,17 @@ pub struct Model {
 }
 
 impl Model {
-    /// Whether closed loops or damped modes add a matrix of low rank to that of the tree.
-    pub fn is_bordered(&self) -> bool {
-        !(self.closures.is_empty() && self.damped_modes.is_empty())
-    }
-
     /// Meshes the bodies. Bodies must be sorted parent before child; positions must be on their bodies.
     pub fn new(descriptions: &[BodyDescription]) -> Self {
-        Self::with_closures(descriptions, &[])
+        Self::with_constraints(descriptions, &[], &[])
     }
 
-    /// Meshes the bodies of a machine with closed loops; the positions of the loops become mesh boundaries.
-    pub fn with_closures(descriptions: &[BodyDescription], closures: &[ClosureDescription]) -> Self {
+    /// Meshes the bodies of a machine with closed loops, skates and wheels, whose positions become mesh boundaries.
+    pub fn with_constraints(
+        descriptions: &[BodyDescription],
+        closures: &[ClosureDescription],
+        no_slips: &[NoSlipDescription],
+    ) -> Self {
         let mut model = Self {
             bodies: Vec::new(),
             elements: Vec::new(),
@@ -223,6 +225,7 @@ impl Model {
             stations: Vec::new(),
             closures: Vec::new(),
             rigid_loops: Vec::new(),
+            no_slips: Vec::new(),
             damped_modes: Vec::new(),
             slides: Vec::new(),
             coordinates: 0,
@@ -251,6 +254,7 @@ impl Model {
                 Attachment::Root(_) | Attachment::Body { .. } | Attachment::Axis { .. } => None,
             });
             let looped = closures.iter().flat_map(|closure| closure.places).flatten();
+            let looped = looped.chain(no_slips.iter().map(|no_slip| no_slip.place));
             let looped = looped.filter_map(|(body, position_m)| (body == index).then_some(position_m));
             model.add_body(description, base, children.chain(looped).collect());
         }
@@ -262,7 +266,11 @@ impl Model {
             };
             if closure.rigid { model.rigid_loops.push(built) } else { model.closures.push(built) }
         }
-        model.coordinates += 3 * model.rigid_loops.len();
+        for described in no_slips {
+            let node = model.node_at(described.place.0, described.place.1);
+            model.no_slips.push(NoSlip { node, described: *described });
+        }
+        model.coordinates += ROWS * (model.rigid_loops.len() + no_slips.len());
         model.reference_length_m = path_m.iter().copied().fold(0.0, f64::max);
         if model.reference_length_m == 0.0 {
             model.reference_length_m = 1.0; // the machine has no extent

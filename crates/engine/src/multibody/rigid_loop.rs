@@ -1,15 +1,18 @@
-//! Rigid loops: points that coincide by constraint forces, NOTATION eqs. (C5)–(C7).
+//! Constraints by multipliers: rigid loops, points that coincide by constraint forces, NOTATION eqs. (C5)–(C7), with skates and wheels,
+//! eqs. (L47), (L48).
 //!
 //! The multipliers of the constraints are unknowns beside the accelerations, stored as the last coordinates; in their rows the residual has
 //! the second rates of the gaps. The small matrix of the constraints follows from the factors of the tree; its pseudo-inverse omits
 //! redundant rows.
 
-use crate::multibody::closure::{self, Gap, project_unit_force};
+use crate::multibody::closure::{self, Gap, project_bias};
+use crate::multibody::constraint::Constraint;
 use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::Model;
 use crate::multibody::norm::kinematic_norm;
 use crate::multibody::rigid_factor::RigidFactor;
-use crate::multibody::workspace::Workspace;
+use crate::multibody::runner::ROWS;
+use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::Vector3;
 
 /// The gap or one of its rates.
@@ -23,41 +26,41 @@ const OPEN: f64 = 1e-12;
 const SETTLED: usize = 3;
 /// Maximum number of corrections: each reduces the gap in the ratio of the change of directions since the factorisation, as a rule to 1 %.
 const CORRECTIONS: usize = 30;
-impl Model {
-    /// Coordinates of the tree; those of the multipliers of rigid loops follow.
-    pub fn tree_coordinates(&self) -> usize {
-        self.coordinates - 3 * self.rigid_loops.len()
-    }
-
-    /// Indices of the multipliers of a rigid loop in vectors of accelerations: components of the force on its first point in N, root frame.
-    pub fn multipliers(&self, rigid_loop: usize) -> std::ops::Range<usize> {
-        let first = self.tree_coordinates() + 3 * rigid_loop;
-        first..first + 3
-    }
-}
+/// Rate of a row, relative to the speeds at the constraint, above which a skate or a wheel slips; the same share of the machine's length
+/// off its plane.
+const SLIPS: f64 = 1e-9;
 
 /// Writes the second rates of the gaps to the rows of the multipliers, eq. (C5).
 pub(crate) fn violations(model: &Model, work: &Workspace, residual: &mut [f64]) {
-    for (index, closure) in model.rigid_loops.iter().enumerate() {
-        residual[model.multipliers(index)].copy_from_slice(closure.gap(work).acceleration_m_s2.as_slice());
+    for index in 0..model.constraints() {
+        let gap = model.constraint(index).gap(work);
+        residual[model.multipliers(index)].copy_from_slice(gap.acceleration_m_s2.as_slice());
     }
 }
 
-/// Adds the rigid loops to a factorisation of the tree, its closures and its damped modes.
+/// Adds the constraints to a factorisation of the tree, its closures and its damped modes.
 pub(crate) fn factorize(model: &Model, work: &mut Workspace) {
     let mut factor = std::mem::replace(&mut work.rigid_factor, RigidFactor::new(0, 0));
     let rows = factor.gaps.len();
     factor.mobility = 0.0;
     for row in 0..rows {
         let column = &mut factor.columns[row];
-        project_unit_force(model, work, &model.rigid_loops[row / 3], row % 3, column);
+        let own = model.constraint(row / ROWS);
+        if !own.is_active(row % ROWS) {
+            // without a force the pseudo-inverse omits the row
+            column.fill(0.0);
+            (0..rows).for_each(|other| factor.small[other * rows + row] = 0.0);
+            continue;
+        }
+        work.bias.fill(Pair::ZERO);
+        own.load_unit(work, row % ROWS);
+        project_bias(model, work, column);
         closure::solve(model, work, column);
-        for (other, closure) in model.rigid_loops.iter().enumerate() {
-            let [first, second] = closure.point_changes(work);
-            factor.mobility = factor.mobility.max(first.amax()).max(second.amax());
-            let change = second - first;
-            for axis in 0..3 {
-                factor.small[(3 * other + axis) * rows + row] = change[axis];
+        for other in 0..model.constraints() {
+            let (change, largest) = model.constraint(other).changes(work);
+            factor.mobility = factor.mobility.max(largest);
+            for axis in 0..ROWS {
+                factor.small[(ROWS * other + axis) * rows + row] = change[axis];
             }
         }
     }
@@ -65,16 +68,16 @@ pub(crate) fn factorize(model: &Model, work: &mut Workspace) {
     work.rigid_factor = factor;
 }
 
-/// Adds the rigid loops to a solution without them, whose node displacements must be in `work.bias`. In the rows of the multipliers `x`
+/// Adds the constraints to a solution without them, whose node displacements must be in `work.bias`. In the rows of the multipliers `x`
 /// holds the second rates of the gaps on entry and the changes of the multipliers on return, eq. (C6). Returns the kinematic norm of the
 /// solution.
 pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     let mut factor = std::mem::replace(&mut work.rigid_factor, RigidFactor::new(0, 0));
     let (of_tree, rows) = x.split_at_mut(model.tree_coordinates());
-    for (index, closure) in model.rigid_loops.iter().enumerate() {
-        let change = closure.gap_change(work);
-        for axis in 0..3 {
-            factor.gaps[3 * index + axis] = change[axis] - rows[3 * index + axis];
+    for index in 0..model.constraints() {
+        let (change, _) = model.constraint(index).changes(work);
+        for axis in 0..ROWS {
+            factor.gaps[ROWS * index + axis] = change[axis] - rows[ROWS * index + axis];
         }
     }
     factor.remove_gaps(of_tree);
@@ -83,21 +86,22 @@ pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64
     kinematic_norm(model, work, x)
 }
 
-/// Projects a state onto the constraints with the last factors, eq. (C7): coordinates, then rates and accelerations at these. The error is
-/// the largest gap relative to the machine's length, if it stays above round-off.
-pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64]; 3]) -> Result<(), f64> {
+/// Projects a state onto the constraints with the last factors, eqs. (C7), (L48): coordinates, then rates and accelerations at these.
+pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64]; 3]) -> Result<(), Miss> {
     let tree = model.tree_coordinates();
     // integrals of the multipliers have no meaning
     q[tree..].fill(0.0);
     v[tree..].fill(0.0);
     let mut before = f64::INFINITY;
-    let mut gap = f64::INFINITY;
+    let mut openness = Openness::default();
     for round in 0..CORRECTIONS {
         sweep_motion(model, work, Motion { q, v, a });
-        let [open, moving] = openness(model, work);
-        gap = open;
-        let worst = open.max(moving);
-        if worst <= ROUND_OFF || (round >= SETTLED && worst > 0.5 * before && open <= OPEN) || !worst.is_finite() {
+        openness = Openness::of(model, work);
+        let worst = openness.gap.max(openness.rate);
+        if worst <= ROUND_OFF
+            || (round >= SETTLED && worst > 0.5 * before && openness.gap <= OPEN)
+            || !worst.is_finite()
+        {
             break;
         }
         before = worst;
@@ -108,33 +112,64 @@ pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64];
             (&mut a[..tree], |gap| gap.acceleration_m_s2),
         ];
         for (x, part) in parts {
-            for (index, closure) in model.rigid_loops.iter().enumerate() {
-                factor.gaps[3 * index..3 * index + 3].copy_from_slice(part(&closure.gap(work)).as_slice());
+            for index in 0..model.constraints() {
+                let gap = model.constraint(index).gap(work);
+                factor.gaps[ROWS * index..][..ROWS].copy_from_slice(part(&gap).as_slice());
             }
             factor.remove_gaps(x);
         }
         work.rigid_factor = factor;
     }
-    if gap <= OPEN { Ok(()) } else { Err(gap) }
+    let Openness { of_loops, slip, .. } = openness;
+    match (of_loops <= OPEN, slip <= SLIPS) {
+        (true, true) => Ok(()),
+        (true, false) => Err(Miss::Slips(slip)),
+        (false, true | false) => Err(Miss::Open(of_loops)),
+    }
 }
 
-/// Largest gap relative to the machine's length, and largest rate of a gap relative to the speed of its points, which counts as at least
-/// one length per second.
-fn openness(model: &Model, work: &Workspace) -> [f64; 2] {
-    let length_m = model.reference_length_m;
-    let mut largest = [0.0_f64; 2];
-    for closure in &model.rigid_loops {
-        let gap = closure.gap(work);
-        let mut speed_m_s = length_m;
-        for (node, offset_m) in closure.nodes.iter().zip(&closure.offsets_m) {
-            let Some(node) = node.map(|n| &work.nodes[n]) else { continue };
-            speed_m_s = speed_m_s.max(node.velocity.norm() + node.spin.norm() * offset_m.norm());
-        }
-        let shares = [gap.position_m.norm() / length_m, gap.velocity_m_s.norm() / speed_m_s];
+/// Reason why corrections leave a state off the constraints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Miss {
+    /// Largest gap relative to the machine's length.
+    Open(f64),
+    /// Largest rate of a row of a skate or a wheel relative to its speed, or distance from the plane relative to the machine's length.
+    Slips(f64),
+}
+
+/// Distance of a state from the constraints.
+#[derive(Debug, Clone, Copy, Default)]
+struct Openness {
+    /// Largest gap relative to the machine's length.
+    gap: f64,
+    /// Largest rate of a row relative to the speed of the constraint's points, which counts as at least one length per second.
+    rate: f64,
+    /// Largest gap of rigid loops only.
+    of_loops: f64,
+    /// Largest gap or rate of skates and wheels only.
+    slip: f64,
+}
+
+impl Openness {
+    /// The distance at the motion of the last sweep.
+    fn of(model: &Model, work: &Workspace) -> Self {
+        let length_m = model.reference_length_m;
         // a gap that is not a number is not closed
-        for (largest, share) in largest.iter_mut().zip(shares) {
-            *largest = if share.is_nan() { f64::INFINITY } else { largest.max(share) };
+        let larger = |largest: f64, share: f64| if share.is_nan() { f64::INFINITY } else { largest.max(share) };
+        let mut own = Self::default();
+        for index in 0..model.constraints() {
+            let constraint = model.constraint(index);
+            let gap = constraint.gap(work);
+            let speed_m_s = length_m.max(constraint.speed_m_s(work));
+            let rate = gap.velocity_m_s.norm() / speed_m_s;
+            let open = gap.position_m.norm() / length_m;
+            own.gap = larger(own.gap, open);
+            own.rate = larger(own.rate, rate);
+            match constraint {
+                Constraint::Loop(_) => own.of_loops = larger(own.of_loops, open),
+                Constraint::NoSlip(_) => own.slip = larger(larger(own.slip, open), rate),
+            }
         }
+        own
     }
-    largest
 }

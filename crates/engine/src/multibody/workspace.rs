@@ -11,6 +11,7 @@ use crate::multibody::modal::ModalWork;
 use crate::multibody::model::{Base, Model};
 use crate::multibody::node::Eliminated;
 use crate::multibody::rigid_factor::RigidFactor;
+use crate::multibody::runner::ROWS;
 use crate::multibody::slope_vector::Slope;
 use nalgebra::Vector3;
 
@@ -81,7 +82,7 @@ pub struct Workspace {
     pub(crate) sheared: Eliminated<SHEARED>,
     pub(crate) closure_factor: ClosureFactor,
     pub(crate) rigid_factor: RigidFactor,
-    /// Per rigid loop: force on its first point in N, root frame, at the last wrenches.
+    /// Per constraint: its multipliers in N at the last wrenches; of a rigid loop the force on its first point, root frame.
     pub(crate) rigid_forces: Vec<Vector3<f64>>,
 }
 
@@ -135,8 +136,8 @@ impl Workspace {
             plain: Eliminated::new(elements),
             sheared: Eliminated::new(if model.sheared { elements } else { 0 }),
             closure_factor: ClosureFactor::new(3 * model.closures.len() + model.damped_modes.len(), model.coordinates),
-            rigid_forces: vec![zero; model.rigid_loops.len()],
-            rigid_factor: RigidFactor::new(3 * model.rigid_loops.len(), model.tree_coordinates()),
+            rigid_forces: vec![zero; model.constraints()],
+            rigid_factor: RigidFactor::new(ROWS * model.constraints(), model.tree_coordinates()),
         }
     }
 }

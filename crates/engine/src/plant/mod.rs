@@ -19,7 +19,7 @@ pub use crate::study::{
 pub use crate::system::{
     AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FlapOutputs,
     FlightMode, Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs,
-    ModalOutputs, ModeShape, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError, PointOutputs,
-    RotorLoads, SHEAR_SHARE, SectionChange, SectionPlace, SectionShape, SectionState, SectionStrain, Snapshot,
-    SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare, energy_share_names,
+    ModalOutputs, ModeShape, NoSlipOutputs, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError,
+    PointOutputs, RotorLoads, SHEAR_SHARE, SectionChange, SectionPlace, SectionShape, SectionState, SectionStrain,
+    Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare, energy_share_names,
 };

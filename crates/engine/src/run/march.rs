@@ -70,7 +70,7 @@ impl Plant {
         self.system.inputs_may_differ = false;
         let marches = changed || self.system.state.ahead.time_s <= end_s;
         // values reached by running ahead were checked when the step was taken, unless they were too large
-        let guarded = marches || !self.system.stays_moderate() || self.system.has_rigid_loops();
+        let guarded = marches || !self.system.stays_moderate() || self.system.is_constrained();
         if guarded {
             self.system.begin.copy_from(&self.system.state);
         }

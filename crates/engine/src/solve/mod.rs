@@ -94,15 +94,27 @@ pub struct Powers {
     pub dissipated: f64,
 }
 
-/// The constraints of closed loops are not met at the end of a step.
+/// The constraints are not met at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error(
-    "rigid loops stay open by {gap:.1e} of the model's length: prescribed motions, locks or the lengths of the bodies contradict them; \
-     release a joint of the loop, or give it stiffness_N_m in place of rigid = true"
-)]
-pub struct Open {
-    /// Largest gap relative to the machine's length.
-    pub gap: f64,
+pub enum Open {
+    /// Rigid loops are not closed.
+    #[error(
+        "rigid loops stay open by {gap:.1e} of the model's length: prescribed motions, locks or the lengths of the bodies contradict them; \
+         release a joint of the loop, or give it stiffness_N_m in place of rigid = true"
+    )]
+    Gap {
+        /// Largest gap relative to the machine's length.
+        gap: f64,
+    },
+    /// Skates or wheels slip, or have left their planes.
+    #[error(
+        "a skate or a wheel slips by {slip:.1e} of its speed, or is off its plane by this share of the model's length: prescribed motions, \
+         locks or other constraints contradict it; release a joint, or write hold_normal = false, or rolling = false on a wheel"
+    )]
+    Slip {
+        /// Largest rate of slip relative to the speed of the point of contact, or distance from the plane relative to the machine's length.
+        slip: f64,
+    },
 }
 
 /// The Newton matrix cannot be factorised at this iterate.

@@ -31,7 +31,7 @@ impl Study<'_> {
     /// If there is no equilibrium, or if the only one lies beyond such a latch.
     pub(crate) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         if self.system.air.is_some() {
-            self.system.refuse_rigid_loop("static equilibrium in air")?;
+            self.system.refuse_constraints("static equilibrium in air")?;
         }
         let (start, joints) = (self.system.state.now.q.clone(), self.system.state.joints.clone());
         let effort = self.settle_with_latches(time_s, holding)?;

@@ -64,7 +64,7 @@ impl Study<'_> {
     /// Mass, damping and stiffness about the current state with its accelerations, over [`System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
         self.system.refuse_sliding("linear model")?;
-        self.system.refuse_rigid_loop("linear model")?;
+        self.system.refuse_constraints("linear model")?;
         let freedoms = self.system.freedoms();
         let mut unused = vec![0.0; self.system.coordinates()];
         let now = &self.system.state.now;

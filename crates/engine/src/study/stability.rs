@@ -108,6 +108,7 @@ impl Study<'_> {
     /// If the modes cannot be computed.
     pub fn stability(&mut self) -> Result<Stability, PlantError> {
         self.system.refuse_sliding("stability")?;
+        self.system.refuse_no_slip("stability")?;
         if self.system.has_linear_lattice() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0 {
             return match self.growing_in_air_of_lattice(JUDGED_MODES) {
                 Ok(modes) => Ok(self.stability_in_lattice(&modes)),
@@ -129,7 +130,7 @@ impl Study<'_> {
         let by_pivots = potential && !neutral;
         let coordinates = self.system.coordinates();
         let too_many = coordinates > MAXIMUM_COORDINATES;
-        let rigid = self.system.has_rigid_loops();
+        let rigid = self.system.is_constrained();
         let growing =
             if by_pivots && negative_directions == 0 || too_many || rigid { Vec::new() } else { self.growing()? };
         let not_judged = (!by_pivots).then_some(()).and_then(|()| match (rigid, too_many) {

@@ -380,6 +380,7 @@ impl Study<'_> {
 
     pub(super) fn come_to_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         self.system.refuse_sliding("static equilibrium")?;
+        self.system.refuse_no_slip("static equilibrium")?;
         self.start_at_rest(time_s);
         let effort = self.settle_in_air(time_s, holding)?;
         self.conclude_rest(time_s)?;

@@ -47,13 +47,25 @@ impl System {
         Ok(())
     }
 
-    /// Whether any loop is closed by constraint forces.
-    pub(crate) fn has_rigid_loops(&self) -> bool {
-        !self.equations.model.rigid_loops.is_empty()
+    /// Whether there are constraints by multipliers: rigid loops, skates and wheels.
+    pub(crate) fn is_constrained(&self) -> bool {
+        self.equations.model.constraints() > 0
     }
 
-    /// Returns an error that names an analysis if a rigid loop does not permit it.
-    pub(crate) fn refuse_rigid_loop(&self, analysis: &'static str) -> Result<(), PlantError> {
+    /// Returns an error that names an analysis that skates and wheels do not permit.
+    pub(crate) fn refuse_no_slip(&self, analysis: &'static str) -> Result<(), PlantError> {
+        match self.machine.no_slips.first() {
+            None => Ok(()),
+            Some(no_slip) => {
+                let (time_s, name) = (self.state.now.time_s, no_slip.name.clone());
+                Err(PlantError::NoSlip { time_s, kind: no_slip.table(), name, analysis })
+            }
+        }
+    }
+
+    /// Returns an error that names an analysis if a rigid loop, a skate or a wheel does not permit it.
+    pub(crate) fn refuse_constraints(&self, analysis: &'static str) -> Result<(), PlantError> {
+        self.refuse_no_slip(analysis)?;
         match self.machine.closures.iter().find(|closure| closure.rigid) {
             None => Ok(()),
             Some(closure) => {

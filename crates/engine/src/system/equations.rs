@@ -14,7 +14,9 @@ use crate::multibody::gauge::Side;
 use crate::multibody::internal_load::SectionPlace;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Attachment, BodyDescription, Element};
-use crate::multibody::{Model, Workspace, energy, norm, rigid_loop, station_load};
+use crate::multibody::no_slip::NoSlipDescription;
+use crate::multibody::rigid_loop::{self, Miss};
+use crate::multibody::{Model, Workspace, energy, norm, station_load};
 use crate::signal::{Inputs, Parameters};
 use crate::solve::newton::NewtonError;
 use crate::solve::point::Point;
@@ -109,7 +111,19 @@ impl Equations {
                 },
             })
             .collect();
-        let mut model = Model::with_closures(&descriptions, &closures);
+        let no_slips: Vec<NoSlipDescription> = machine
+            .no_slips
+            .iter()
+            .map(|no_slip| NoSlipDescription {
+                place: (no_slip.body, no_slip.position_m),
+                offset_m: no_slip.offset_m,
+                runner: no_slip.runner,
+                normal: no_slip.plane_normal,
+                distance_m: no_slip.plane_normal.dot(&no_slip.plane_point_m),
+                holds_normal: no_slip.hold_normal,
+            })
+            .collect();
+        let mut model = Model::with_constraints(&descriptions, &closures, &no_slips);
         for (index, body) in machine.bodies.iter().enumerate() {
             model.bodies[index].damps_attached = body.damp_attached_masses;
             let [y, z] = body.shear_damping_factors;
@@ -202,10 +216,10 @@ impl Equations {
         Potentials { elastic: stored.elastic, gravity, drive: stored.drive }
     }
 
-    /// Closes the rigid loops of a start or of an interpolated state, with a factorisation for this state: interpolation meets the
+    /// Closes the rigid loops, skates and wheels of a start or of an interpolated state, with a factorisation for this state: interpolation meets the
     /// constraints only to its own error.
     pub(crate) fn close_point(&mut self, point: &mut Point) -> Result<(), NewtonError> {
-        if self.model.rigid_loops.is_empty() {
+        if self.model.constraints() == 0 {
             return Ok(());
         }
         let mut residual = std::mem::take(&mut self.scratch);
@@ -273,10 +287,13 @@ impl EquationsOfMotion for Equations {
     }
 
     fn close(&mut self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) -> Result<(), Open> {
-        if self.model.rigid_loops.is_empty() {
+        if self.model.constraints() == 0 {
             return Ok(());
         }
-        rigid_loop::close(&self.model, &mut self.work, [q, v, a]).map_err(|gap| Open { gap })
+        rigid_loop::close(&self.model, &mut self.work, [q, v, a]).map_err(|miss| match miss {
+            Miss::Open(gap) => Open::Gap { gap },
+            Miss::Slips(slip) => Open::Slip { slip },
+        })
     }
 
     fn residual(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) {

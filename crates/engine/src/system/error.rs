@@ -218,6 +218,21 @@ pub enum PlantError {
         /// The analysis.
         analysis: &'static str,
     },
+    /// An analysis that models with skates or wheels do not support.
+    #[error(
+        "no {analysis} at t = {time_s} s: the {kind} {name:?} constrains velocities, which no function of the positions represents; \
+         compute the motion over time, or omit the table [{kind}.{name}]"
+    )]
+    NoSlip {
+        /// Time in s.
+        time_s: f64,
+        /// `skate` or `wheel`.
+        kind: &'static str,
+        /// Name of the skate or wheel.
+        name: String,
+        /// The analysis.
+        analysis: &'static str,
+    },
     /// The current state has no linear model.
     #[error("no linearisation at t = {time_s} s: {cause}")]
     Linearization {
@@ -260,6 +275,7 @@ impl PlantError {
             | Self::OffBeam { .. }
             | Self::Sliding { .. }
             | Self::RigidLoop { .. }
+            | Self::NoSlip { .. }
             | Self::Linearization { .. }
             | Self::Periodic { .. }
             | Self::Snapshot(..) => self.to_string(),

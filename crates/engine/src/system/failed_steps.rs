@@ -4,9 +4,9 @@ use crate::system::Statistics;
 
 /// Number of failed steps below which no advice is given: releases and latches cause some.
 const FEW: u64 = 100;
-/// Fraction of failed steps above which advice is given. If Newton's method fails at every step size within the tolerance, steps are cut to
-/// a quarter and then grow by a factor of three: about 0.8 of them fail. In a run with steps limited by the tolerance one in a hundred
-/// fails.
+/// Fraction of failed steps above which advice is given. If Newton's method fails at all step sizes that meet the tolerance, a failure
+/// divides the step by four and a success allows three times its length: about 0.8 of the steps fail. In a run with steps limited by the
+/// tolerance one in a hundred fails.
 const SHARE: f64 = 0.2;
 
 impl Statistics {

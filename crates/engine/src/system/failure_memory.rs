@@ -27,25 +27,25 @@ impl FailureMemory {
 
 /// Whether some failure reduces the stiffness of a body.
 pub(crate) fn weaken_bodies(machine: &Machine) -> bool {
-    machine.failures.iter().any(|failure| matches!(failure.effect, Effect::BodyWeakens { .. }))
+    machine.failures.iter().any(|failure| matches!(failure.effect, Effect::StiffnessLoss { .. }))
 }
 
 /// Forces added to a joint for its failures: brakes, which are initially off, and monitored bounds.
 pub(crate) fn forces_on(machine: &Machine, body: usize) -> impl Iterator<Item = Force> {
     let brakes = machine.failures.iter().enumerate().filter_map(move |(index, failure)| match failure.effect {
-        Effect::BrakeComesOn { body: on, brake } if on == body => {
+        Effect::BrakeApplied { body: on, brake } if on == body => {
             Some(Force::Slipping(SlippingBrake::off(brake, index)))
         }
-        Effect::DriveDies { .. }
-        | Effect::DriveJams { .. }
-        | Effect::DriveRunsAway { .. }
-        | Effect::LatchBreaks { .. }
-        | Effect::LatchDoesNotCatch { .. }
-        | Effect::StopperOpens { .. }
-        | Effect::SpringWeakens { .. }
-        | Effect::LoopWeakens { .. }
-        | Effect::BodyWeakens { .. }
-        | Effect::BrakeComesOn { .. } => None,
+        Effect::MotorLoss { .. }
+        | Effect::MotorJam { .. }
+        | Effect::MotorRunaway { .. }
+        | Effect::LatchBreak { .. }
+        | Effect::LatchNoCapture { .. }
+        | Effect::LockRelease { .. }
+        | Effect::SpringBreak { .. }
+        | Effect::LoopBreak { .. }
+        | Effect::StiffnessLoss { .. }
+        | Effect::BrakeApplied { .. } => None,
     });
     let bounds = machine.failures.iter().enumerate().filter_map(move |(failure, described)| {
         described.when.filter(|bound| bound.body == body).map(|bound| (failure, bound))
@@ -118,23 +118,23 @@ pub(crate) fn tell(
     let failed = failures.iter().zip(memories).filter(|(_, memory)| memory.has_failed());
     for (failure, _) in failed.filter(|(failure, _)| failure.effect.joint_of() == Some(body)) {
         match failure.effect {
-            Effect::DriveRunsAway { to_rad, rate_rad_s, .. } => {
+            Effect::MotorRunaway { to_rad, rate_rad_s, .. } => {
                 (told.command_rad, told.command_rate_rad_s) = (to_rad, 0.0);
                 told.rate_limit_rad_s = rate_rad_s;
             }
-            Effect::LatchBreaks { .. } => told.latch_enable = false,
-            Effect::LatchDoesNotCatch { .. } => told.latch_enable &= memory.latch.closed,
-            Effect::StopperOpens { .. } => told.release = true,
-            Effect::DriveDies { .. }
-            | Effect::DriveJams { .. }
-            | Effect::SpringWeakens { .. }
-            | Effect::LoopWeakens { .. }
-            | Effect::BodyWeakens { .. }
-            | Effect::BrakeComesOn { .. } => {}
+            Effect::LatchBreak { .. } => told.latch_enable = false,
+            Effect::LatchNoCapture { .. } => told.latch_enable &= memory.latch.closed,
+            Effect::LockRelease { .. } => told.release = true,
+            Effect::MotorLoss { .. }
+            | Effect::MotorJam { .. }
+            | Effect::SpringBreak { .. }
+            | Effect::LoopBreak { .. }
+            | Effect::StiffnessLoss { .. }
+            | Effect::BrakeApplied { .. } => {}
         }
     }
     // a jammed motor holds the joint, whether or not it is released
-    let jams = |failure: &Failure| matches!(failure.effect, Effect::DriveJams { body: on } if on == body);
+    let jams = |failure: &Failure| matches!(failure.effect, Effect::MotorJam { body: on } if on == body);
     if failures.iter().zip(memories).any(|(failure, memory)| memory.has_failed() && jams(failure)) {
         told.release = false;
     }
@@ -149,7 +149,7 @@ pub(crate) fn begin_joint(
     memory: &mut JointMemory,
 ) {
     // a latch that fails to catch is open unless the model describes it as initially closed
-    let catches = |failure: &Failure| !matches!(failure.effect, Effect::LatchDoesNotCatch { body: on } if on == body);
+    let catches = |failure: &Failure| !matches!(failure.effect, Effect::LatchNoCapture { body: on } if on == body);
     let fails = |(failure, memory): (&Failure, &FailureMemory)| memory.has_failed() && !catches(failure);
     if !latched && failures.iter().zip(memories).any(fails) {
         memory.latch.closed = false;

@@ -90,18 +90,18 @@ impl System {
     pub(crate) fn weaken_loops(&mut self) {
         let (failures, memories) = (&self.machine.failures, &self.state.failures);
         let left = |failure: &Failure, memory: &FailureMemory| match failure.effect {
-            Effect::LoopWeakens { closure, remaining } => {
+            Effect::LoopBreak { closure, remaining } => {
                 Some((closure, if memory.has_failed() { remaining } else { 1.0 }))
             }
-            Effect::DriveDies { .. }
-            | Effect::DriveJams { .. }
-            | Effect::DriveRunsAway { .. }
-            | Effect::LatchBreaks { .. }
-            | Effect::LatchDoesNotCatch { .. }
-            | Effect::StopperOpens { .. }
-            | Effect::SpringWeakens { .. }
-            | Effect::BodyWeakens { .. }
-            | Effect::BrakeComesOn { .. } => None,
+            Effect::MotorLoss { .. }
+            | Effect::MotorJam { .. }
+            | Effect::MotorRunaway { .. }
+            | Effect::LatchBreak { .. }
+            | Effect::LatchNoCapture { .. }
+            | Effect::LockRelease { .. }
+            | Effect::SpringBreak { .. }
+            | Effect::StiffnessLoss { .. }
+            | Effect::BrakeApplied { .. } => None,
         };
         for (failure, memory) in failures.iter().zip(memories) {
             let Some((closure, _)) = left(failure, memory) else { continue };
@@ -120,7 +120,7 @@ impl System {
 /// Applies the effect of a failure that has occurred to the equations.
 fn impose(effect: &Effect, equations: &mut Equations) {
     match *effect {
-        Effect::DriveDies { body } => {
+        Effect::MotorLoss { body } => {
             let Some(joint) = joint_on(equations, body) else { return };
             if let Some(motor) = joint.motor_mut() {
                 motor.drive.stiffness_n_m_rad = 0.0;
@@ -131,12 +131,12 @@ fn impose(effect: &Effect, equations: &mut Equations) {
                 generator.connected = false;
             }
         }
-        Effect::DriveRunsAway { body, .. } => {
+        Effect::MotorRunaway { body, .. } => {
             if let Some(motor) = joint_on(equations, body).and_then(|joint| joint.motor_mut()) {
                 motor.deaf = true;
             }
         }
-        Effect::SpringWeakens { body, remaining } => {
+        Effect::SpringBreak { body, remaining } => {
             if let Some(spring) = joint_on(equations, body).and_then(|joint| joint.spring_mut()) {
                 spring.stiffness_n_m_rad *= remaining;
                 spring.damping_n_m_s_rad *= remaining;
@@ -147,7 +147,7 @@ fn impose(effect: &Effect, equations: &mut Equations) {
                 spring.damping_n_m_s_rad *= remaining;
             }
         }
-        Effect::BodyWeakens { body, remaining } => {
+        Effect::StiffnessLoss { body, remaining } => {
             let described = &equations.model.bodies[body];
             let own = described.first_element..described.first_element + described.elements;
             for element in &mut equations.model.elements[own] {
@@ -158,12 +158,12 @@ fn impose(effect: &Effect, equations: &mut Equations) {
             }
         }
         // applied through inputs and parameters, or for all brakes and loops together
-        Effect::DriveJams { .. }
-        | Effect::LatchBreaks { .. }
-        | Effect::LatchDoesNotCatch { .. }
-        | Effect::StopperOpens { .. }
-        | Effect::LoopWeakens { .. }
-        | Effect::BrakeComesOn { .. } => {}
+        Effect::MotorJam { .. }
+        | Effect::LatchBreak { .. }
+        | Effect::LatchNoCapture { .. }
+        | Effect::LockRelease { .. }
+        | Effect::LoopBreak { .. }
+        | Effect::BrakeApplied { .. } => {}
     }
 }
 

@@ -60,6 +60,12 @@ pub enum NotHybrid {
          loop stiffness_N_m in place of rigid = true"
     )]
     RigidLoop,
+    /// Skates and wheels are projected onto their constraints at the ends of the internal integrator's steps.
+    #[error(
+        "an external integrator is not possible with a skate or a wheel: its states would leave the constraints, so that they slip; use \
+         co-simulation"
+    )]
+    NoSlip,
     /// Panels, wake and rotors advance in fixed aerodynamic steps.
     #[error(
         "an external integrator is not possible with a vortex lattice or a rotor: both use fixed aerodynamic steps; write \
@@ -83,6 +89,9 @@ impl System {
         }
         if self.machine.closures.iter().any(|closure| closure.rigid) {
             return Err(NotHybrid::RigidLoop);
+        }
+        if !self.machine.no_slips.is_empty() {
+            return Err(NotHybrid::NoSlip);
         }
         // crossings located ahead by the internal integrator do not apply to the external one
         self.state.joints.iter_mut().for_each(|joint| joint.crossed = 0);

@@ -41,7 +41,7 @@ pub use freedoms::Freedom;
 pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
 pub use outputs::{
     EnergyOutputs, FailureOutputs, FlapOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs,
-    ModalOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
+    ModalOutputs, NoSlipOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
 };
 pub(crate) use shape::ENERGY_SHARES;
 pub use shape::{

@@ -4,6 +4,7 @@ use crate::beam::modal::{ModalElement, ShapesAt};
 use crate::multibody::Model;
 use crate::multibody::gauge::GaugePoint;
 use crate::multibody::model::Elastic;
+use crate::multibody::no_slip::Runner;
 
 /// Largest magnitude of a moderate model's numbers, and of the inverse of its smallest stiffness.
 const LARGEST_OF_MODEL: f64 = 1e30;
@@ -36,6 +37,14 @@ pub(crate) fn model_is_moderate(model: &Model, gauges: &[GaugePoint]) -> bool {
             let penalty = &closure.penalty;
             all(&[penalty.inertia_kg, penalty.damping_n_s_m, penalty.stiffness_n_m])
                 && closure.offsets_m.iter().all(|offset| all(offset.as_slice()))
+        })
+        && model.no_slips.iter().all(|no_slip| {
+            let described = &no_slip.described;
+            let radius_m = match described.runner {
+                Runner::Skate { .. } => 0.0,
+                Runner::Wheel { radius_m, .. } => radius_m,
+            };
+            all(described.offset_m.as_slice()) && all(&[described.distance_m, radius_m])
         })
         && gauges.iter().all(|gauge| all(gauge.row.as_slice()) && all(&[gauge.position_m]))
         && model.bodies.iter().filter_map(|body| body.modal.as_ref()).all(|modal| modal_is_moderate(&modal.element))

@@ -12,7 +12,7 @@ pub(crate) struct SpatialJoint {
     pub body: usize,
     /// Redundant parameters of the joint.
     joint: Joint,
-    /// Whether it is a free joint that is the only connection of its bodies to the rest of the model, without loops.
+    /// Whether it is a free joint that is the only connection of its bodies to the rest of the model, without loops, skates and wheels.
     pub flies: bool,
     /// Whether it is held while the other parts of the model settle, eq. (Q8).
     pub held: bool,
@@ -24,7 +24,8 @@ impl SpatialJoint {
         let of = |(body, _): (usize, &Spatial)| {
             let joint = model.bodies[body].joint;
             let looped = machine.closures.iter().flat_map(|closure| closure.ends).filter_map(LoopEnd::on_body);
-            let flies = joint.kind.floats() && !looped.into_iter().any(|(end, _)| carries(machine, body, end));
+            let mut held = looped.map(|(end, _)| end).chain(machine.no_slips.iter().map(|no_slip| no_slip.body));
+            let flies = joint.kind.floats() && !held.any(|end| carries(machine, body, end));
             Self { body, joint, flies, held: false }
         };
         machine.spatials().map(of).collect()

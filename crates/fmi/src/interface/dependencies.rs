@@ -84,7 +84,9 @@ fn depends_on(topology: &Topology, depends: &Depends, known: Known) -> bool {
 
 /// Dependence of the initial value.
 fn depends_initially_on(topology: &Topology, depends: &Depends, known: Known) -> bool {
-    if settles(topology.machine, depends) {
+    // the start rates are projected onto the constraints of skates and wheels, which couples all of them
+    let projected = depends.settles && !topology.machine.no_slips.is_empty();
+    if projected || settles(topology.machine, depends) {
         return match known {
             Known::Time => any_moved(topology),
             Known::Parameter(Parameter::Joint(_, JointParameter::RateLimit) | Parameter::Solver) => false,

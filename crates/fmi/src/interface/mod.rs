@@ -16,6 +16,7 @@ mod hinge_dependencies;
 mod joints;
 mod known;
 mod linear;
+mod no_slips;
 mod operating_point;
 mod point_dependencies;
 mod rows;

@@ -7,7 +7,7 @@ use crate::interface::table::{
     FACTOR, NON_NEGATIVE, POSITIVE, ParameterRow, Shape, TOLERANCE, Table, Text, Type, place, wrench, wrench_texts,
 };
 use crate::interface::topology::Topology;
-use crate::interface::{Variability, air, counters, joints};
+use crate::interface::{Variability, air, counters, joints, no_slips};
 use foldwing_engine::load::{LoadFrame, RootMotion, Wrench};
 use foldwing_engine::machine::{Machine, SectionSide};
 use foldwing_engine::plant::{
@@ -157,6 +157,7 @@ fn outputs(table: &mut Table, topology: &Topology, integrator: Integrator) {
     for (index, closure) in topology.machine.closures.iter().enumerate() {
         loop_outputs(table, topology, index, &closure.name);
     }
+    topology.machine.no_slips.iter().enumerate().for_each(|no_slip| no_slips::outputs(table, topology, no_slip));
     let [force, moment] = [
         "force of the wing on the aircraft, {}, root frame",
         "moment of the wing on the aircraft at the origin, {}, root frame",

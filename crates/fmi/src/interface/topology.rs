@@ -161,7 +161,7 @@ impl<'a> Topology<'a> {
         })
     }
 
-    /// Returns whether the group of a body floats: no joint and no loop with inertia connects it to the root.
+    /// Returns whether the group of a body floats: no joint, no loop with inertia, no skate and no wheel connects it to the root.
     pub fn floats(&self, body: usize) -> bool {
         let group = self.group[body];
         let held = |closure: usize| {
@@ -170,7 +170,8 @@ impl<'a> Topology<'a> {
                 && self.joined(closure).any(|body| self.group[body] == group)
         };
         let mut members = self.branch.iter().copied().filter(|&first| self.group[first] == group);
-        members.all(|first| self.unbound(first).is_some()) && !(0..self.machine.closures.len()).any(held)
+        let rests = self.machine.no_slips.iter().any(|no_slip| self.group[no_slip.body] == group);
+        members.all(|first| self.unbound(first).is_some()) && !(0..self.machine.closures.len()).any(held) && !rests
     }
 
     /// Returns whether the first body of a body's branch is on a free joint and has a velocity at the start.

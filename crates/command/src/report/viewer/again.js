@@ -13,8 +13,29 @@ function keptNow() {
     charts: again.done ? charts.map(chart => chart.names) : again.kept?.charts, dark: chosenDark,
     open: get("display").open, scrolled: document.querySelector("main > aside").scrollTop,
     // if the same run continues, it is shown at the time of the previous picture
-    time: state.wanted === undefined || again.done ? main.timeAt(main.position) : state.wanted, playing: state.playing,
+    time: wantedTime(), playing: state.playing, slowed: state.slowed,
   };
+}
+const wantedTime = () => (state.wanted === undefined || (again.done && !state.partial) ? main.timeAt(main.position) : state.wanted);
+
+// Shows the beginning of another run in the scene of this complete one, with its scales, if they differ in their values over time only: `false` where
+// the model has another structure, which needs a scene of its own and three times as long.
+const OF_THE_RUN = ["begins", "rows", "events", "recorded", "points", "signalRows"];
+const structureOf = one => JSON.stringify({ ...one, ...Object.fromEntries(OF_THE_RUN.map(name => [name, null])) });
+let structure = null;
+function continueWith(next, numbers) {
+  structure ??= structureOf(about);
+  if (!renderer || !again.done || structureOf(next) !== structure) return false;
+  Object.assign(state, { wanted: wantedTime(), partial: true });
+  for (const name of OF_THE_RUN) about[name] = next[name];
+  main.numbers = numbers;
+  main.columns.clear();
+  if (wakeMesh) makeWakeRoom(ringsOf(about));
+  get("time").max = main.last;
+  main.goTo(main.positionAt(Math.min(state.wanted, main.timeOf(main.last))));
+  listEvents();
+  show();
+  return true;
 }
 
 function keep(kept) {
@@ -23,19 +44,23 @@ function keep(kept) {
   field = FIELDS[get("field").value];
   surfaceField = SURFACE_FIELDS[get("surface-field").value];
   get("display").open = kept.open;
-  document.querySelector("main > aside").scrollTop = kept.scrolled;
+  if (again.done) document.querySelector("main > aside").scrollTop = kept.scrolled;
   const { azimuth, elevation, flat, target, distance } = kept.camera;
   Object.assign(camera, { azimuth, elevation, flat });
   get("flat").setAttribute("aria-pressed", String(flat));
   // the camera is kept for a machine of about the same size; the size is unknown until the run is complete
   if (again.done && Math.abs(Math.log(extents.size / kept.size)) > 0.2) frameAll(extents.points); else Object.assign(camera, { target, distance });
   followed = followPoint();
-  state.wanted = kept.time;
+  Object.assign(state, { wanted: kept.time, slowed: kept.slowed });
   main.goTo(main.positionAt(Math.min(kept.time, main.timeOf(main.last))));
   setScales();
   show();
-  // shaders of items that are not visible at first, as a shadow outside of the ground, would be freed with the previous run
-  renderer?.compile(scene, lens());
+  // shaders of items that are not visible at first, as a shadow outside of the ground, would be freed with the previous run, and so would those
+  // without shadows, with which slow computers play
+  for (const cast of state.slowed ? [false, true] : [true]) {
+    sun.castShadow = cast && get("shadow").checked && get("ground").checked;
+    renderer?.compile(scene, lens());
+  }
   if (kept.playing || again.play) play(true);
 }
 if (again.kept) keep(again.kept); else if (again.play) play(true);
@@ -53,4 +78,4 @@ function dispose() {
   for (const { made } of symbols) for (const geometry of made.values()) geometry.dispose();
   sun.dispose();
 }
-return { renderer, textPictures, main, about, charts, keptNow, endRun, endPlots, dispose };
+return { renderer, textPictures, main, about, charts, keptNow, continueWith, endRun, endPlots, dispose };

@@ -193,7 +193,7 @@ class SurfaceShape {
       const level = this.levelOf(c);
       this.begins.push(next / 12);
       for (let side = 0; side < 2; side++) for (let n = 0; n + 1 < level.length; n++) {
-        // counter-clockwise from outside, since the renderer reverses the normals of faces that are seen from behind
+        // counter-clockwise from outside, since the renderer reverses the normals of faces whose back is visible
         const [i, j] = side ? [c, c + 1] : [c + 1, c], [a, b] = [edges[i][side], edges[j][side]], [k, l] = [level[n], level[n + 1]];
         const [one, other] = fades ? [tones[i], tones[j]] : [tones[c][rowOf(k)], tones[c][rowOf(k)]];
         corner(a, k, one);
@@ -262,11 +262,13 @@ class SurfaceShape {
   }
 }
 
-const mostRings = Math.max(0, ...about.rows.map((rows, frame) => rows.reduce((sum, count, i) => sum + count * (about.wakes[i] - 1), 0)));
+// Largest number of rings of the wake in a frame.
+const ringsOf = ({ rows, wakes }) => Math.max(0, ...rows.map(counts => counts.reduce((sum, count, i) => sum + count * (wakes[i] - 1), 0)));
+const mostRings = ringsOf(about);
 const wakeQuads = count => quads(count, new THREE.MeshBasicMaterial({
   vertexColors: true, transparent: true, opacity: 0.62, depthWrite: false, side: THREE.DoubleSide, forceSinglePass: true }));
-let wakeMesh = mostRings || (live && about.wakes.length) ? wakeQuads(mostRings || 64) : null;
-// The wake of a live simulation grows.
+let wakeMesh = mostRings || ((live || again) && about.wakes.length) ? wakeQuads(mostRings || 64) : null;
+// The wake of a live simulation grows, and may be longer in the next run of a page with an editor.
 function makeWakeRoom(rings) {
   if (12 * rings <= wakeMesh.geometry.getAttribute("position").array.length) return;
   scene.remove(wakeMesh);

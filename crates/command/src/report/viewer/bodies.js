@@ -91,7 +91,7 @@ class BodyShape {
   }
 }
 
-// Whether the surface of a body surrounds all of it, so that the body is not seen.
+// Whether the surface of a body surrounds all of it, so that the body is not visible.
 function enclosed(run, body) {
   if (!solid() || get("glass").checked) return false;
   const { places } = run.about.bodies[body], length = places[places.length - 1];

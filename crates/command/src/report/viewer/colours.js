@@ -12,7 +12,7 @@ const runInk = run => run.ink || RUN_INKS[run.index % RUN_INKS.length];
 
 // A number with a true minus sign, and none before a zero.
 const compact = (value, digits) => value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
-// Number of decimals with which the largest value has the wanted number of digits.
+// Number of decimals with which the largest value has the required number of digits.
 const digitsFor = (largest, wanted) => Math.max(0, Math.min(9, wanted - 1 - Math.floor(Math.log10(largest || 1))));
 const figures = (value, wanted = 4) => {
   if (!Number.isFinite(value)) return "–";

@@ -65,7 +65,7 @@ function buildLive() {
   get("back").setAttribute("aria-label", "Back by one frame");
   get("forth").title = `One step of ${live.step_s} s (right arrow)`;
   get("forth").setAttribute("aria-label", "One step forward");
-  get("keys").textContent = "Space runs · → step · ← back · drag the machine to pull · drag elsewhere to turn · drag the bar to go back in time · 1–4 views · O ortho · A frame all · + − zoom · R start · F follow · P PNG · T light or dark";
+  get("keys").textContent = "Space runs · → step · ← back · drag the model to pull · drag elsewhere to turn · drag the bar to go back in time · 1–4 views · O ortho · A frame all · + − zoom · R start · F follow · P PNG · T light or dark";
 }
 
 function groupBox(name) {
@@ -135,7 +135,7 @@ function setControls(lists) {
   }
   showControls();
 }
-// Controls that the chosen machine lacks are hidden; where the values of the machines differ, a note lists them.
+// Controls that the chosen machine lacks are hidden; a note lists values that differ between the machines.
 function showControls() {
   for (const one of controls) {
     const value = one.values[shownMachine(one)] ?? null, { control, row } = one;

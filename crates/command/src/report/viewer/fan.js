@@ -15,7 +15,7 @@ const fanShares = (() => {
   return values.map(value => (most > least ? (value - least) / (most - least) : 0.5));
 })();
 
-// All lines are one object: one draw call, whatever the number of runs.
+// All lines are one object: one draw call for any number of runs.
 const fanLines = fan ? lines(new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.55, depthWrite: false })) : null;
 function buildFan() {
   if (!fan) return;

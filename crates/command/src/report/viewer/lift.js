@@ -14,7 +14,7 @@ function pushedSide(run, index, column, frame) {
   return unit(cross(chord, plus(edgeAt(run, index, b, 0, frame), edgeAt(run, index, a, 0, frame), -1)));
 }
 
-// Upper side of every surface as a sign of `pushedSide`. Where a chain of bodies with surfaces begins, up is against gravity at the start, else
+// Upper side of every surface as a sign of `pushedSide`. At the start of a chain of bodies with surfaces, up is against gravity at the start, else
 // along z, y or x of the root, of a rotor downwind; bodies further out, which continue the span, have the side of the one that carries them, however they are folded.
 const sidesOf = new Map();
 function sides(run) {
@@ -41,7 +41,7 @@ function spanOf({ columns, places }, column) {
   return 0.5 * (places[Math.min(columns - 1, column + 1)] - places[Math.max(0, column - 1)]);
 }
 
-// Columns of other surfaces where a surface ends, as lists of surface and column: bodies that begin at the end of another continue its span.
+// Columns of other surfaces where a surface ends, as lists of surface and column: bodies that start at the end of another continue its span.
 const continuedOf = new Map();
 function continued(run, index, column) {
   if (!continuedOf.has(run)) {
@@ -75,7 +75,7 @@ function liftOf(run, index, column, frame) {
   const up = pushedSide(run, index, column, frame).map(c => c * sides(run)[index]);
   let way = up;
   if (run.about.winds) {
-    const met = plus(vector(list, begin + run.layout.winds + 3 * surface.body), sectionAt(run, surface.body, surface.places[column], frame).v, -1);
+    const met = plus(vector(list, begin + run.layout.winds + 3 * surface.body), velocityAt(run, surface.body, surface.places[column], frame), -1);
     const along = dot(met, met);
     if (along > 1e-12) way = unit(plus(up, met, -dot(up, met) / along));
   }

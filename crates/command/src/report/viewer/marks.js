@@ -140,13 +140,14 @@ const ARROWS = {
 };
 const arrowSets = [];
 function buildArrows() {
-  for (const [name, set] of Object.entries(ARROWS)) {
-    if (!set.count || (modal && !["gravity", "wind"].includes(name))) continue;
-    let most = 0;
-    for (let frame = 0; frame < main.count; frame++) {
-      main.goTo(frame);
-      for (const [, value] of set.of()) most = Math.max(most, Math.hypot(...value));
-    }
+  const sets = Object.entries(ARROWS).filter(([name, { count }]) => count && (!modal || ["gravity", "wind"].includes(name)));
+  const largest = sets.map(() => 0);
+  for (let frame = 0; frame < main.count; frame++) {
+    main.goTo(frame);
+    sets.forEach(([, set], i) => { for (const [, value] of set.of()) largest[i] = Math.max(largest[i], Math.hypot(...value)); });
+  }
+  for (const [i, [name, set]] of sets.entries()) {
+    let most = largest[i];
     if (most < 1e-9 && !live) continue;
     most = Math.max(most, 1e-9);
     const material = unshaded(new THREE.MeshLambertMaterial({ color: set.ink }));

@@ -176,7 +176,7 @@ function buildModes() {
   get("time").setAttribute("aria-label", "Phase");
   document.querySelector("aside").setAttribute("aria-label", "Modes and values");
   get("keys").textContent = "Space plays · ↑ ↓ mode · Page ↑ ↓ state · ← → step · D decay · 1–4 views · O ortho · A frame all · Shift + arrows turn · + − zoom · R reset · F follow · P PNG · T light or dark";
-  get("modes-title").textContent = `${modal.title}. Amplitude 1: the largest displacement is ${compact(100 * modal.share, 0)} % of the size of the machine, or less where rotations would be large.`;
+  get("modes-title").textContent = `${modal.title}. Amplitude 1: the largest displacement is ${compact(100 * modal.share, 0)} % of the size of the model, or less where rotations would be large.`;
   get("state-label").hidden = !modal.quantity;
   if (modal.quantity) {
     get("state-name").textContent = modal.quantity[0];

@@ -67,7 +67,7 @@ function setScales() {
   setScale(surface, surfaceField.title, surfaceField.map, [-reach, 0, reach], value => (Math.abs(reach) < 1e-2 ? figures(value, 2) : compact(value, digitsFor(reach, 3))));
 }
 
-// What is drawn with dimensions that the model does not have.
+// Notes on parts that are drawn with dimensions that the model does not have.
 function addNotes() {
   const box = document.createElement("p");
   box.id = "notes";
@@ -143,7 +143,8 @@ function show() {
     cell.textContent = text();
     if (mark) mark.style.background = swatch();
   }
-  if (live) refreshCharts(); else for (const chart of charts) chart.keep();
+  // the plots are those of the previous run until the present one is complete
+  if (live) refreshCharts(); else if (!state.partial) for (const chart of charts) chart.keep();
   showAlong();
   noteAddress();
   showPicked();
@@ -181,7 +182,7 @@ function tick(now) {
     main.goTo(main.positionAt(time));
     show();
     state.slow = now - state.last > 90 ? state.slow + 1 : 0;
-    if (state.slow > 3) { state.economy = Math.min(2, state.economy + 1); state.slow = 0; }
+    if (state.slow > 3) Object.assign(state, { economy: Math.min(2, state.economy + 1), slow: 0, slowed: true });
   }
   state.last = now;
   if (state.playing) requestAnimationFrame(tick);
@@ -329,7 +330,7 @@ function buildControls() {
     Math.abs(Math.log(speed / wanted)) < Math.abs(Math.log(SPEEDS[best] / wanted)) ? i : best, 0);
   for (const [name, { title }] of Object.entries(FIELDS)) get("field").add(new Option(title, name));
   for (const name of ["nothing", "machine", ...about.tips, "picked"]) {
-    get("follow").add(new Option({ nothing: "nothing", machine: "the machine", picked: "the selected item" }[name] || `end of ${name}`, name));
+    get("follow").add(new Option({ nothing: "nothing", machine: "the model", picked: "the selected item" }[name] || `end of ${name}`, name));
   }
   get("follow").querySelector("[value=picked]").disabled = true;
   for (const set of arrowSets) {

@@ -1,5 +1,5 @@
 
-// ---- runs: numbers of every frame, and what they mean ---------------------------------------------------------------
+// ---- runs: numbers of every frame, and their meaning ----------------------------------------------------------------
 
 const get = id => document.getElementById(id);
 
@@ -137,7 +137,7 @@ class LiveRun extends Run {
     this.numbers.set(numbers);
     this.end = numbers.length;
     this.times = [];
-    this.samples = new Map(); // by name: values at `times`, null where they were not asked for
+    this.samples = new Map(); // by name: values at `times`, null if not requested
   }
 
   // Values of one signal; column 0 is the time.
@@ -214,10 +214,10 @@ class LiveRun extends Run {
 }
 
 const besides = JSON.parse(get("beside").textContent);
-// A page of a live simulation has a run that goes on.
+// A page of a live simulation has a run that continues.
 const live = (element => element && JSON.parse(element.textContent))(document.querySelector("script.live"));
 const RunKind = live ? LiveRun : Run;
-// A page with an editor starts the viewer for one run after another and passes what is kept as `again`, which is `null` in other pages.
+// A page with an editor starts the viewer for one run after another and passes the objects that are kept as `again`, which is `null` in other pages.
 const sources = again ? [again] : [...document.querySelectorAll("script.run")].map(element =>
   ({ about: JSON.parse(element.textContent), numbers: numbersOf(element.nextElementSibling.textContent) }));
 const runs = sources.map(({ about, numbers }, i) => new RunKind(about, numbers, i ? besides.runs[i - 1] : "this run", i));
@@ -294,13 +294,26 @@ function massPlace(run, mass, frame) {
   return [0, 1, 2].map(i => s.at[i] + mass.offset[0] * cross(s.y, s.z)[i] + mass.offset[1] * s.y[i] + mass.offset[2] * s.z[i]);
 }
 
-// Section at any position on a body, interpolated between the recorded ones.
-function sectionAt(run, body, place, frame) {
+// Interval of a position on a body between recorded sections, and the share of the way through it.
+function intervalOf(run, body, place) {
   const places = run.about.bodies[body].places;
   let i = 0;
   while (i + 2 < places.length && places[i + 1] < place) i++;
-  if (places.length === 1) return { ...run.section(body, 0, frame), index: 0, share: 0 };
-  return between(run, body, i, Math.max(0, Math.min(1, (place - places[i]) / (places[i + 1] - places[i]))), frame);
+  return [i, places.length === 1 ? 0 : Math.max(0, Math.min(1, (place - places[i]) / (places[i + 1] - places[i])))];
+}
+
+// Section at any position on a body, interpolated between the recorded ones.
+function sectionAt(run, body, place, frame) {
+  const [i, share] = intervalOf(run, body, place);
+  if (run.about.bodies[body].places.length === 1) return { ...run.section(body, 0, frame), index: 0, share: 0 };
+  return between(run, body, i, share, frame);
+}
+
+// Velocity of the axis there.
+function velocityAt(run, body, place, frame) {
+  const [i, share] = intervalOf(run, body, place), list = frame === undefined ? run.present : run.numbers;
+  const at = (frame === undefined ? 0 : run.about.begins[frame]) + run.layout.bodies[body] + PER_SECTION * i + 9;
+  return share === 0 ? vector(list, at) : mix(vector(list, at), vector(list, at + PER_SECTION), share);
 }
 function between(run, body, index, share, frame) {
   const [a, b] = [run.section(body, index, frame), run.section(body, index + 1, frame)];

@@ -22,6 +22,7 @@ fn agree(compared: &Compared, allowed: f64, words: &str) {
 
 /// GR-52: accounts of GR-01's and GR-02's wing, through the latch and onto the stop, by six numbers.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn accounts_pass_through_a_latch_and_a_stop() {
     let places = [PLACES[1], PLACES[4], PLACES[5], PLACES[7], PLACES[9], PLACES[14]];
     let machine = |numbers: Numbers| numbers.machine(true);
@@ -131,6 +132,7 @@ fn accounts_of_a_damped_arm() {
 
 /// Accounts of a run with a prescribed joint: the work of its holding torque, by the coefficients of the prescribed motion.
 #[test]
+#[ignore = "long; `make long` runs it"]
 fn work_of_a_prescribed_motion() {
     let machine = |numbers: Numbers| {
         let Numbers { start_angle, start_rate, torque, .. } = numbers;

@@ -42,12 +42,12 @@ impl Failure {
 
     /// The motor of a joint loses its torque.
     pub fn motor_loss(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
-        Self::of_joint(name, joint, Effect::DriveDies { body: UNKNOWN })
+        Self::of_joint(name, joint, Effect::MotorLoss { body: UNKNOWN })
     }
 
     /// A joint is held at its position.
     pub fn motor_jam(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
-        Self::of_joint(name, joint, Effect::DriveJams { body: UNKNOWN })
+        Self::of_joint(name, joint, Effect::MotorJam { body: UNKNOWN })
     }
 
     /// The neutral angle of a motor moves to `to_rad` at `rate_rad_s`, in rad and rad/s, or m and m/s, independent of its command.
@@ -57,42 +57,42 @@ impl Failure {
         to_rad: f64,
         rate_rad_s: f64,
     ) -> FailureBuilder {
-        Self::of_joint(name, joint, Effect::DriveRunsAway { body: UNKNOWN, to_rad, rate_rad_s })
+        Self::of_joint(name, joint, Effect::MotorRunaway { body: UNKNOWN, to_rad, rate_rad_s })
     }
 
     /// The latch of a joint opens and does not close again.
     pub fn latch_break(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
-        Self::of_joint(name, joint, Effect::LatchBreaks { body: UNKNOWN })
+        Self::of_joint(name, joint, Effect::LatchBreak { body: UNKNOWN })
     }
 
     /// The open latch of a joint does not close.
     pub fn latch_no_capture(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
-        Self::of_joint(name, joint, Effect::LatchDoesNotCatch { body: UNKNOWN })
+        Self::of_joint(name, joint, Effect::LatchNoCapture { body: UNKNOWN })
     }
 
     /// The lock of a joint opens, because the link that held it fails.
     pub fn lock_release(name: impl Into<String>, joint: impl Into<String>) -> FailureBuilder {
-        Self::of_joint(name, joint, Effect::StopperOpens { body: UNKNOWN })
+        Self::of_joint(name, joint, Effect::LockRelease { body: UNKNOWN })
     }
 
     /// Spring and damper of a joint are reduced to the fraction `remaining`; 0 for a broken spring.
-    pub fn spring_weakens(name: impl Into<String>, joint: impl Into<String>, remaining: f64) -> FailureBuilder {
-        Self::of_joint(name, joint, Effect::SpringWeakens { body: UNKNOWN, remaining })
+    pub fn spring_break(name: impl Into<String>, joint: impl Into<String>, remaining: f64) -> FailureBuilder {
+        Self::of_joint(name, joint, Effect::SpringBreak { body: UNKNOWN, remaining })
     }
 
     /// The penalty of a closed loop is reduced to the fraction `remaining`; 0 for an open loop.
-    pub fn loop_weakens(name: impl Into<String>, closure: impl Into<String>, remaining: f64) -> FailureBuilder {
-        Self::of(name, Target::Loop(closure.into()), Effect::LoopWeakens { closure: UNKNOWN, remaining })
+    pub fn loop_break(name: impl Into<String>, closure: impl Into<String>, remaining: f64) -> FailureBuilder {
+        Self::of(name, Target::Loop(closure.into()), Effect::LoopBreak { closure: UNKNOWN, remaining })
     }
 
     /// All stiffness of a beam is reduced to the fraction `remaining`.
     pub fn stiffness_loss(name: impl Into<String>, body: impl Into<String>, remaining: f64) -> FailureBuilder {
-        Self::of(name, Target::Body(body.into()), Effect::BodyWeakens { body: UNKNOWN, remaining })
+        Self::of(name, Target::Body(body.into()), Effect::StiffnessLoss { body: UNKNOWN, remaining })
     }
 
     /// A brake is applied to a joint.
     pub fn brake_applied(name: impl Into<String>, joint: impl Into<String>, brake: FrictionBrake) -> FailureBuilder {
-        Self::of_joint(name, joint, Effect::BrakeComesOn { body: UNKNOWN, brake })
+        Self::of_joint(name, joint, Effect::BrakeApplied { body: UNKNOWN, brake })
     }
 }
 
@@ -167,16 +167,16 @@ impl Effect {
     /// The effect with a known index.
     fn at(self, place: usize) -> Self {
         match self {
-            Self::DriveDies { .. } => Self::DriveDies { body: place },
-            Self::DriveJams { .. } => Self::DriveJams { body: place },
-            Self::DriveRunsAway { to_rad, rate_rad_s, .. } => Self::DriveRunsAway { body: place, to_rad, rate_rad_s },
-            Self::LatchBreaks { .. } => Self::LatchBreaks { body: place },
-            Self::LatchDoesNotCatch { .. } => Self::LatchDoesNotCatch { body: place },
-            Self::StopperOpens { .. } => Self::StopperOpens { body: place },
-            Self::SpringWeakens { remaining, .. } => Self::SpringWeakens { body: place, remaining },
-            Self::LoopWeakens { remaining, .. } => Self::LoopWeakens { closure: place, remaining },
-            Self::BodyWeakens { remaining, .. } => Self::BodyWeakens { body: place, remaining },
-            Self::BrakeComesOn { brake, .. } => Self::BrakeComesOn { body: place, brake },
+            Self::MotorLoss { .. } => Self::MotorLoss { body: place },
+            Self::MotorJam { .. } => Self::MotorJam { body: place },
+            Self::MotorRunaway { to_rad, rate_rad_s, .. } => Self::MotorRunaway { body: place, to_rad, rate_rad_s },
+            Self::LatchBreak { .. } => Self::LatchBreak { body: place },
+            Self::LatchNoCapture { .. } => Self::LatchNoCapture { body: place },
+            Self::LockRelease { .. } => Self::LockRelease { body: place },
+            Self::SpringBreak { remaining, .. } => Self::SpringBreak { body: place, remaining },
+            Self::LoopBreak { remaining, .. } => Self::LoopBreak { closure: place, remaining },
+            Self::StiffnessLoss { remaining, .. } => Self::StiffnessLoss { body: place, remaining },
+            Self::BrakeApplied { brake, .. } => Self::BrakeApplied { body: place, brake },
         }
     }
 }

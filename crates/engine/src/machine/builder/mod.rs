@@ -6,6 +6,7 @@ mod failure;
 mod flap;
 mod joint;
 mod latch;
+mod no_slip;
 mod rotor;
 mod surfaces;
 mod tree;
@@ -16,6 +17,7 @@ pub use failure::FailureBuilder;
 pub use flap::FlapBuilder;
 pub use joint::JointBuilder;
 pub use latch::LatchBuilder;
+pub use no_slip::NoSlipBuilder;
 pub use rotor::RotorSettings;
 pub use surfaces::SurfaceBuilder;
 
@@ -37,6 +39,7 @@ pub struct MachineBuilder {
     gauges: Vec<GaugeBuilder>,
     internal_loads: Vec<InternalLoadBuilder>,
     closures: Vec<ClosureBuilder>,
+    no_slips: Vec<NoSlipBuilder>,
     failures: Vec<FailureBuilder>,
     air: Option<AirBuilder>,
     surfaces: Vec<SurfaceBuilder>,
@@ -69,6 +72,7 @@ impl Machine {
             gauges: Vec::new(),
             internal_loads: Vec::new(),
             closures: Vec::new(),
+            no_slips: Vec::new(),
             failures: Vec::new(),
             air: None,
             surfaces: Vec::new(),
@@ -125,6 +129,12 @@ impl MachineBuilder {
     /// Closes a loop.
     pub fn closure(mut self, closure: ClosureBuilder) -> Self {
         self.closures.push(closure);
+        self
+    }
+
+    /// Adds a skate or a wheel.
+    pub fn no_slip(mut self, no_slip: NoSlipBuilder) -> Self {
+        self.no_slips.push(no_slip);
         self
     }
 
@@ -206,12 +216,14 @@ impl MachineBuilder {
         }
         self.attach(&mut bodies, checker);
         let closures = self.closures.iter().filter_map(|closure| closure.build(&bodies, checker)).collect();
+        let no_slips = self.no_slips.iter().filter_map(|no_slip| no_slip.build(&bodies, checker)).collect();
         names("load", self.loads.iter().map(|load| load.name.as_str()), checker);
         let mut machine = Machine {
             name: self.name.clone(),
             description: self.description.clone(),
             bodies,
             closures,
+            no_slips,
             gauges: Vec::new(),
             internal_loads: Vec::new(),
             air: None,

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 
 /// Largest initial gap divided by the length of the longer body: angles rounded to 0.01 degrees cause 2e-4. A wider gap is an error in the
 /// model and would be closed abruptly by the full force of the penalty.
-const START_GAP: f64 = 1e-3;
+pub(super) const START_GAP: f64 = 1e-3;
 
 /// The body with an index; an error if it does not exist.
 fn body_at<'m>(place: &[&str], index: usize, bodies: &'m [Body], checker: &mut Checker) -> Option<&'m Body> {

@@ -76,10 +76,10 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
         checker.number(&["failure", name, key], value, Range::Within(least, 1.0));
     };
     match *effect {
-        Effect::DriveDies { body } | Effect::DriveJams { body } | Effect::StopperOpens { body } => {
+        Effect::MotorLoss { body } | Effect::MotorJam { body } | Effect::LockRelease { body } => {
             free_joint(machine, &joint, body, checker);
         }
-        Effect::DriveRunsAway { body, to_rad, rate_rad_s } => {
+        Effect::MotorRunaway { body, to_rad, rate_rad_s } => {
             let Some((travel, own)) = free_joint(machine, &joint, body, checker) else { return };
             checker.number(&["failure", name, &travel.words("to_rad")], to_rad, Range::Finite);
             let key = travel.words("rate_rad_s");
@@ -92,13 +92,13 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
                 checker.refuse_state(&joint, "a motor without stiffness", travel.words(allowed));
             }
         }
-        Effect::LatchBreaks { body } | Effect::LatchDoesNotCatch { body } => {
+        Effect::LatchBreak { body } | Effect::LatchNoCapture { body } => {
             let own = free_joint(machine, &joint, body, checker);
             if own.is_some_and(|(_, own)| own.latch.is_none()) {
                 checker.refuse_state(&joint, "a joint without a latch", "a joint with a latch");
             }
         }
-        Effect::SpringWeakens { body, remaining } => {
+        Effect::SpringBreak { body, remaining } => {
             share("remaining_fraction", remaining, 0.0, checker);
             let spatial = machine.bodies.get(body).map(|body| &body.joint.kind);
             if let Some(JointKind::Spatial(own)) = spatial {
@@ -113,7 +113,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
                 checker.refuse_state(&joint, "a joint without a spring", allowed);
             }
         }
-        Effect::LoopWeakens { closure, remaining } => {
+        Effect::LoopBreak { closure, remaining } => {
             share("remaining_fraction", remaining, 0.0, checker);
             if closure >= machine.closures.len() {
                 let allowed = format!("one of the {} loops", machine.closures.len());
@@ -123,7 +123,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
                 checker.refuse(&["failure", name, "loop"], format!("{:?}", machine.closures[closure].name), allowed);
             }
         }
-        Effect::BodyWeakens { body, remaining } => {
+        Effect::StiffnessLoss { body, remaining } => {
             share("remaining_fraction", remaining, MINIMUM_SHARE, checker);
             let place = ["failure", name, "body"];
             match machine.bodies.get(body) {
@@ -137,7 +137,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
                 Some(_) => {}
             }
         }
-        Effect::BrakeComesOn { body, brake } => {
+        Effect::BrakeApplied { body, brake } => {
             let Some((travel, _)) = free_joint(machine, &joint, body, checker) else { return };
             // the brake torque would alternate between both signs at full magnitude, and the rate would not decay
             if machine.solver.method == Method::Rk4 {

@@ -8,6 +8,7 @@ mod damped_modes;
 mod failure;
 pub mod joint;
 mod modal;
+mod no_slip;
 pub(crate) mod profile;
 pub mod section;
 mod sliding;
@@ -85,6 +86,10 @@ pub(super) fn structure(machine: &Machine, checker: &mut Checker) {
     let mut closures_hold = true;
     for closure in &machine.closures {
         closures_hold &= attached::closure(closure, &machine.bodies, checker);
+    }
+    let no_slips_hold = no_slip::check(machine, checker);
+    if tree_holds && no_slips_hold && stand(checker) {
+        no_slip::starts(machine, checker);
     }
     if stand(checker) {
         damped_modes::check(machine, checker);

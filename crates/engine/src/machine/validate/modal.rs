@@ -102,6 +102,11 @@ pub(super) fn placed(machine: &Machine, checker: &mut Checker) {
             }
         }
     }
+    for no_slip in &machine.no_slips {
+        if let Some(body) = modal(no_slip.body) {
+            at_an_end(&[no_slip.table(), &no_slip.name, "position_m"], no_slip.position_m, body, checker);
+        }
+    }
     for place in &machine.internal_loads {
         if let Some(body) = modal(place.body) {
             at_an_end(&["internal_load", &place.name, "position_m"], place.position_m, body, checker);

@@ -37,6 +37,10 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
         let allowed = format!("no loop in a model with a sliding joint ({joint:?})");
         checker.refuse_state(&["loop", &closure.name], "a loop", allowed);
     }
+    if let Some(no_slip) = machine.no_slips.first() {
+        let allowed = format!("no skate and no wheel in a model with a sliding joint ({joint:?})");
+        checker.refuse_state(&[no_slip.table(), &no_slip.name], format!("a {}", no_slip.table()), allowed);
+    }
     for body in machine.bodies.iter().filter(|body| body.modal_damping_ratios.iter().any(|ratio| *ratio > 0.0)) {
         let allowed = format!(
             "no modal damping in a model with a sliding joint ({joint:?}); write stiffness_damping_s on the body"

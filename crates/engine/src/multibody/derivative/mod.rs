@@ -7,8 +7,11 @@
 
 mod carried;
 mod chain;
+mod coupling;
 mod elastic;
+mod elimination;
 mod exact;
+mod gains;
 mod inertia;
 mod lanes;
 mod link;

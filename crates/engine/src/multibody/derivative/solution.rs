@@ -2,10 +2,11 @@
 
 use crate::beam::element::ElementKind;
 use crate::math::strain::STRAINS;
+use crate::math::wide::OneByOne;
 use crate::multibody::derivative::chain::Timed;
-use crate::multibody::derivative::exact::{
-    ACCELERATION, Exact, LinkFactor, RATE, STATE, Sweep, TURNS, add, at, combined, dot, set,
-};
+use crate::multibody::derivative::elimination::LinkFactor;
+use crate::multibody::derivative::exact::{Exact, Sweep};
+use crate::multibody::derivative::gains::{ACCELERATION, RATE, STATE, TURNS, add, at, combined, dot, set};
 use crate::multibody::derivative::lanes::{self, Triple, outward};
 use crate::multibody::derivative::link::Link;
 use crate::multibody::model::Model;
@@ -108,7 +109,7 @@ impl Exact {
                 let solved = factor.inverse.map(|column| dot(&column, &on));
                 own.copy_from_slice(&solved);
                 moved = moved_out(&moved, &link.arm[0]);
-                add(&mut moved, -1.0, &combined(&factor.reach, &solved));
+                add(&mut moved, -1.0, &combined(OneByOne, &factor.reach, &solved));
                 wrenches[n] = moved;
                 sibling = factor.sibling.map(|column| dot(&column, &solved));
             }

@@ -119,7 +119,7 @@ impl Case {
             offsets_m: closure.offsets_m.map(|m| m * 3.0),
             ..closure.clone()
         };
-        let mut model = Model::with_closures(&bodies, &[closure, on_root]);
+        let mut model = Model::with_constraints(&bodies, &[closure, on_root], &[]);
         model.bodies[1].damps_attached = true;
         model.bodies[3].damping_roots = Some([0.5, 1.0, 1.2, 0.9, 1.0, 1.0].into());
         let n = model.coordinates;

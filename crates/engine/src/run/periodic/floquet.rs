@@ -129,7 +129,7 @@ impl Plant {
     /// [`PlantError::Periodic`] if no motion is found, or a joint reaches a latch or end stop within the revolution;
     /// [`PlantError::RigidLoop`]; errors of [`Plant::step`].
     pub fn periodic(&mut self, turn: &Turn, accuracy: f64) -> Result<PeriodicMotion, PlantError> {
-        self.system.refuse_rigid_loop("periodic motion")?;
+        self.system.refuse_constraints("periodic motion")?;
         Shooting::new(self, *turn).close(accuracy)
     }
 

@@ -17,6 +17,22 @@ pub struct LoopOutputs {
     pub force_n: Vector3<f64>,
 }
 
+/// Outputs of a skate or a wheel: forces of the plane on the body, and the distance from the constraints.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct NoSlipOutputs {
+    /// Force across the heading in N, along `normal × heading`, eq. (L47).
+    pub side_force_n: f64,
+    /// Force along the heading in N; 0 without rolling.
+    pub rolling_force_n: f64,
+    /// Force along the normal of the plane in N, which is negative where the plane pulls; 0 without `hold_normal`.
+    pub normal_force_n: f64,
+    /// Velocity of slip in m/s, in the directions that are constrained: zero to round-off.
+    pub slip_m_s: f64,
+    /// Distance of the point of contact from the plane in m, along its normal.
+    pub height_m: f64,
+}
+
 /// Writes the forces and moments of the joints on their bodies.
 pub(crate) fn fill_reactions(outputs: &mut [Wrench], present: &Present) {
     let (equations, motion) = (present.equations, present.motion);
@@ -71,6 +87,24 @@ pub(crate) fn fill_loops(outputs: &mut [LoopOutputs], present: &Present, machine
         if let Some((gap, force_n)) = values {
             *output = LoopOutputs { gap_m: gap.position_m, force_n };
         }
+    }
+}
+
+/// Writes the outputs of skates and wheels.
+pub(crate) fn fill_no_slips(outputs: &mut [NoSlipOutputs], present: &Present) {
+    let (model, work) = (&present.equations.model, &present.equations.work);
+    let first = model.rigid_loops.len();
+    for (index, (output, no_slip)) in outputs.iter_mut().zip(&model.no_slips).enumerate() {
+        let multipliers = &present.motion.a[model.multipliers(first + index)];
+        let [across, along, normal] = no_slip.active().map(f64::from);
+        let slip = no_slip.gap(work).velocity_m_s;
+        *output = NoSlipOutputs {
+            side_force_n: across * multipliers[0],
+            rolling_force_n: along * multipliers[1],
+            normal_force_n: normal * multipliers[2],
+            slip_m_s: slip.x.hypot(slip.y),
+            height_m: no_slip.height_m(work),
+        };
     }
 }
 

@@ -5,6 +5,7 @@ mod energies;
 mod failures;
 mod feedthrough;
 mod flaps;
+mod framed_bodies;
 mod gauges;
 mod generators;
 mod joints;
@@ -19,11 +20,12 @@ mod values;
 pub use energies::EnergyOutputs;
 pub use failures::FailureOutputs;
 pub use flaps::FlapOutputs;
+pub use framed_bodies::ModalOutputs;
 pub(crate) use gauges::gauge_points;
-pub use generators::{GeneratorOutputs, ModalOutputs};
+pub use generators::GeneratorOutputs;
 pub use joints::JointOutputs;
 pub use latches::LatchOutputs;
-pub use loads::LoopOutputs;
+pub use loads::{LoopOutputs, NoSlipOutputs};
 pub use output_set::OutputSet;
 pub use points::PointOutputs;
 pub use spatial::SpatialOutputs;
@@ -117,7 +119,7 @@ impl System {
             loads::fill_reactions(outputs.joint_reactions_mut(), &present);
             for (index, place) in self.machine.framed_bodies().enumerate() {
                 let reaction = outputs.joint_reactions()[place];
-                generators::fill_root(&mut outputs.modal_mut()[index], (place, &self.machine), &reaction, &present);
+                framed_bodies::fill_root(&mut outputs.modal_mut()[index], (place, &self.machine), &reaction, &present);
             }
         }
         if wanted.meets(OutputSet::GAUGES) {
@@ -128,12 +130,13 @@ impl System {
         }
         if wanted.meets(OutputSet::LOOPS) {
             loads::fill_loops(outputs.loops_mut(), &present, &self.machine);
+            loads::fill_no_slips(outputs.no_slips_mut(), &present);
         }
         if wanted.meets(OutputSet::ROOT) {
             loads::fill_root(outputs.root_mut(), &present);
         }
         if wanted.meets(OutputSet::TIP_PLACES) {
-            generators::fill_deflections(outputs.modal_mut(), &self.machine, &present);
+            framed_bodies::fill_deflections(outputs.modal_mut(), &self.machine, &present);
         }
         points::fill_tips(outputs.tips_mut(), &present, &self.tip_bodies, wanted);
         points::fill_stations(outputs.stations_mut(), &present, wanted);

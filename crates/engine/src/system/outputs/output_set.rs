@@ -32,7 +32,7 @@ impl OutputSet {
     pub const ENERGIES: Self = Self(1 << 8);
     /// Forces and moments of joints.
     pub const REACTIONS: Self = Self(1 << 9);
-    /// Gaps and forces of closed loops.
+    /// Gaps and forces of closed loops, skates and wheels.
     pub const LOOPS: Self = Self(1 << 10);
     /// Force and moment on the aircraft.
     pub const ROOT: Self = Self(1 << 11);

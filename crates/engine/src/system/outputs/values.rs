@@ -7,10 +7,11 @@ use crate::signal::{Segment, are_finite, views};
 use crate::system::outputs::energies::EnergyOutputs;
 use crate::system::outputs::failures::FailureOutputs;
 use crate::system::outputs::flaps::FlapOutputs;
-use crate::system::outputs::generators::{GeneratorOutputs, ModalOutputs};
+use crate::system::outputs::framed_bodies::ModalOutputs;
+use crate::system::outputs::generators::GeneratorOutputs;
 use crate::system::outputs::joints::JointOutputs;
 use crate::system::outputs::latches::LatchOutputs;
-use crate::system::outputs::loads::LoopOutputs;
+use crate::system::outputs::loads::{LoopOutputs, NoSlipOutputs};
 use crate::system::outputs::output_set::OutputSet;
 use crate::system::outputs::points::{PointOutputs, UPRIGHT};
 use crate::system::outputs::spatial::SpatialOutputs;
@@ -32,6 +33,8 @@ pub struct OutputLayout {
     pub internal_loads: Segment<Wrench>,
     /// See [`Outputs::loops`].
     pub loops: Segment<LoopOutputs>,
+    /// See [`Outputs::no_slips`].
+    pub no_slips: Segment<NoSlipOutputs>,
     /// See [`Outputs::root`].
     pub root: Segment<Wrench>,
     /// See [`Outputs::tips`].
@@ -85,6 +88,7 @@ impl OutputLayout {
             (self.gauges.range(), OutputSet::GAUGES),
             (self.internal_loads.range(), OutputSet::SECTION_LOADS),
             (self.loops.range(), OutputSet::LOOPS),
+            (self.no_slips.range(), OutputSet::LOOPS),
             (self.root.range(), OutputSet::ROOT),
             (self.tips.range(), OutputSet::TIP_PLACES | OutputSet::TIP_MOTIONS),
             (
@@ -109,6 +113,7 @@ impl OutputLayout {
             gauges: Segment::append(&mut end, machine.gauges.len()),
             internal_loads: Segment::append(&mut end, machine.internal_loads.len()),
             loops: Segment::append(&mut end, machine.closures.len()),
+            no_slips: Segment::append(&mut end, machine.no_slips.len()),
             root: Segment::append(&mut end, 1),
             tips: Segment::append(&mut end, machine.tip_bodies().count()),
             stations: Segment::append(&mut end, stations),
@@ -159,6 +164,8 @@ impl Outputs {
         internal_loads, section_loads_mut: [Wrench];
         /// Per closed loop, in the order of [`Machine::closures`].
         loops, loops_mut: [LoopOutputs];
+        /// Per skate or wheel, in the order of [`Machine::no_slips`].
+        no_slips, no_slips_mut: [NoSlipOutputs];
         /// Per free end, in the order of [`crate::system::System::tip_bodies`].
         tips, tips_mut: [PointOutputs];
         /// Per station, in the order of [`crate::signal::Inputs::stations`].
