@@ -88,7 +88,8 @@ impl Held {
         }
     }
 
-    /// A function of the component's interface that FMI 3.0 does not have.
+    /// A function of the component's interface that FMI 3.0 does not have; only that of co-simulation has one.
+    #[cfg(feature = "co-simulation")]
     pub fn unknown(&self, function: &'static str) -> Status {
         let mut instance = self.instance.borrow_mut();
         let text = format!("{function}: not a function of FMI 3.0");
