@@ -55,7 +55,7 @@ fn unknown_keys() {
     assert_eq!(
         message("[solver]", "[solvers]"),
         "wing.toml:47: key 'solvers' is unknown; perhaps solver is meant; allowed keys: name, description, \
-         gravity_m_s2, material, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, failure, aerodynamics, surface, control_surface, gust, polar, wind, tower, solver, simulation"
+         gravity_m_s2, material, section, body, rigid_body, modal_body, joint, loop, skate, wheel, mass, load, gauge, internal_load, failure, aerodynamics, surface, control_surface, gust, polar, wind, tower, solver, simulation"
     );
     assert_eq!(
         message("stiffness_N_m_rad", "stiffness"),

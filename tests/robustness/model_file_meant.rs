@@ -2,7 +2,7 @@
 
 use crate::model_file::message;
 
-const TOP: &str = "name, description, gravity_m_s2, material, section, body, rigid_body, modal_body, joint, loop, mass, load, gauge, internal_load, \
+const TOP: &str = "name, description, gravity_m_s2, material, section, body, rigid_body, modal_body, joint, loop, skate, wheel, mass, load, gauge, internal_load, \
                    failure, aerodynamics, surface, control_surface, gust, polar, wind, tower, solver, simulation";
 const BODY: &str = "count, length_m, section, outer_section, width_taper, height_taper, shear, element, elements, \
                     natural_curvature_1_m, twist_1_m, curvature_y_1_m, curvature_z_1_m, axis, axis_file, mass_damping_1_s, \

@@ -420,7 +420,7 @@ fn f245_the_page_says_which_joints_have_a_row() {
     let free = everything();
     for (motion, places) in [
         ("motion = \"locked\"", &[REVOLUTE, BOUND, NOT_PRESCRIBED][..]),
-        ("motion = \"prescribed\"\npolynomial_deg = [1]", &[REVOLUTE, BOUND]),
+        ("motion = \"prescribed\"\npolynomial_deg = [0]", &[REVOLUTE, BOUND]),
     ] {
         let text = EVERYTHING.replace("child = \"bodyname\"\n", &format!("child = \"bodyname\"\n{motion}\n"));
         let text = text.replace("latch = { stiffness_ratio = 1e4 }\n", "");

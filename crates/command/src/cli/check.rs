@@ -3,6 +3,7 @@
 use crate::cli::air_summary::AirSummary;
 use crate::cli::assessment::Assessment;
 use crate::cli::beam_sections;
+use crate::cli::constraint_summary::{LoopSummary, NoSlipSummary};
 use crate::cli::joint_size::JointSize;
 use crate::cli::notes::notes;
 use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
@@ -12,7 +13,7 @@ use crate::packaging::drawing;
 use crate::packaging::sketch::sketch;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::machine::{
-    Body, Closure, ElementKind, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
+    Body, ElementKind, LatchKind, OneFreedom, Parent, Spatial, SpatialFreedom, Travel, UNLIMITED,
 };
 use foldwing_engine::plant::Plant;
 use foldwing_file::{BodySections, section_properties};
@@ -88,6 +89,7 @@ struct Summary {
     sections: Vec<BodySections>,
     joints: Vec<JointSummary>,
     loops: Vec<LoopSummary>,
+    skates_and_wheels: Vec<NoSlipSummary>,
     air: Option<AirSummary>,
     gauges: Vec<String>,
     notes: Vec<String>,
@@ -115,17 +117,6 @@ struct JointSummary {
     #[serde(flatten)]
     figures: Figures,
     size: JointSize,
-}
-
-#[derive(Serialize)]
-struct LoopSummary {
-    name: String,
-    bodies: [String; 2],
-    positions_m: [f64; 2],
-    rigid: bool,
-    stiffness_n_m: f64,
-    damping_n_s_m: f64,
-    inertia_kg: f64,
 }
 
 /// A start value, in JSON a number or a Boolean.
@@ -186,6 +177,7 @@ impl Summary {
             sections: section_properties(file_text),
             joints: machine.bodies.iter().enumerate().map(joint).collect(),
             loops: machine.closures.iter().map(|closure| LoopSummary::new(closure, machine)).collect(),
+            skates_and_wheels: machine.no_slips.iter().map(|no_slip| NoSlipSummary::new(no_slip, machine)).collect(),
             air: AirSummary::new(machine, &gaps),
             gauges: machine.gauges.iter().map(|gauge| gauge.name.clone()).collect(),
             notes: notes(machine, machine.experiment.stop_time_s),
@@ -234,6 +226,10 @@ impl Summary {
         if !self.loops.is_empty() {
             text.push_str("\nclosed loops\n");
             self.loops.iter().for_each(|closure| text.push_str(&closure.text()));
+        }
+        if !self.skates_and_wheels.is_empty() {
+            text.push_str("\nskates and wheels\n");
+            self.skates_and_wheels.iter().for_each(|own| text.push_str(&own.text()));
         }
         if let Some(air) = &self.air {
             text.push_str(&air.text());
@@ -407,41 +403,6 @@ impl Serialize for Figures {
             map.serialize_entry(&self.travel.words(key), value)?;
         }
         map.end()
-    }
-}
-
-impl LoopSummary {
-    fn new(closure: &Closure, machine: &Machine) -> Self {
-        Self {
-            name: closure.name.clone(),
-            bodies: closure.ends.map(|end| {
-                end.on_body().map_or_else(|| "root".to_owned(), |(body, _)| machine.bodies[body].name.clone())
-            }),
-            positions_m: closure.ends.map(|end| end.on_body().map_or(0.0, |(_, position_m)| position_m)),
-            rigid: closure.rigid,
-            stiffness_n_m: closure.stiffness_n_m,
-            damping_n_s_m: closure.damping_n_s_m,
-            inertia_kg: closure.inertia_kg,
-        }
-    }
-
-    fn text(&self) -> String {
-        let end = |side: usize| match self.bodies[side].as_str() {
-            "root" => "root".to_owned(),
-            body => format!("{body} at {} m", self.positions_m[side]),
-        };
-        if self.rigid {
-            return format!("  {}: {} to {}, rigid\n", self.name, end(0), end(1));
-        }
-        format!(
-            "  {}: {} to {}, k {} N/m, c {} N.s/m, m {} kg\n",
-            self.name,
-            end(0),
-            end(1),
-            self.stiffness_n_m,
-            self.damping_n_s_m,
-            self.inertia_kg
-        )
     }
 }
 

@@ -6,17 +6,17 @@ use foldwing_engine::machine::Gauge;
 /// Models: one with a closed loop, and others with a latch and zero, one and several gauges.
 fn machines() -> Vec<Machine> {
     let read = |name: &str| {
-        let path = format!("{}/../../examples/models/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../../examples/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         foldwing_file::read(path).unwrap_or_else(|error| panic!("{error}")).0
     };
-    let (mut four_bar, mut wing) = (read("four_bar"), read("folding_wing"));
+    let (mut four_bar, mut wing) = (read("models/four_bar"), read("models/folding_wing"));
     // the lists do not depend on the number of elements
     for body in four_bar.bodies.iter_mut().chain(&mut wing.bodies).filter(|body| body.is_beam()) {
         body.elements = 1;
     }
     let gauge = |n: usize| Gauge { name: format!("gauge{n}"), ..wing.gauges[0].clone() };
     let with = |count: usize| Machine { gauges: (0..count).map(gauge).collect(), ..wing.clone() };
-    vec![with(1), with(0), with(2), four_bar]
+    vec![with(1), with(0), with(2), four_bar, read("gear/castor")]
 }
 
 /// Lines of a section of the text.
@@ -42,9 +42,13 @@ fn everything_is_listed_by_its_name() {
         let bodies: Vec<&str> = machine.bodies.iter().map(|body| body.name.as_str()).collect();
         let joints: Vec<&str> = machine.bodies.iter().map(|body| body.joint.name.as_str()).collect();
         let loops: Vec<&str> = machine.closures.iter().map(|closure| closure.name.as_str()).collect();
-        for (title, key, due) in
-            [("bodies", "bodies", bodies), ("joints", "joints", joints), ("closed loops", "loops", loops)]
-        {
+        let runners: Vec<&str> = machine.no_slips.iter().map(|no_slip| no_slip.name.as_str()).collect();
+        for (title, key, due) in [
+            ("bodies", "bodies", bodies),
+            ("joints", "joints", joints),
+            ("closed loops", "loops", loops),
+            ("skates and wheels", "skates_and_wheels", runners),
+        ] {
             let listed: Vec<&str> =
                 section(&text, title).iter().map(|line| line.trim_start().split(':').next().unwrap()).collect();
             assert_eq!(listed, due, "{title} of {}", machine.name);

@@ -11,6 +11,7 @@ mod check;
 mod choice;
 mod compare;
 mod completions;
+mod constraint_summary;
 mod examples;
 mod failure;
 mod fit;

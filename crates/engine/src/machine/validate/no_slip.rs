@@ -2,7 +2,6 @@
 
 use crate::machine::fault::{Checker, Fault, Range};
 use crate::machine::pose::{along, first_frames};
-use crate::machine::units::shortest;
 use crate::machine::validate::attached::START_GAP;
 use crate::machine::validate::basics::{names, unit_vector};
 use crate::machine::{Machine, NoSlip, Runner, StartState};
@@ -100,12 +99,9 @@ pub(super) fn starts(machine: &Machine, checker: &mut Checker) {
         if no_slip.hold_normal && (height_m.abs() > limit_m || height_m.is_nan()) {
             let point_m: Vector3<f64> = centre_m - no_slip.plane_normal * reach_m;
             let allowed = format!(
-                "a point of contact in the plane in the unstrained model at its start angles, within {} m; a plane_point_m such as \
+                "a point of contact in the plane in the unstrained model at its start angles, within {limit_m:.0e} m; a plane_point_m such as \
                  [{:.6}, {:.6}, {:.6}], or hold_normal = false",
-                shortest(limit_m),
-                point_m.x,
-                point_m.y,
-                point_m.z
+                point_m.x, point_m.y, point_m.z
             );
             let found = format!("a point of contact {height_m:.6} m from the plane along its normal,");
             checker.refuse_state(&[table, name, "plane_point_m"], found, allowed);
