@@ -40,7 +40,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-pytest validate-figures validate-clients validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-pytest validate-figures validate-clients validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -291,6 +291,11 @@ importers: build ## Have importers that are not ours run the shipped models: doc
 	@$(PYTHON) tools/create_venv.py $(IMPORTERS) --requirements python/requirements-importers.txt
 	@$(PYTHON) studies/importers.py --foldwing $(COMMAND) --second-importer $(TARGET)/second_importer/release/second_importer \
 	    --python $(IMPORTERS)/bin/python --table docs/tables/importers.md
+
+wasm-fmu: build ## FMUs with the WebAssembly component of FMI-LS-WASM in wasmtime, beside the native library: docs/tables/wasm_component.md
+	@$(PYTHON) tools/create_venv.py $(IMPORTERS) --requirements python/requirements-importers.txt
+	@$(PYTHON) studies/wasm_component.py --foldwing $(COMMAND) --python $(IMPORTERS)/bin/python --cargo "$(CARGO)" --target $(TARGET)/wasm_fmu \
+	    --table docs/tables/wasm_component.md
 
 # with the checks for overflow and the assertions that a release build leaves out; a single step may take its 10⁶ internal
 # steps, a minute and more in this build
