@@ -300,8 +300,8 @@ def test_machines_that_cannot_run_in_step_are_refused(foldwing, tmp_path):
         assert done.returncode == code and said in done.stderr and not done.stdout, (words, done)
 
 
-# Machine and speed relative to real time. In `make validate`, alone on the computer, no time may be lost. The lattice wing takes 1.3 s of
-# processor time per second (docs/BENCHMARKS.md): at a quarter of real time it must keep up, at real time it must report if it does not.
+# Machine and speed relative to real time. In `make validate`, alone on the computer, no time may be lost. The lattice wing takes 0.73 s of
+# processor time per second: at a quarter of real time it keeps up on a computer five times as slow.
 PACED = [(WING, 1.0), (TURBINE, 1.0), (TUNNEL, 0.25), (TUNNEL, 1.0)]
 
 
@@ -326,7 +326,7 @@ def test_the_clock_does_not_fall_behind(foldwing, model, speed, record_property)
         figures = farewell(process)
     record_property("figures", figures["text"])
     print(model.stem, speed, figures["text"], "smallest factor", min(filter(None, factors)))
-    if not WHOLE or (model, speed) == (TUNNEL, 1.0):
+    if not WHOLE:
         # whatever the speed of this computer, the times add up, apart from a delay still to be caught up and the time of a picture
         assert abs(figures["simulated"] / speed + figures["lost"] - figures["ran"]) < 1.0, figures
         # the note is rounded to milliseconds
