@@ -23,6 +23,7 @@ STOP_S, STEPS = 0.1, 50
 # have them over the largest stiffness
 ALLOWED = {"cs": 1e-6, "state": 1e-6, "me": 1e-9}
 NOISE = 0.1  # round-off out of the plane of a mechanism grows with the stiffness of its loops (1e-7 N of 9 N in `four_bar`)
+LEAST = 1e-4  # in SI units: a wing at rest has accelerations of 4e-9, which are round-off
 AFTER = 10  # steps before the state is saved, and as many after it
 MODELS = sorted(path.stem for path in (ROOT / "examples/models").glob("*.toml"))
 
@@ -212,7 +213,8 @@ def march(instance, references, begin, steps, events=False):
 
 
 def apart(first, second, units):
-    """Largest difference of two lists of rows over the size of each column: its largest value, or `NOISE` times the largest of its unit."""
+    """Largest difference of two lists of rows over the size of each column: its largest value, `NOISE` times the largest of its unit, or
+    `LEAST`."""
     columns, others = list(zip(*first)), list(zip(*second))
     sizes = [max(map(abs, column)) for column in columns]
     of_unit = {}
@@ -220,9 +222,8 @@ def apart(first, second, units):
         of_unit[unit] = max(of_unit.get(unit, 0.0), size)
     worst = 0.0
     for one, other, size, unit in zip(columns, others, sizes, units):
-        size = max(size, NOISE * of_unit[unit])
-        if size > 0.0:
-            worst = max(worst, max(abs(a - b) for a, b in zip(one, other)) / size)
+        size = max(size, NOISE * of_unit[unit], LEAST)
+        worst = max(worst, max(abs(a - b) for a, b in zip(one, other)) / size)
     return worst
 
 
@@ -244,8 +245,9 @@ def compare(fmu, kind):
             for scale in (1e-3, -2e-3):
                 found[-1].append(instance.rates([x + scale * n * (1 + k % 3) for k, (x, n) in enumerate(zip(states, nominals))]))
             instance.close()
-        worst = max(max(abs(a - b) for a, b in zip(*pair)) / (max(map(abs, pair[0])) or 1.0) for pair in zip(*found))
-        return {"me": worst}
+        # at rest the derivatives of the start are round-off: the largest of the three states
+        largest = max(abs(rate) for rates in found[0] for rate in rates)
+        return {"me": max(abs(a - b) for pair in zip(*found) for a, b in zip(*pair)) / largest}
     results, clock_s, states = [], [], []
     for made in (Native, Component):
         instance = made(fmu, description, kind)
@@ -344,10 +346,11 @@ HEAD = """\
 # The WebAssembly component beside the native library
 
 Made by `make wasm-fmu`: FMUs of FMI 3.0 with the component of `tools/wasm_fmu.py`, in wasmtime {version} (Python), compared with the native library of
-the same FMU in FMPy, 0.1 s in 50 steps. Outputs: largest difference over the largest value of a column, or over a tenth of the largest of its unit. State of the other: bytes that
-one implementation has saved after ten steps, restored in the other one, over the next ten steps. Derivatives: of Model Exchange, with the event
-indicators, at three states, over the largest. The last column is the ratio of the component's time to the native one's, with FMPy's and
-wasmtime's own.
+the same FMU in FMPy, 0.1 s in 50 steps. Outputs: largest difference over the largest value of a column, a tenth of the largest of its unit, or 1e-4
+in SI units. State of the other: bytes that one implementation has saved after ten steps, restored in the other one, over the next ten steps.
+Derivatives: of Model Exchange, with the event indicators, at three states, over the largest. The last column is the ratio of the component's time to
+the native one's, with FMPy's and wasmtime's own. `slender_wing` exceeds the bound of 1e-6: it is at rest, its angular velocities are at most
+3e-5 rad/s and differ by 8e-9 rad/s.
 
 """
 
