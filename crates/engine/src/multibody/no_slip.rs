@@ -2,7 +2,7 @@
 //!
 //! Their rows are linear in the velocity of the point of contact and, except for the row along the normal, not derivatives of functions of
 //! the coordinates: they restrict velocities without restricting positions. At the level of accelerations they join the rows of the rigid
-//! loops, see [`crate::multibody::rigid_loop`].
+//! loops in `rigid_loop.rs`.
 
 use crate::multibody::closure::Gap;
 use crate::multibody::node::Node;
