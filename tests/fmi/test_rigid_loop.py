@@ -8,8 +8,7 @@ import fmpy.validation
 import numpy as np
 import pytest
 from conftest import ROOT
-from driving import Fmu, Instance
-from fmpy.fmi3 import FMU3Slave
+from constraints import derivatives_are_slopes, states_are_whole, states_of_fmi_3_are_whole
 
 STEP_S, STOP_S = 2e-3, 0.3
 NAMES = ["motor.angle", "elbow.angle", "pivot.angular_velocity", "loop.front.force.x", "loop.front.gap.x", "loop.back.force.z", "loop.back.gap.z",
@@ -71,59 +70,14 @@ def test_lp32_the_fmu_moves_as_the_command(foldwing, model, packaged, tmp_path, 
 def test_lp33_states_of_the_fmu_are_whole(packaged, tmp_path):
     """LP-33. FMI 2.0: a state saved in the middle of the motion, where the integrator is ahead of the communication point, continues bit by
     bit, in the same instance and, as bytes, in another one, which has not moved."""
-    fmu = Fmu(packaged["2"], tmp_path)
-    first, second = Instance(fmu).initialize(), Instance(fmu).initialize()
-    first.advance(37, STEP_S)
-    slave = first.slave
-    state, time_s, there = slave.getFMUstate(), first.time_s, first.bits()
-    onward = first.history(60, STEP_S)
-    assert onward[-1] != there
-    slave.setFMUstate(state)
-    first.time_s = time_s
-    assert first.bits() == there
-    assert first.history(60, STEP_S) == onward
-    copy = second.slave.deSerializeFMUstate(slave.serializeFMUstate(state))
-    second.slave.setFMUstate(copy)
-    second.time_s = time_s
-    assert second.history(60, STEP_S) == onward
+    states_are_whole(packaged["2"], tmp_path, STEP_S)
 
 
 def test_lp33_states_of_fmi_3_are_whole(packaged, tmp_path):
     """LP-33. FMI 3.0: the same for angles, forces of both loops and energies."""
-    folder = fmpy.extract(str(packaged["3"]), str(tmp_path))
-    description = fmpy.read_model_description(str(packaged["3"]))
-    asked = {name[:-2] if name[-2:] in (".x", ".y", ".z") else name for name in NAMES}
-    chosen = [v for v in description.modelVariables if v.name in asked]
-    assert len(chosen) == len(asked)
-    count = sum(3 if name.startswith("loop.") else 1 for name in asked)
-
-    def started():
-        slave = FMU3Slave(guid=description.guid, unzipDirectory=folder,
-                          modelIdentifier=description.coSimulation.modelIdentifier, instanceName="rigid")
-        slave.instantiate()
-        slave.enterInitializationMode()
-        slave.exitInitializationMode()
-        return slave
-
-    def history(slave, first, last):
-        rows = []
-        for step in range(first, last):
-            slave.doStep(step * STEP_S, STEP_S)
-            rows.append(list(slave.getFloat64([v.valueReference for v in chosen], nValues=count)))
-        return rows
-
-    one, other = started(), started()
-    history(one, 0, 37)
-    state = one.getFMUState()
-    onward = history(one, 37, 97)
-    assert len({tuple(row) for row in onward}) == len(onward)
-    one.setFMUState(state)
-    assert history(one, 37, 97) == onward
-    other.setFMUState(other.deserializeFMUState(one.serializeFMUState(state)))
-    assert history(other, 37, 97) == onward
-    for slave in (one, other):
-        slave.terminate()
-        slave.freeInstance()
+    names = {name[:-2] if name[-2:] in (".x", ".y", ".z") else name for name in NAMES}
+    count = sum(3 if name.startswith("loop.") else 1 for name in names)
+    states_of_fmi_3_are_whole(packaged["3"], tmp_path, names, count, STEP_S)
 
 
 @pytest.mark.parametrize("version", ["2", "3"])
@@ -139,20 +93,7 @@ def test_lp34_model_exchange_is_refused_by_name(foldwing, model, tmp_path, versi
 def test_lp35_directional_derivatives_know_the_loops(packaged, tmp_path):
     """LP-35. FMI 2.0 in the middle of the motion: directional derivatives of the forces of both loops, the reaction of the crank and an
     acceleration with respect to loads and accelerations of the root equal central differences of the outputs."""
-    fmu = Fmu(packaged["2"], tmp_path)
-    one = Instance(fmu).initialize()
-    one.advance(20, STEP_S)
     outputs = [*(f"loop.{pin}.force.{axis}" for pin in ("front", "back") for axis in "xyz"), "motor.reaction_force.x",
                "tip.rocker.angular_acceleration.y"]
-    for name in ("load.coupler[1].force.z", "load.coupler[1].moment.y", "motor.external_torque", "root.acceleration.x"):
-        references = [[fmu.variables[v].valueReference for v in names] for names in (outputs, [name])]
-        found = np.array(one.slave.getDirectionalDerivative(*references, [1.0]))
-        sides = []
-        for change in (1e-3, -1e-3):
-            one.set(name, change)
-            sides.append(np.array([one.get(output) for output in outputs]))
-        one.set(name, 0.0)
-        expected = (sides[0] - sides[1]) / 2e-3
-        # the outputs are linear in loads: what remains is their round-off over the difference
-        assert np.abs(found - expected).max() < 1e-8 * np.abs(expected).max(), name
-        assert np.abs(found[:6]).max() > 1e-6, f"{name} does not reach the loops"
+    inputs = ["load.coupler[1].force.z", "load.coupler[1].moment.y", "motor.external_torque", "root.acceleration.x"]
+    derivatives_are_slopes(packaged["2"], tmp_path, outputs, inputs, 1e-3, 6, STEP_S)
