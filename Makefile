@@ -91,7 +91,7 @@ venv: toolchain ## Create the Python environment from pinned packages
 test-venv: toolchain
 	@$(PYTHON) tools/create_venv.py $(TEST_VENV) --requirements python/requirements-test.txt
 
-WITH_IMPORT := --release --locked --features import
+WITH_IMPORT := --release --locked --features foldwing/import
 
 runner: test-venv build ## Build a `foldwing` that runs any FMU (feature `import`): target/runner/foldwing
 	@# the second build puts the command that ships back in its place; nothing is compiled for it
@@ -115,7 +115,7 @@ check: toolchain test-venv ## Check what is not committed, or else the last comm
 	@CARGO="$(CARGO)" $(TEST_PYTHON) tools/check_changes.py $(CHECK_ARGUMENTS)
 
 assertions: test-venv ## Run the Rust tests on a build with assertions and checks for overflow, and with the feature `import`
-	$(IMPORT) $(CARGO) test --locked --features import --no-fail-fast
+	$(IMPORT) $(CARGO) test --locked --features foldwing/import,foldwing-fmu/import --no-fail-fast
 
 format:
 	$(CARGO) fmt --check
@@ -136,7 +136,8 @@ unit: build documents
 	$(CARGO) test --release --locked --doc
 
 documents: test-venv build
-	$(IMPORT) CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/documents.csv $(WITH_IMPORT) --test documents
+	$(IMPORT) CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/documents.csv $(WITH_IMPORT) \
+	    --package foldwing --package foldwing-import --lib --test documents
 	@$(CARGO) build --release --locked --quiet
 
 pytest: package runner
@@ -157,9 +158,9 @@ python: wheel ## Test the Python package from its wheel: what it computes, its d
 	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
 	FOLDWING=$(abspath $(COMMAND)) $(abspath $(PACKAGE_PYTHON)) -m pytest -q --junitxml=$(abspath $(TEST_TIMES))/python.xml tests/python $(PYTEST_ARGUMENTS)
 
-release-check: wheel ## Check what a release uploads: every crate builds from its archive, the wheels pass twine; minutes, needs the network
+release-check: wheel test-venv ## Check what a release uploads: every crate builds from its archive, the wheels pass twine; minutes, needs the network
 	@$(PYTHON) tools/create_venv.py $(RELEASE) --requirements python/requirements-release.txt
-	$(CARGO) package --workspace --locked --exclude foldwing-benches --exclude foldwing-python --exclude foldwing-web --target-dir $(TARGET)/release-check $(RELEASE_ARGUMENTS)
+	$(IMPORT) $(CARGO) package --workspace --locked --exclude foldwing-benches --exclude foldwing-python --exclude foldwing-web --target-dir $(TARGET)/release-check $(RELEASE_ARGUMENTS)
 	@$(PYTHON) tools/check_release.py --crates $(TARGET)/release-check/package --wheels $(WHEELS) $(wildcard $(PLATFORMS)/*.whl)
 	$(RELEASE)/bin/twine check --strict $(WHEELS)/*.whl $(wildcard $(PLATFORMS)/*.whl)
 

@@ -61,7 +61,7 @@ pub use foldwing_engine::{aero, beam, force, load, machine, math, multibody, pla
 pub use foldwing_file as config;
 
 #[cfg(feature = "import")]
-pub use foldwing_command::import;
+pub use foldwing_import as import;
 #[cfg(feature = "command")]
 pub use foldwing_command::{packaging, report};
 #[cfg(feature = "study")]

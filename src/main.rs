@@ -4,6 +4,12 @@
 
 use std::process::ExitCode;
 
+#[cfg(feature = "import")]
+fn main() -> ExitCode {
+    foldwing_import::command()
+}
+
+#[cfg(not(feature = "import"))]
 fn main() -> ExitCode {
     foldwing_command::run()
 }

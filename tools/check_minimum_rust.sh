@@ -22,4 +22,4 @@ toolchain=$(rustup toolchain list | sed -n "s/^\($pattern\(\.[0-9]*\)\{0,1\}-[^ 
 
 echo "compiling with $toolchain"
 # `check` needs every language feature and library function that a build does
-exec rustup run "$toolchain" cargo check --locked --workspace --lib --bins --target-dir "$target"
+exec rustup run "$toolchain" cargo check --locked --workspace --exclude foldwing-import --lib --bins --target-dir "$target"

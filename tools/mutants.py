@@ -34,9 +34,10 @@ ROOT = Path(__file__).resolve().parent.parent
 LIST = ROOT / "tests/mutants/faults.toml"
 ENGINE = "crates/engine/src/"
 PACKAGES = ["foldwing", "foldwing-engine", "foldwing-file", "foldwing-fmi", "foldwing-fmu", "foldwing-study", "foldwing-recording", "foldwing-web",
-            "foldwing-command"]
+            "foldwing-command", "foldwing-import"]
 PROGRAMS = ["verification", "random", "robustness", "documents", "command"]
-LIBRARIES = ["foldwing_engine", "foldwing_file", "foldwing_fmi", "foldwing_fmu", "foldwing_study", "foldwing_recording", "foldwing_web", "foldwing_command"]
+LIBRARIES = ["foldwing_engine", "foldwing_file", "foldwing_fmi", "foldwing_fmu", "foldwing_study", "foldwing_recording", "foldwing_web", "foldwing_command",
+             "foldwing_import"]
 # Tests of random calls and of endurance take minutes, and the rules of the repository detect the edits themselves.
 SKIPPED = re.compile(r"robustness (random_|mutated_inputs|endurance|watchdog)|documents (architecture|faults)|.*valgrind")
 NUMBER, REACHED = "FOLDWING_FAULT", "FOLDWING_FAULTS_REACHED"

@@ -11,7 +11,7 @@ case " $* " in
 *) exec "$compiler" "$@" ;;
 esac
 case " $* " in
-*" --crate-name foldwing_file "* | *" --crate-name foldwing_fmi "* | *" --crate-name foldwing_fmu "* | *" --crate-name foldwing_recording "* | *" --crate-name foldwing_study "*) ;;
+*" --crate-name foldwing_file "* | *" --crate-name foldwing_fmi "* | *" --crate-name foldwing_fmu "* | *" --crate-name foldwing_import "* | *" --crate-name foldwing_recording "* | *" --crate-name foldwing_study "*) ;;
 *) exec "$compiler" "$@" ;;
 esac
 for word; do

@@ -49,7 +49,6 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("report", &["math", "beam", "machine", "plant", "interface", "names", "recording"]),
     ("packaging", &["math", "load", "beam", "machine", "plant", "interface", "instance", "fmi2", "fmi3", "report"]),
     ("live", &["load", "machine", "plant", "interface", "names", "report"]),
-    ("import", &["interface", "report"]),
     (
         "cli",
         &[
@@ -75,9 +74,9 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "report",
             "packaging",
             "live",
-            "import",
         ],
     ),
+    ("import", &["interface", "report", "cli"]),
     (
         "python",
         &[
@@ -103,7 +102,14 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 
 /// Folders below `crates` whose crate is a single module, and the name of this module in the table.
 const CRATES_OF_ONE_MODULE: &[(&str, &str)] =
-    &[("file", "config"), ("fmu", "fmu"), ("python", "python"), ("recording", "recording"), ("web", "web")];
+    &[
+    ("file", "config"),
+    ("fmu", "fmu"),
+    ("import", "import"),
+    ("python", "python"),
+    ("recording", "recording"),
+    ("web", "web"),
+];
 
 /// Modules that the unit tests of every module may also name: they read the shipped models, build machines and run them.
 const OPEN_TO_UNIT_TESTS: &[&str] = &["config", "machine", "run"];

@@ -1,8 +1,6 @@
 //! The command `foldwing`: export of FMUs, simulations, pictures, analyses.
 
 pub mod cli;
-#[cfg(feature = "import")]
-pub mod import;
 pub mod live;
 pub mod packaging;
 pub mod report;

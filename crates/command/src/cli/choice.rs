@@ -10,7 +10,7 @@ use foldwing_study::names::choose;
 ///
 /// # Errors
 /// Names and patterns without a match, with suggestions; `what` describes the variables in the message.
-pub(super) fn chosen<'a, C: Channel>(
+pub fn chosen<'a, C: Channel>(
     names: &[String],
     rows: &[&'a C],
     what: &'static str,
@@ -19,7 +19,7 @@ pub(super) fn chosen<'a, C: Channel>(
 }
 
 /// Error for an unknown variable name.
-pub(super) fn unknown<'a, C: Channel + 'a>(
+pub fn unknown<'a, C: Channel + 'a>(
     name: &str,
     what: &'static str,
     rows: impl IntoIterator<Item = &'a C>,

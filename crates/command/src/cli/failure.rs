@@ -51,7 +51,7 @@ impl Failure {
     }
 
     /// Returns the failure for an error while writing to `target`.
-    pub(super) fn writing(target: &str, error: &io::Error) -> Self {
+    pub fn writing(target: &str, error: &io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
             Self::Closed
         } else {

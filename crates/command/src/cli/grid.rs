@@ -1,10 +1,10 @@
 //! `--start`, `--stop`, `--step`: communication points of a run.
 
 use crate::cli::Failure;
-pub(super) use foldwing_recording::Grid;
+pub use foldwing_recording::Grid;
 
 #[derive(Clone, clap::Args)]
-pub(super) struct GridArguments {
+pub struct GridArguments {
     /// Communication step in s [default: from the model]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     step: Option<f64>,
@@ -32,7 +32,7 @@ impl GridArguments {
 const MAXIMUM_STEPS: u64 = 1_000_000_000;
 
 /// Communication points of the command line arguments; missing values are taken from `[simulation]`.
-pub(super) fn grid_of(
+pub fn grid_of(
     arguments: &GridArguments,
     default_start_s: f64,
     default_stop_s: f64,

@@ -42,12 +42,7 @@ mod progress;
 mod reading;
 mod renamed;
 mod render;
-#[cfg(feature = "import")]
 mod run;
-#[cfg(not(feature = "import"))]
-#[path = "run_without_import.rs"]
-mod run;
-mod run_arguments;
 mod settings;
 mod shapes;
 mod shipped;
@@ -212,17 +207,42 @@ enum Command {
     Completions(completions::Arguments),
 }
 
-/// Runs the command with the arguments of this process.
+/// Parts that `foldwing-import` shares with the other commands: arguments, choice of variables, files, figures, progress.
+pub mod parts {
+    pub use super::choice::{chosen, unknown};
+    pub use super::grid::{Grid, grid_of};
+    pub use super::number::six;
+    pub use super::outlets::{Leftover, Mark, Outlets};
+    pub use super::pictures::{check_figures, write_series};
+    pub use super::progress::Progress;
+    pub use super::reading::print;
+    pub use super::run::{Arguments as RunArguments, RunFmu};
+    pub use super::simulate::{one_standard_output, read_inputs};
+}
+
+/// Runs the command with the arguments of this process; `foldwing run` returns an error.
 pub fn run() -> ExitCode {
-    let arguments = std::env::args_os();
-    ExitCode::from(run_as(arguments, None))
+    run_with(run::unavailable)
+}
+
+/// Runs the command with the arguments of this process, with `run_fmu` for `foldwing run`.
+pub fn run_with(run_fmu: run::RunFmu) -> ExitCode {
+    ExitCode::from(run_arguments(std::env::args_os(), None, run_fmu))
 }
 
 /// Runs the command given by `arguments`, which start with the name of the program, and returns its exit code. FMUs use `library` unless an
 /// option names another one; without it, the library next to the executable.
 pub fn run_as(arguments: impl IntoIterator<Item = OsString>, library: Option<&Path>) -> u8 {
+    run_arguments(arguments, library, run::unavailable)
+}
+
+fn run_arguments(
+    arguments: impl IntoIterator<Item = OsString>,
+    library: Option<&Path>,
+    run_fmu: run::RunFmu,
+) -> u8 {
     match Arguments::try_parse_from(arguments) {
-        Ok(arguments) => run_command(arguments.command, library),
+        Ok(arguments) => run_command(arguments.command, library, run_fmu),
         Err(error) => {
             tell::parse_error(&error);
             u8::try_from(error.exit_code()).unwrap_or(2)
@@ -230,7 +250,7 @@ pub fn run_as(arguments: impl IntoIterator<Item = OsString>, library: Option<&Pa
     }
 }
 
-fn run_command(command: Command, library: Option<&Path>) -> u8 {
+fn run_command(command: Command, library: Option<&Path>, run_fmu: run::RunFmu) -> u8 {
     outlets::own_signals();
     let outcome = match command {
         Command::New(arguments) => new::run(&arguments),
@@ -243,7 +263,7 @@ fn run_command(command: Command, library: Option<&Path>) -> u8 {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Latency(arguments) => latency::run(&arguments),
-        Command::Run(arguments) => run::run(&arguments),
+        Command::Run(arguments) => run_fmu(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Static(arguments) => statics::run(&arguments),
         Command::Modes(arguments) => modes::run(&arguments),

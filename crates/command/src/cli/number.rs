@@ -1,7 +1,7 @@
 //! Formatting of numbers.
 
 /// Formats six significant digits like C's `%.6g`: `-7.99746`, `0.000123`, `1.5e-07`, `2.5e+09`; −0 becomes `0`.
-pub(super) fn six(value: f64) -> String {
+pub fn six(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{}", value + 0.0);
     }

@@ -204,7 +204,7 @@ fn measured(companion: &Companion) -> Option<Measured> {
 }
 
 /// Creates a folder for figures. Fails before the run if files with the names of the figures exist that Foldwing did not write.
-pub(super) fn check_figures(folder: &Path, outlets: &Outlets) -> Result<(), Failure> {
+pub fn check_figures(folder: &Path, outlets: &Outlets) -> Result<(), Failure> {
     make_folder(folder)?;
     let series = (1..).map(|n| format!("outputs_{n}")).take_while(|name| folder.join(format!("{name}.svg")).exists());
     for name in plots::NAMES.into_iter().chain([plots::OVERVIEW]).map(str::to_owned).chain(series) {
@@ -226,7 +226,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 /// Writes the figures of variables as `outputs_1.svg`, `outputs_1.png` and so on.
-pub(super) fn write_series(
+pub fn write_series(
     folder: &Path,
     figures: Vec<Figure>,
     sheets: &SheetArguments,

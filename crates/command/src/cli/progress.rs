@@ -19,7 +19,7 @@ const EVERY: Duration = Duration::from_millis(100);
 /// Progress of a computation, displayed during the lifetime of this value if standard error is a terminal.
 ///
 /// A separate thread draws it, so that it is also updated during a single unit of work.
-pub(super) struct Progress {
+pub struct Progress {
     shown: Option<Shown>,
 }
 

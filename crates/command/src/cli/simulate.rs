@@ -180,7 +180,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Checks that a table and the summary of `--json` do not both go to standard output.
-pub(super) fn one_standard_output(json: bool, csv: Option<&Path>) -> Result<(), Failure> {
+pub fn one_standard_output(json: bool, csv: Option<&Path>) -> Result<(), Failure> {
     if json && csv == Some(Path::new("-")) {
         return Err(Failure::Usage(
             "--csv -: --json writes to standard output too; name a file for the table".to_owned(),
@@ -261,7 +261,7 @@ fn recorded<'a>(names: &[String], interface: &'a Interface) -> Result<Vec<&'a Va
 }
 
 /// Reads inputs over time from a file.
-pub(super) fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<InputTable, Failure> {
+pub fn read_inputs(path: &Path, variables: &[impl Channel]) -> Result<InputTable, Failure> {
     let name = shown(path);
     let unreadable = |error: io::Error| Failure::Files(format!("{name}: cannot be read: {error}"));
     let source: Box<dyn Read> = match path == Path::new("-") {

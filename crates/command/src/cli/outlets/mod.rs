@@ -7,8 +7,9 @@ mod leftover;
 mod mark;
 mod same;
 
-pub(super) use leftover::{Leftover, own_signals};
-pub(super) use mark::Mark;
+pub use leftover::Leftover;
+pub(super) use leftover::own_signals;
+pub use mark::Mark;
 
 use crate::cli::{Failure, print, tell};
 use same::Identity;
@@ -67,7 +68,7 @@ impl Quiet {
 }
 
 /// Inputs and outputs of a command.
-pub(super) struct Outlets {
+pub struct Outlets {
     force: bool,
     read: Vec<(PathBuf, Identity)>,
     written: Vec<PathBuf>,
@@ -75,7 +76,7 @@ pub(super) struct Outlets {
 }
 
 /// Path of an output that may be written, not opened yet.
-pub(super) struct Place {
+pub struct Place {
     /// Path given by the user.
     shown: String,
     target: Target,
@@ -97,7 +98,7 @@ enum Target {
 }
 
 /// Open output. An existing file is replaced on completion; an unfinished output is discarded.
-pub(super) struct Outlet {
+pub struct Outlet {
     place: Place,
     sink: BufWriter<Sink>,
 }

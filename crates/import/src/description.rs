@@ -1,8 +1,8 @@
 //! Model description of an FMU: library, default experiment, variables with types, units and ranges.
 
-use crate::import::description_file::{Attributes, Root, ScalarVariable};
-use crate::import::description3::{self, Root3};
-use crate::report::{Channel, cell, number};
+use crate::description_file::{Attributes, Root, ScalarVariable};
+use crate::description3::{self, Root3};
+use foldwing_command::report::{Channel, cell, number};
 use foldwing_fmi::interface::Value;
 use std::collections::HashMap;
 use std::fmt;

@@ -1,14 +1,14 @@
 //! FMU that is unpacked into a temporary folder.
 
-use crate::import::description::Description;
-use crate::import::description_file::Root;
-use crate::import::description3::Root3;
-use crate::import::error::{ImportError, of_archive};
-use crate::import::image::check_images;
-use crate::import::slave::Slave;
-use crate::import::slave2::Slave2;
-use crate::import::slave3::Slave3;
-use crate::import::unpack::unpack;
+use crate::description::Description;
+use crate::description_file::Root;
+use crate::description3::Root3;
+use crate::error::{ImportError, of_archive};
+use crate::image::check_images;
+use crate::slave::Slave;
+use crate::slave2::Slave2;
+use crate::slave3::Slave3;
+use crate::unpack::unpack;
 use fmi::fmi2::binding::Fmi2Binding;
 use fmi::fmi2::import::Fmi2Import;
 use fmi::fmi3::Fmi3Model;

@@ -1,6 +1,6 @@
 //! Variables of FMI 3.0 in a description: each element of an array becomes a separate variable.
 
-use crate::import::description::{Element, Kind, NativeType, Unit, Variable};
+use crate::description::{Element, Kind, NativeType, Unit, Variable};
 use serde::Deserialize;
 use std::collections::HashMap;
 

@@ -1,8 +1,8 @@
 //! Instance of a foreign FMU of FMI 2.0, from set-up to termination.
 
-use crate::import::description::{Datum, Kind, Variable};
-use crate::import::error::{CallError, Fault};
-use crate::import::step::Step;
+use crate::description::{Datum, Kind, Variable};
+use crate::error::{CallError, Fault};
+use crate::step::Step;
 use fmi::fmi2::instance::{CoSimulation, Common, InstanceCS};
 use fmi::fmi2::{Fmi2Error, Fmi2Res};
 use foldwing_fmi::interface::Value;

@@ -1,8 +1,8 @@
 //! Instance of a foreign FMU of FMI 3.0, from set-up to termination, without Event Mode and early return.
 
-use crate::import::description::{Datum, NativeType, Variable};
-use crate::import::error::{CallError, Fault};
-use crate::import::step::Step;
+use crate::description::{Datum, NativeType, Variable};
+use crate::error::{CallError, Fault};
+use crate::step::Step;
 use fmi::fmi3::instance::InstanceCS;
 use fmi::fmi3::{CoSimulation, Common, Fmi3Error, Fmi3Res, GetSet};
 use foldwing_fmi::interface::Value;

@@ -1,10 +1,10 @@
 //! Instance of a foreign FMU of either version, from set-up to termination.
 
-use crate::import::description::{Datum, Variable};
-use crate::import::error::CallError;
-use crate::import::slave2::{Readout2, Slave2};
-use crate::import::slave3::{Readout3, Slave3};
-use crate::import::step::Step;
+use crate::description::{Datum, Variable};
+use crate::error::CallError;
+use crate::slave2::{Readout2, Slave2};
+use crate::slave3::{Readout3, Slave3};
+use crate::step::Step;
 
 /// An instance. It is terminated and freed when dropped, if its last status allows this.
 #[derive(Debug)]

@@ -10,11 +10,14 @@ mod error;
 mod fmu;
 mod image;
 mod message;
+mod run;
 mod slave;
 mod slave2;
 mod slave3;
 mod step;
 mod unpack;
+
+use std::process::ExitCode;
 
 pub use description::{Datum, Description, DisplayUnit, Element, Experiment, Kind, NativeType, Unit, Variable};
 pub use error::{CallError, Fault, ImportError};
@@ -24,3 +27,8 @@ pub use slave::{Readout, Slave};
 pub use slave2::{Readout2, Slave2};
 pub use slave3::{Readout3, Slave3};
 pub use step::Step;
+
+/// Runs the command `foldwing` with the arguments of this process; its `run` simulates FMUs of any tool.
+pub fn command() -> ExitCode {
+    foldwing_command::cli::run_with(run::run)
+}

@@ -1,6 +1,6 @@
 //! Unpacking of a possibly malicious archive: no file is written outside the folder, and the size is limited.
 
-use crate::import::error::{ImportError, of_archive};
+use crate::error::{ImportError, of_archive};
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
