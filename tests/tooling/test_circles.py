@@ -11,11 +11,12 @@ import circles  # noqa: E402
 
 # sizes of the circles of each crate, in files; when a circle shrinks, enter its new size here
 SIZES = {
-    "command": [4, 3, 2, 2, 2, 2],
+    "command": [4, 3, 2, 2, 2],
     "engine": [4, 3, 3, 3, 3, 2, 2, 2, 2, 2],
     "file": [],
     "fmi": [2],
     "fmu": [2],
+    "import": [2],
     "python": [2],
     "recording": [2],
     "study": [2],
