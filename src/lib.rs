@@ -60,11 +60,11 @@
 pub use foldwing_engine::{aero, beam, force, load, machine, math, multibody, plant, signal, solve};
 pub use foldwing_file as config;
 
-#[cfg(feature = "import")]
-pub use foldwing_import as import;
 #[cfg(feature = "command")]
 pub use foldwing_command::{packaging, report};
 #[cfg(feature = "study")]
 pub use foldwing_fmi::{fmi2, fmi3, instance, interface};
+#[cfg(feature = "import")]
+pub use foldwing_import as import;
 #[cfg(feature = "study")]
 pub use foldwing_study as study;

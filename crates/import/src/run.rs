@@ -4,11 +4,11 @@ use crate::{
     CallError, Datum, Description, Fault, Fmu, ImportError, Kind, Message, Readout, Severity, Slave, Step, Variable,
     listen,
 };
+use foldwing_command::cli::Failure;
 use foldwing_command::cli::parts::{
     Grid, Leftover, Mark, Outlets, Progress, RunArguments, check_figures, chosen, grid_of, one_standard_output, print,
     read_inputs, six, unknown, write_series,
 };
-use foldwing_command::cli::Failure;
 use foldwing_command::report::plots::Series;
 use foldwing_command::report::{InputTable, Recorder};
 use foldwing_fmi::interface;

@@ -10,19 +10,11 @@ use foldwing_study::names::choose;
 ///
 /// # Errors
 /// Names and patterns without a match, with suggestions; `what` describes the variables in the message.
-pub fn chosen<'a, C: Channel>(
-    names: &[String],
-    rows: &[&'a C],
-    what: &'static str,
-) -> Result<Vec<&'a C>, Failure> {
+pub fn chosen<'a, C: Channel>(names: &[String], rows: &[&'a C], what: &'static str) -> Result<Vec<&'a C>, Failure> {
     choose(names, rows, C::name, what).map_err(|error| Failure::Usage(name_message::<C>(&error)))
 }
 
 /// Error for an unknown variable name.
-pub fn unknown<'a, C: Channel + 'a>(
-    name: &str,
-    what: &'static str,
-    rows: impl IntoIterator<Item = &'a C>,
-) -> Failure {
+pub fn unknown<'a, C: Channel + 'a>(name: &str, what: &'static str, rows: impl IntoIterator<Item = &'a C>) -> Failure {
     Failure::Usage(unknown_name(name, what, rows.into_iter()))
 }

@@ -216,8 +216,8 @@ pub mod parts {
     pub use super::pictures::{check_figures, write_series};
     pub use super::progress::Progress;
     pub use super::reading::print;
-    pub use super::run::{Arguments as RunArguments, RunFmu};
     pub use super::simulate::{one_standard_output, read_inputs};
+    pub use crate::cli::run::{Arguments as RunArguments, RunFmu};
 }
 
 /// Runs the command with the arguments of this process; `foldwing run` returns an error.
@@ -236,11 +236,7 @@ pub fn run_as(arguments: impl IntoIterator<Item = OsString>, library: Option<&Pa
     run_arguments(arguments, library, run::unavailable)
 }
 
-fn run_arguments(
-    arguments: impl IntoIterator<Item = OsString>,
-    library: Option<&Path>,
-    run_fmu: run::RunFmu,
-) -> u8 {
+fn run_arguments(arguments: impl IntoIterator<Item = OsString>, library: Option<&Path>, run_fmu: run::RunFmu) -> u8 {
     match Arguments::try_parse_from(arguments) {
         Ok(arguments) => run_command(arguments.command, library, run_fmu),
         Err(error) => {
