@@ -235,6 +235,7 @@ validate-pytest: package
 	FOLDWING_WHOLE=1 $(MAKE) pytest
 
 validate-figures: package venv wheel
+	$(VENV_PYTHON) studies/dependences.py --foldwing $(COMMAND) --table docs/tables/dependences.md
 	$(VENV_PYTHON) studies/output_convergence.py --foldwing $(COMMAND) --table docs/tables/outputs.md --csv $(TARGET)/verification/outputs.csv
 	$(VENV_PYTHON) studies/plot_conventional.py $(TARGET)/verification docs/pictures
 	$(VENV_PYTHON) studies/plot_input_derivatives.py $(TARGET)/verification docs/pictures

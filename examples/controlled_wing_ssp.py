@@ -31,6 +31,7 @@ SPACES = {prefix: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
 for _prefix, _space in SPACES.items():
     ET.register_namespace(_prefix, _space)
 SSD = "SystemStructure.ssd"
+ANGLE = (("model", "fold.angle"),)
 WIRES = [("controller", "torque", "model", "fold.external_torque"), ("model", "fold.angle", "controller", "angle"),
          ("model", "fold.angular_velocity", "controller", "rate")]
 # without damping: with 0.002 N·m·s/rad the fold angle did not converge to that of the single model at steps of 0.5 to 0.125 ms (80 to 83°
@@ -155,8 +156,14 @@ def inlined(members):
     return {**members, SSD: ET.tostring(root)}
 
 
-def run_fmpy(members, folder, stop_s, step_s):
-    """Fold angle in rad after each step."""
+def wires(members):
+    """Connections of the structure: component and connector of start and end."""
+    rows = ET.fromstring(members[SSD]).iter(tag("ssd:Connection"))
+    return [tuple(row.get(key) for key in ("startElement", "startConnector", "endElement", "endConnector")) for row in rows]
+
+
+def run_fmpy(members, folder, stop_s, step_s, results=ANGLE):
+    """Values of the results, pairs of component and variable, after each step: a row per step."""
     from fmpy.ssp.simulation import simulate_ssp
     from fmpy.ssp.ssd import Parameter, ParameterSet
 
@@ -164,11 +171,11 @@ def run_fmpy(members, folder, stop_s, step_s):
     write(path, for_fmpy(members))
     parameters = ParameterSet(parameters=[Parameter(name=name, value=value) for name, value in start_values(members).items()])
     rows = simulate_ssp(str(path), stop_time=stop_s, step_size=step_s, parameter_set=parameters)
-    return [float(row["model.fold.angle"]) for row in rows][: round(stop_s / step_s)]
+    return [[float(row[f"{component}.{variable}"]) for component, variable in results] for row in rows][: round(stop_s / step_s)]
 
 
-def run_libcosim(members, folder, stop_s, step_s):
-    """Fold angle in rad after each step."""
+def run_libcosim(members, folder, stop_s, step_s, results=ANGLE):
+    """The same in libcosim's fixed-step algorithm."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
 
@@ -179,18 +186,20 @@ def run_libcosim(members, folder, stop_s, step_s):
     execution = CosimExecution.from_ssp_file(str(Path(folder) / "libcosim"), round(step_s * 1e9))
     observer = CosimObserver.create_last_value()
     execution.add_observer(observer)
-    slave = execution.slave_index_from_instance_name("model")
-    angle = next(row.reference for row in execution.slave_variables(slave) if row.name == b"fold.angle")
-    angles = []
+    places = []
+    for component, variable in results:
+        slave = execution.slave_index_from_instance_name(component)
+        places.append((slave, next(row.reference for row in execution.slave_variables(slave) if row.name.decode() == variable)))
+    rows = []
     for _ in range(round(stop_s / step_s)):
         if not execution.step():
             raise RuntimeError("cosim_execution_step failed")
-        angles.append(observer.last_real_values(slave, [angle])[0])
-    return angles
+        rows.append([observer.last_real_values(slave, [reference])[0] for slave, reference in places])
+    return rows
 
 
-def run_ecos(members, folder, stop_s, step_s):
-    """Fold angle in rad after each step. Ecos needs Intel's TBB (`pip install tbb`), which its package does not name."""
+def run_ecos(members, folder, stop_s, step_s, results=ANGLE):
+    """The same in Ecos, which needs Intel's TBB (`pip install tbb`); its package does not name it."""
     tbb = Path(sys.prefix) / "lib/libtbb.so.12"
     if tbb.exists():
         ctypes.CDLL(str(tbb), mode=ctypes.RTLD_GLOBAL)
@@ -200,38 +209,40 @@ def run_ecos(members, folder, stop_s, step_s):
     write(path, inlined(members))
     with EcosSimulation(ssp_path=str(path), step_size=step_s) as simulation:
         simulation.init(parameter_set="parameters")  # the name of the sets that `inlined` writes; without it Ecos ignores them
-        angles = []
+        rows = []
         for _ in range(round(stop_s / step_s)):
             simulation.step(1)
-            angles.append(simulation.get_real("model::fold.angle"))
+            rows.append([simulation.get_real(f"{component}::{variable}") for component, variable in results])
         simulation.terminate()
-    return angles
+    return rows
 
 
-def run_container(members, folder, stop_s, step_s):
-    """Fold angle in rad after each step, of a container FMU of FMU Manipulation Toolbox, which ignores the parameters of an SSP file: the
-    same system as its CSV, whose start values are those of SSV and SSM."""
+def run_container(members, folder, stop_s, step_s, results=ANGLE):
+    """The same in a container FMU of FMU Manipulation Toolbox, which ignores the parameters of an SSP file: the same system as its CSV,
+    whose start values are those of SSV and SSM."""
     import fmu_manipulation_toolbox  # noqa: F401, the program comes with it
     from fmpy import simulate_fmu
 
     root = Path(folder) / "container"
     root.mkdir(exist_ok=True)
     rows = ["rule;from_fmu;from_port;to_fmu;to_port"]
-    for name in ("model", "controller"):
-        (root / f"{name}.fmu").write_bytes(members[f"resources/{name}.fmu"])
+    for component in ET.fromstring(members[SSD]).iter(tag("ssd:Component")):
+        name = component.get("name")
+        (root / f"{name}.fmu").write_bytes(members[component.get("source")])
         rows.append(f"FMU;{name}.fmu;;;")
-    rows += [f"LINK;{start}.fmu;{output};{end}.fmu;{put}" for start, output, end, put in WIRES]
+    rows += [f"LINK;{start}.fmu;{output};{end}.fmu;{put}" for start, output, end, put in wires(members)]
     for name, value in start_values(members).items():
         component, _, variable = name.partition(".")
         # a Boolean is a number there
         rows.append(f"START;{component}.fmu;{variable};{int(value) if isinstance(value, bool) else value!r};")
-    rows.append("OUTPUT;model.fmu;fold.angle;;angle")
+    rows += [f"OUTPUT;{component}.fmu;{variable};;result_{k}" for k, (component, variable) in enumerate(results)]
     (root / "system.csv").write_text("\n".join([*rows, ""]), encoding="utf-8")
     command = [str(Path(sys.executable).parent / "fmucontainer"), "-fmu-directory", str(root), "-container", f"system.csv:{step_s!r}", "-no-auto-input",
                "-no-auto-output", "-no-auto-link", "-sequential"]
     subprocess.run(command, check=True, capture_output=True)
-    found = simulate_fmu(str(root / "system.fmu"), stop_time=stop_s, output_interval=step_s, output=["angle"], record_events=False)
-    return [float(angle) for angle in found["angle"][1:]]
+    names = [f"result_{k}" for k in range(len(results))]
+    found = simulate_fmu(str(root / "system.fmu"), stop_time=stop_s, output_interval=step_s, output=names, record_events=False)
+    return [[float(row[name]) for name in names] for row in found[1:]]
 
 
 RUNS = {"FMPy": run_fmpy, "libcosim": run_libcosim, "Ecos": run_ecos, "FMU container": run_container}
@@ -262,11 +273,11 @@ def main():
         write(arguments.output, members)
         for name, run in RUNS.items():
             try:
-                angles = run(members, folder, arguments.stop, arguments.step)
+                ((angle,),) = run(members, folder, arguments.stop, arguments.step)[-1:]
             except ImportError as error:
                 print(f"{name:13} not run: {error}")
                 continue
-            print(f"{name:13} fold angle after {arguments.stop} s: {math.degrees(angles[-1]):.9f} degrees")
+            print(f"{name:13} fold angle after {arguments.stop} s: {math.degrees(angle):.9f} degrees")
 
 
 if __name__ == "__main__":

@@ -28,19 +28,27 @@ ROOT = Path(__file__).resolve().parents[1]
 STOP_S = 0.02
 TOLERANCE = 1e-6
 LIMIT_RAD_S, EULER_LIMIT_RAD_S, EULER_STEP_S = 3000.0, 1000.0, 1e-5
-STRIPS = ("flared_wing_tip", "goland_wing", "slender_wing")
+STRIPS = ("flared_wing_tip", "goland_wing")
 AIR_IN_STEPS = ("folding_wing_in_tunnel",)
+# starts in equilibrium and meets its gust at 0.5 s: the motion of 20 ms, by which errors are divided, is round-off (1.9e-12 of the states
+# after 1 ms), and a tolerance of 1e-9 resolves this round-off
+AT_REST = ("slender_wing",)
 
 
 HEAD = """\
 # Integrators of importers on the Model Exchange FMUs
 
 The shipped models without a lattice over 20 ms from their start at a tolerance of 1e-6: largest difference of fold angles and places of tips at the end from
-the reference, relative to the largest motion, and processor time. Reference: co-simulation at 1e-9; for strips (`flared_wing_tip`, `goland_wing`, `slender_wing`) SciPy's Radau at 1e-9. The
+the reference, relative to the largest motion, and processor time. Reference: co-simulation at 1e-9; for strips (`flared_wing_tip`, `goland_wing`) SciPy's Radau at 1e-9. The
 explicit methods have `solver.frequency_limit` at the number in their column, which changes the equations, and Euler steps of 1e-5 s. `!`: rejected by the FMU with the message below the table.
 `python studies/model_exchange_integrators.py --foldwing COMMAND --table docs/tables/model_exchange.md` (`make validate`).
 
 """
+
+
+REST = """\
+`slender_wing` is left out: it starts in equilibrium and meets its gust after 0.5 s, so that its motion within 20 ms is round-off (states change by 1.9e-12
+at most in 1 ms, by Radau at 1e-6), and errors over it mean nothing."""
 
 
 class Equations:
@@ -169,7 +177,7 @@ def main():
     print("\n".join(lines), flush=True)
     failures = []
     with tempfile.TemporaryDirectory() as folder:
-        for model in (name for name in models if name not in AIR_IN_STEPS):
+        for model in (name for name in models if name not in AIR_IN_STEPS + AT_REST):
             paths = [Path(folder) / f"{model}_{kind}.fmu" for kind in ("me", "cs")]
             for path, kind in zip(paths, ("me", "cs")):
                 file = ROOT / f"examples/models/{model}.toml"
@@ -192,7 +200,7 @@ def main():
             print(lines[-1], flush=True)
     print("\n".join(failures))
     if arguments.table:
-        arguments.table.write_text(HEAD + "\n".join([*lines, "", *failures]) + "\n")
+        arguments.table.write_text(HEAD + "\n".join([*lines, "", *failures, "", REST]) + "\n")
 
 
 if __name__ == "__main__":

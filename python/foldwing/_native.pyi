@@ -107,7 +107,7 @@ class Model:
         model: Union[None, str, os.PathLike[str]],
         libraries: Sequence[Union[str, os.PathLike[str]]],
         linear: Optional[str],
-        kinds: Tuple[int, bool, bool, bool, bool],
+        kinds: Tuple[int, bool, bool, Sequence[bool]],
         without_reference: bool,
         force: bool,
     ) -> None: ...

@@ -604,6 +604,7 @@ class Model(RotorStudies, GradientStudies):
         interface: Union[str, Sequence[str]] = "cs",
         scalars: bool = False,
         accounts: bool = False,
+        real_outputs_only: bool = False,
         reference: bool = True,
         libraries: Sequence[Union[str, os.PathLike[str]]] = (),
         force: bool = False,
@@ -619,6 +620,7 @@ class Model(RotorStudies, GradientStudies):
             interface: `cs` (co-simulation), `me` (Model Exchange), or both: `("cs", "me")`.
             scalars: with `fmi=3`, scalars under the names of FMI 2.0 instead of arrays.
             accounts: with `interface="me"`, the work of the inputs and the dissipated energy as continuous states, and as outputs.
+            real_outputs_only: outputs that are not Real as local variables, for importers that take every output for Real (CasADi).
             reference: run the default simulation for the reference results in the FMU.
             libraries: shared libraries, one for each platform; default: the one in this package.
             force: overwrite a file that was not written by Foldwing.
@@ -634,7 +636,7 @@ class Model(RotorStudies, GradientStudies):
             model=self.file if os.path.exists(self.file) else None,
             libraries=[os.fspath(path) for path in libraries] or [library()],
             linear=None if linear is None else str(linear),
-            kinds=(int(fmi), "cs" in types, "me" in types, scalars, accounts),
+            kinds=(int(fmi), "cs" in types, "me" in types, [scalars, accounts, real_outputs_only]),
             without_reference=not reference,
             force=force,
         )

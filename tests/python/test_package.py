@@ -57,6 +57,7 @@ def test_fmus_of_every_kind_are_those_of_the_command(wing, command, tmp_path):
         (dict(fmi=3), ["--fmi", "3"]),
         (dict(interface="me"), ["--interface", "me"]),
         (dict(interface="me", accounts=True), ["--interface", "me", "--accounts"]),
+        (dict(interface="me", real_outputs_only=True), ["--interface", "me", "--real-outputs-only"]),
         (dict(interface=("cs", "me"), fmi=3, scalars=True, linear="start"), ["--interface", "cs,me", "--fmi", "3", "--scalars", "--linear=start"]),
     ]
     for number, (given, words) in enumerate(kinds):

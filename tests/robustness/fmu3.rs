@@ -106,13 +106,7 @@ impl Fmu3 {
         Self::of(
             text,
             None,
-            Kinds {
-                version: Version::Fmi3,
-                co_simulation: true,
-                model_exchange: true,
-                scalars: false,
-                accounts: false,
-            },
+            Kinds { version: Version::Fmi3, co_simulation: true, model_exchange: true, ..Kinds::default() },
         )
     }
 

@@ -385,7 +385,8 @@ impl Model {
         cli::text_with_values(&self.shared.text, &values).map_err(|failure| refusal::command(&failure))
     }
 
-    /// Writes an FMU, and a system of it if `ssp` is given; `kinds` are the version of FMI, co-simulation, Model Exchange, scalars instead of arrays, and energy accounts.
+    /// Writes an FMU, and a system of it if `ssp` is given; `kinds` are the version of FMI, co-simulation, Model Exchange, scalars instead of arrays,
+    /// energy accounts, and Real outputs only.
     #[pyo3(signature = (output, *, ssp, model, libraries, linear, kinds, without_reference, force))]
     #[allow(clippy::too_many_arguments, reason = "named in Python")]
     fn package(
@@ -396,12 +397,12 @@ impl Model {
         model: Option<PathBuf>,
         libraries: Vec<PathBuf>,
         linear: Option<String>,
-        kinds: (u8, bool, bool, bool, bool),
+        kinds: (u8, bool, bool, [bool; 3]),
         without_reference: bool,
         force: bool,
     ) -> PyResult<()> {
-        let (fmi, co_simulation, model_exchange, scalars, accounts) = kinds;
-        let kinds = cli::kinds(fmi, [co_simulation, model_exchange], scalars, accounts);
+        let (fmi, co_simulation, model_exchange, variables) = kinds;
+        let kinds = cli::kinds(fmi, [co_simulation, model_exchange], variables);
         let packaging = Packaging { output, ssp, model, libraries, linear, kinds, without_reference, force };
         py.detach(|| cli::package(&self.shared.machine, &self.shared.text, &packaging))
             .map_err(|failure| refusal::command(&failure))

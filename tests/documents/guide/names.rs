@@ -61,8 +61,7 @@ fn variables() -> BTreeSet<String> {
             version: Version::Fmi3,
             co_simulation: true,
             model_exchange: machine.air.is_none(),
-            scalars: false,
-            accounts: false,
+            ..Kinds::default()
         };
         names.extend(kinds.interface(&machine).arrays().iter().map(|array| array.name.clone()));
         for row in Interface::new(&machine).variables() {

@@ -137,10 +137,14 @@ pub struct Packaging {
     pub force: bool,
 }
 
-/// Version of FMI (2 or 3), interface types, form of the variables and energy accounts of an FMU.
-pub fn kinds(fmi: u8, [co_simulation, model_exchange]: [bool; 2], scalars: bool, accounts: bool) -> Kinds {
+/// Version of FMI (2 or 3), interface types, and choices of the variables of an FMU: scalars, energy accounts, Real outputs only.
+pub fn kinds(
+    fmi: u8,
+    [co_simulation, model_exchange]: [bool; 2],
+    [scalars, accounts, real_outputs_only]: [bool; 3],
+) -> Kinds {
     let version = if fmi == 3 { Version::Fmi3 } else { Version::Fmi2 };
-    Kinds { version, co_simulation, model_exchange, scalars, accounts }
+    Kinds { version, co_simulation, model_exchange, scalars, accounts, real_outputs_only }
 }
 
 /// Writes the same FMU, and the same system of it, as `foldwing package`, byte for byte.

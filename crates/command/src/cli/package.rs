@@ -41,6 +41,9 @@ pub struct Arguments {
     /// depends on them: SciPy's BDF and other integrators that compute the Jacobian by finite differences in every state may fail with them
     #[arg(long)]
     accounts: bool,
+    /// Declare outputs that are not Real, such as `fold.latched`, as local variables, for importers that take every output for Real (CasADi)
+    #[arg(long)]
+    real_outputs_only: bool,
     /// Add the linear model about a state: `start`, a time in s, or `equilibrium`, which is used if no state is given
     #[arg(long, value_name = "STATE", num_args = 0..=1, require_equals = true, default_missing_value = "equilibrium")]
     linear: Option<String>,
@@ -86,6 +89,7 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
         model_exchange: has(Kind::Me),
         scalars: arguments.scalars,
         accounts: arguments.accounts,
+        real_outputs_only: arguments.real_outputs_only,
     };
     check_kinds(kinds, &machine)?;
     if arguments.cross_check.is_some() && !kinds.co_simulation {

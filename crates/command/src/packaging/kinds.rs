@@ -21,11 +21,21 @@ pub struct Kinds {
     pub scalars: bool,
     /// In Model Exchange alone, the energy accounts as continuous states; with co-simulation they always are.
     pub accounts: bool,
+    /// Whether outputs that are not Real are local variables of the description. Values, references and tokens are those of the same FMU
+    /// with all outputs.
+    pub real_outputs_only: bool,
 }
 
 impl Default for Kinds {
     fn default() -> Self {
-        Self { version: Version::Fmi2, co_simulation: true, model_exchange: false, scalars: false, accounts: false }
+        Self {
+            version: Version::Fmi2,
+            co_simulation: true,
+            model_exchange: false,
+            scalars: false,
+            accounts: false,
+            real_outputs_only: false,
+        }
     }
 }
 
@@ -54,6 +64,12 @@ impl Kinds {
 
     /// Returns the variable table, for Model Exchange with the continuous states and their start values.
     pub fn interface(self, machine: &Machine) -> Interface {
+        let all = self.with_all_outputs(machine);
+        if self.real_outputs_only { all.with_real_outputs_only() } else { all }
+    }
+
+    /// The table of the library, which is independent of the choice of outputs.
+    fn with_all_outputs(self, machine: &Machine) -> Interface {
         let arrays = if self.model_exchange { self.with_states(machine) } else { Interface::new(machine) };
         if self.scalars { arrays.in_scalars() } else { arrays }
     }
@@ -79,7 +95,7 @@ impl Kinds {
         interface
     }
 
-    /// Returns the GUID of FMI 2.0 or the instantiation token of FMI 3.0 for the table of [`Kinds::interface`].
+    /// Returns the GUID of FMI 2.0 or the instantiation token of FMI 3.0 for the table of [`Kinds::interface`] with all outputs.
     pub fn token(self, interface: &Interface, model_text: &str) -> String {
         match self.version {
             Version::Fmi2 => guid(model_text, interface.variables()),
@@ -89,7 +105,11 @@ impl Kinds {
 
     /// Returns the `modelDescription.xml` of a machine with the model file `model_text`.
     pub fn model_description(self, machine: &Machine, interface: &Interface, model_text: &str) -> String {
-        let (dependencies, token) = (interface.dependencies(machine), self.token(interface, model_text));
+        let dependencies = interface.dependencies(machine);
+        let token = match self.real_outputs_only {
+            true => self.token(&self.with_all_outputs(machine), model_text),
+            false => self.token(interface, model_text),
+        };
         match self.version {
             Version::Fmi2 => {
                 description::model_description(machine, interface.variables(), &dependencies, &token, self)
@@ -123,4 +143,46 @@ fn shown(interface: &Interface, array: &Array) -> Variable {
         lengths => format!("{}[{}]", array.name, lengths.join(", ")),
     };
     Variable { name, description: array.description.clone(), ..interface.head(array).clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use foldwing_fmi::interface::{Causality, Kind};
+
+    const MODEL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/models/folding_wing.toml");
+
+    /// In both versions, for both interface types: outputs of other types than Real are local, everything else is the same row, and the
+    /// description has the token of the FMU with all outputs, which the library has.
+    #[test]
+    fn real_outputs_only_leaves_the_rest_local() {
+        let text = std::fs::read_to_string(MODEL).unwrap();
+        let machine = foldwing_file::parse(&text, MODEL).unwrap();
+        for version in [Version::Fmi2, Version::Fmi3] {
+            for (co_simulation, model_exchange) in [(true, false), (false, true), (true, true)] {
+                let all = Kinds { version, co_simulation, model_exchange, ..Kinds::default() };
+                let only = Kinds { real_outputs_only: true, ..all };
+                let (before, after) = (all.interface(&machine), only.interface(&machine));
+                let mut hidden = 0;
+                assert_eq!(before.variables().len(), after.variables().len());
+                for (was, is) in before.variables().iter().zip(after.variables()) {
+                    let other = was.causality == Causality::Output && was.value.kind() != Kind::Real;
+                    hidden += usize::from(other);
+                    let expected = if other { Causality::Local } else { was.causality };
+                    assert_eq!(is.causality, expected, "{}", was.name);
+                    assert_eq!((&is.name, is.value_reference), (&was.name, was.value_reference));
+                }
+                assert!(hidden > 0, "the latch is a Boolean output");
+                let token = all.token(&before, &text);
+                let [plain, real] = [(all, before), (only, after)]
+                    .map(|(kinds, interface)| kinds.model_description(&machine, &interface, &text));
+                assert!(plain.contains(&token) && real.contains(&token), "{only:?}");
+                let causality = |text: &str| {
+                    let place = text.find("name=\"fold.latched\"").unwrap();
+                    text[place..].split("causality=\"").nth(1).unwrap().split('"').next().unwrap().to_owned()
+                };
+                assert_eq!((causality(&plain).as_str(), causality(&real).as_str()), ("output", "local"));
+            }
+        }
+    }
 }

@@ -4,7 +4,7 @@ use crate::packaging::extras::Extras;
 use crate::packaging::html::{number, table};
 use crate::packaging::{Kinds, MODEL_IDENTIFIER, linear_model, reference};
 use foldwing_engine::machine::Machine;
-use foldwing_engine::plant::Plant;
+use foldwing_engine::plant::{FastestMotion, Plant};
 use foldwing_fmi::instance::Version;
 use foldwing_fmi::interface::{Causality, Value, Variable};
 use quick_xml::escape::escape;
@@ -62,28 +62,56 @@ pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]
     }
 }
 
-/// Writes data for the integrator of an importer: the highest frequency at the start, and the explicit step that it allows.
+/// Writes data for the integrator of an importer: the fastest motion at the start, and the explicit steps that it allows.
 fn integrate(html: &mut String, machine: &Machine) {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     let started = plant.initialize(machine.experiment.start_time_s).is_ok();
     if !started || plant.system_mut().begin_exchange().is_err() {
         return;
     }
-    let Ok(fastest_rad_s) = plant.system_mut().fastest_rad_s() else { return };
-    if fastest_rad_s > 0.0 {
-        let _ = writeln!(
-            html,
-            "<p><strong>Model Exchange.</strong> Integrate with an implicit method, such as CVode's. The fastest motion at the start has \
-             about {fastest_rad_s:.1e} rad/s, hardly damped: the classical Runge–Kutta method of order 4 needs steps of {:.1e} s or less \
-             ({RUNGE_KUTTA}/ω), and forward Euler far shorter ones (2ζ/ω).</p>",
-            RUNGE_KUTTA / fastest_rad_s
+    let Ok(fastest) = plant.system_mut().fastest_motion() else { return };
+    if fastest.magnitude_rad_s > 0.0 {
+        html.push_str(
+            "<p><strong>Model Exchange.</strong> Integrate with an implicit method, such as CVode's. The fastest motion at the start ",
         );
+        html.push_str(&explicit_steps(fastest));
+    }
+}
+
+/// Sentence on the fastest motion and the steps of explicit methods, to the end of the paragraph.
+fn explicit_steps(FastestMotion { magnitude_rad_s, damping_rate_1_s }: FastestMotion) -> String {
+    let euler_s = 2.0 * damping_rate_1_s / (magnitude_rad_s * magnitude_rad_s);
+    let ratio = damping_rate_1_s / magnitude_rad_s;
+    let limit = if ratio < HARDLY { UNDAMPED } else { DAMPED };
+    let classical_s = limit / magnitude_rad_s;
+    let classical = format!("the classical Runge–Kutta method of order 4 needs steps of {classical_s:.1e} s or less");
+    if ratio < HARDLY {
+        format!(
+            "has about {magnitude_rad_s:.1e} rad/s, hardly damped: {classical} ({limit}/ω), and forward Euler far shorter ones \
+             (2ζ/ω).</p>\n"
+        )
+    } else if ratio < ALMOST_ALL {
+        format!(
+            "has about {magnitude_rad_s:.1e} rad/s and a damping rate of {damping_rate_1_s:.1e} 1/s: {classical} ({limit}/ω), \
+             and forward Euler {euler_s:.1e} s or less, by motions with less damping perhaps far less.</p>\n"
+        )
+    } else {
+        format!(
+            "decays at about {magnitude_rad_s:.1e} 1/s without oscillation: {classical} ({limit}/λ), and forward Euler \
+             {euler_s:.1e} s or less, by motions with less damping perhaps far less.</p>\n"
+        )
     }
 }
 
 /// Product of step and angular frequency up to which the classical fourth-order Runge–Kutta method is stable without
 /// damping, 2√2.
-const RUNGE_KUTTA: f64 = 2.8;
+const UNDAMPED: f64 = 2.8;
+/// The same with any damping: the least is 2.62, at damping ratios near 0.57.
+const DAMPED: f64 = 2.6;
+/// Damping ratio below which the estimate of the damping of the fastest motion has no digits.
+const HARDLY: f64 = 0.01;
+/// Share of the magnitude above which a damping rate is that of a motion without oscillation, within the accuracy of both.
+const ALMOST_ALL: f64 = 0.9;
 
 /// Line of start values in the example: the first Boolean input, or the first parameter.
 fn start_values(variables: &[Variable]) -> String {
@@ -170,8 +198,36 @@ pub(super) fn archive(html: &mut String, extras: &Extras) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Complex;
     use std::fs;
     use std::path::Path;
+
+    /// The words follow the damping ratio, and the steps are the limits of stability: `|1 + h λ| = 1` for forward Euler.
+    #[test]
+    fn explicit_steps_are_the_limits_of_stability() {
+        let words = |ratio: f64| {
+            let damping_rate_1_s = 1e5 * ratio;
+            explicit_steps(FastestMotion { magnitude_rad_s: 1e5, damping_rate_1_s })
+        };
+        let [none, some, all] = [0.005, 0.25, 1.0].map(words);
+        assert!(none.contains("1.0e5 rad/s, hardly damped") && !none.contains("1/s:"), "{none}");
+        assert!(some.contains("a damping rate of 2.5e4 1/s") && some.contains("forward Euler 5.0e-6 s"), "{some}");
+        assert!(all.contains("decays at about 1.0e5 1/s") && all.contains("forward Euler 2.0e-5 s"), "{all}");
+        for (text, limit) in [(&none, "2.8e-5"), (&some, "2.6e-5"), (&all, "2.6e-5")] {
+            assert!(text.contains(&format!("steps of {limit} s or less")) && text.ends_with("</p>\n"), "{text}");
+        }
+        // stability function of the method in the left half-plane: |1 + z + z²/2 + z³/6 + z⁴/24| ≤ 1
+        for degrees in 90..=180 {
+            let angle = f64::from(degrees).to_radians();
+            let z = Complex::from_polar(if degrees == 90 { UNDAMPED } else { DAMPED }, angle);
+            let factor = (z / 24.0 + 1.0 / 6.0) * z * z * z + z * z / 2.0 + z + 1.0;
+            assert!(factor.norm() <= 1.0, "{degrees}: {factor}");
+        }
+        // Euler's step of the damped oscillator: λ = −ζ ω + i ω √(1 − ζ²)
+        let (step_s, ratio) = (5e-6, 0.25_f64);
+        let (real, imaginary) = (1.0 - step_s * 1e5 * ratio, step_s * 1e5 * (1.0 - ratio * ratio).sqrt());
+        assert!((real.hypot(imaginary) - 1.0).abs() < 1e-12);
+    }
 
     /// The numbers on the page are identical to those of `docs/VALIDATION.md`, and their test cases are in the list of
     /// cases.

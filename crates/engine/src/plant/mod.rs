@@ -17,9 +17,10 @@ pub use crate::study::{
     change_of_sign, reduce, reduce_in_band, reduce_sampled, sampled,
 };
 pub use crate::system::{
-    AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FlapOutputs,
-    FlightMode, Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs, LoopOutputs,
-    ModalOutputs, ModeShape, NoSlipOutputs, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs, PlantError,
-    PointOutputs, RotorLoads, SHEAR_SHARE, SectionChange, SectionPlace, SectionShape, SectionState, SectionStrain,
-    Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare, energy_share_names,
+    AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FastestMotion,
+    FlapOutputs, FlightMode, Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs,
+    LoopOutputs, ModalOutputs, ModeShape, NoSlipOutputs, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs,
+    PlantError, PointOutputs, RotorLoads, SHEAR_SHARE, SectionChange, SectionPlace, SectionShape, SectionState,
+    SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare,
+    energy_share_names,
 };

@@ -37,6 +37,7 @@ pub use crate::aero::RotorLoads;
 pub use air::{CLOSED_PANELS, SurfaceGap, SurfaceLattice};
 pub use error::PlantError;
 pub use exchange::{CoordinateName, CoordinateQuantity};
+pub use fastest::FastestMotion;
 pub use freedoms::Freedom;
 pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
 pub use outputs::{

@@ -92,6 +92,17 @@ impl Interface {
         self
     }
 
+    /// The same table for a description whose outputs are all Real: outputs of other types are local variables. An instance has the table with
+    /// all outputs, and the same values under the same references.
+    pub fn with_real_outputs_only(mut self) -> Self {
+        for row in &mut self.variables {
+            if row.causality == Causality::Output && row.value.kind() != Kind::Real {
+                row.causality = Causality::Local;
+            }
+        }
+        self
+    }
+
     fn of(table: table::Table, machine: &Machine, coordinates: Vec<usize>) -> Self {
         let table::Table { variables, bounds, signals, depends, .. } = table;
         let nominals = variables.iter().filter_map(|row| row.nominal).collect();
