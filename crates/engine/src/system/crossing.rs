@@ -113,11 +113,12 @@ impl Equations {
         }
     }
 
-    /// Kinetic energy in J of the whole model.
+    /// Kinetic energy in J of the whole model and of the penalties of its loops.
     fn kinetic_j(&mut self, point: &Point, zero: &[f64]) -> f64 {
         sweep_motion(&self.model, &mut self.work, Motion { q: &point.q, v: &point.v, a: zero });
         energy::kinetic(&self.model, &self.work, |_, _| ())
             + energy::kinetic_of_drives(&self.model, &self.work, &point.v)
+            + self.loop_kinetic_j()
     }
 
     /// Kinetic energy in J of the velocities before the impulse at the pose after it.
@@ -128,10 +129,12 @@ impl Equations {
         }
         energy::kinetic(&self.model, &self.work, |_, _| ())
             + energy::kinetic_of_drives(&self.model, &self.work, &point.v)
+            + self.loop_kinetic_j()
     }
 
     /// Momenta in the directions of all coordinates of the jump from the velocities in [`Workspace::carried`] to those at the rates `v`;
-    /// `zero` are zeros. The parts of strains and modes are the same before and after, and cancel.
+    /// `zero` are zeros. The parts of strains and modes are the same before and after, and cancel. The rows of the multipliers of rigid loops
+    /// are the rates of their gaps.
     ///
     /// [`Workspace::carried`]: crate::multibody::Workspace::carried
     fn momenta_of_jump(&mut self, [q, v, zero]: [&[f64]; 3], [jump, before]: [&mut [f64]; 2]) {
@@ -146,6 +149,16 @@ impl Equations {
         before.fill(0.0);
         dynamics::momenta(&self.model, &mut self.work, still, &self.damping, before);
         jump.iter_mut().zip(before.iter()).for_each(|(jump, before)| *jump -= before);
+    }
+
+    /// Work in J of the impulses at prescribed joints, from the momenta of the jump to the rates `v`.
+    fn work_of_jump_j(&self, v: &[f64], momenta: &[f64]) -> f64 {
+        if self.model.constraints() > 0 {
+            // the impulses of constraints do no work in total, nor do those at free coordinates: what remains is that of the prescribed ones
+            return v.iter().zip(momenta).map(|(rate, momentum)| rate * momentum).sum();
+        }
+        let moved = self.forces.joints().iter().filter(|joint| joint.law().is_some());
+        moved.map(|joint| momenta[joint.coordinate] * v[joint.coordinate]).sum()
     }
 
     fn cross_borders(
@@ -166,12 +179,13 @@ impl Equations {
         self.momenta_of_jump([&point.q, &point.v, zero], [momenta, other]);
         self.factorize(1.0, 0.0, 0.0)?;
         self.solve(momenta);
-        point.v.iter_mut().zip(momenta.iter()).for_each(|(v, jump)| *v -= jump);
+        // the impulses of the constraints are not kept
+        let tree = self.model.tree_coordinates();
+        point.v[..tree].iter_mut().zip(momenta.iter()).for_each(|(v, jump)| *v -= jump);
         let mut work_j = 0.0;
         if self.forces.joints().iter().any(|joint| joint.law().is_some()) {
             self.momenta_of_jump([&point.q, &point.v, zero], [momenta, other]);
-            let moved = self.forces.joints().iter().filter(|joint| joint.law().is_some());
-            work_j = moved.map(|joint| momenta[joint.coordinate] * point.v[joint.coordinate]).sum();
+            work_j = self.work_of_jump_j(&point.v[..tree], momenta);
         }
         let after_j = self.kinetic_j(point, zero);
         // the border is located to a finite accuracy, by which the pose jumps: the resulting energy counts as work, as for the potentials

@@ -33,10 +33,6 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     }
     carried(&machine.bodies, checker);
     let Some(joint) = machine.sliding_joint() else { return };
-    if let Some(closure) = machine.closures.first() {
-        let allowed = format!("no loop in a model with a sliding joint ({joint:?})");
-        checker.refuse_state(&["loop", &closure.name], "a loop", allowed);
-    }
     if let Some(no_slip) = machine.no_slips.first() {
         let allowed = format!("no skate and no wheel in a model with a sliding joint ({joint:?})");
         checker.refuse_state(&[no_slip.table(), &no_slip.name], format!("a {}", no_slip.table()), allowed);
