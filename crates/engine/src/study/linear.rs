@@ -1,7 +1,7 @@
 //! Linear model of the machine about its current state: matrices, modes, derivatives of outputs.
 //!
 //! The stiffness is the exact tangent if the state is an equilibrium. About a moving state, inertia forces change with the pose: the
-//! derivative is then computed by sixth-order differences of the residual without its elastic part, accurate to 1e-11 of its terms. Mass
+//! derivative is then, and with sliding joints, computed by sixth-order differences of the residual without its elastic part, accurate to 1e-11 of its terms. Mass
 //! and damping are always exact: the residual is linear in the accelerations and quadratic in the rates. NOTATION eqs. (L10)–(L12).
 
 use crate::force::joint::JointForces;
@@ -20,6 +20,7 @@ use crate::study::Study;
 use crate::system::Outputs;
 use crate::system::PlantError;
 use crate::system::System;
+use crate::system::equations::Equations;
 use crate::system::freedoms::Freedom;
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -63,7 +64,6 @@ pub struct InstantRates {
 impl Study<'_> {
     /// Mass, damping and stiffness about the current state with its accelerations, over [`System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
-        self.system.refuse_sliding("linear model")?;
         self.system.refuse_constraints("linear model")?;
         let freedoms = self.system.freedoms();
         let mut unused = vec![0.0; self.system.coordinates()];
@@ -76,8 +76,8 @@ impl Study<'_> {
                 cause: "models with universal, ball or free joints are linearised at rest only".into(),
             });
         }
-        let mut tangent = Tangent::new(&self.system.equations.model);
-        let stiffness = if rest {
+        let stiffness = if rest && self.system.machine.sliding_joint().is_none() {
+            let mut tangent = Tangent::new(&self.system.equations.model);
             self.system.equations.linearize_at_rest(&mut tangent, &now.q);
             select(&tangent.dense(&self.system.equations.model), &freedoms)
         } else {
@@ -136,51 +136,15 @@ impl Study<'_> {
         matrix
     }
 
-    /// Derivative of the residual with respect to the coordinates about a moving state.
-    pub(super) fn moving_stiffness(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
-        let mut bare = Bare::new(self.system);
-        let now = &self.system.state.now;
-        let stations: &[Wrench] = if self.system.equations.loaded { &self.system.equations.stations } else { &[] };
-        let environment =
-            Environment { root: &self.system.equations.root, damping: &self.system.equations.damping, stations };
-        let columns = freedoms.iter().map(|freedom| {
-            let mut at = |steps: f64| {
-                let q = self.displaced(freedom, steps * freedom.step);
-                pick(&bare.residual(Motion { q: &q, v: &now.v, a: &now.a }, environment), freedoms)
-            };
-            sixth_order(&mut at, freedom.step)
-        });
-        let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
-        let mut springs = DMatrix::zeros(now.q.len(), now.q.len());
-        add_elastic(&mut springs, &self.system.equations.model, |_, _, _| 1.0);
-        for modal in self.system.equations.model.bodies.iter().filter_map(|body| body.modal.as_ref()) {
-            let (first, modes) = (modal.coordinate, modal.element.modes);
-            let own = modal.element.stiffness.view((0, 0), (modes, modes));
-            springs.view_mut((first, first), (modes, modes)).copy_from(&own);
-        }
-        for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
-            springs[(joint.coordinate, joint.coordinate)] += self.system.equations.tangents[joint.body].stiffness;
-        }
-        matrix += select(&springs, freedoms);
-        matrix
-    }
-
     /// Change of the coordinates due to a unit of a degree of freedom; also of the rates due to its rate, and of the accelerations due to
     /// its acceleration.
     pub fn direction(&self, freedom: &Freedom) -> Vec<f64> {
-        let mut unit = vec![0.0; self.system.coordinates()];
-        unit[freedom.index] = 1.0;
-        Tangent::to_coordinates(&self.system.equations.model, &self.system.equations.work, &mut unit);
-        unit
+        direction(&self.system.equations, freedom)
     }
 
     /// The coordinates with a degree of freedom changed by `amount`, in its unit.
     pub fn displaced(&self, freedom: &Freedom, amount: f64) -> Vec<f64> {
-        let mut q = self.system.state.now.q.clone();
-        q.iter_mut().zip(self.direction(freedom)).for_each(|(q, unit)| *q += amount * unit);
-        let (mut v, mut a) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-        self.system.equations.project(&mut q, &mut v, &mut a);
-        q
+        displaced(&self.system.equations, &self.system.state.now.q, freedom, amount)
     }
 
     /// Residual over [`System::freedoms`] at the current state with the current inputs. A change of a command moves the motor's neutral
@@ -373,10 +337,27 @@ impl Study<'_> {
     }
 }
 
+/// [`Study::direction`] for some equations.
+pub(super) fn direction(equations: &Equations, freedom: &Freedom) -> Vec<f64> {
+    let mut unit = vec![0.0; equations.model.coordinates];
+    unit[freedom.index] = 1.0;
+    Tangent::to_coordinates(&equations.model, &equations.work, &mut unit);
+    unit
+}
+
+/// [`Study::displaced`] for some equations and coordinates.
+pub(super) fn displaced(equations: &Equations, q: &[f64], freedom: &Freedom, amount: f64) -> Vec<f64> {
+    let mut q = q.to_vec();
+    q.iter_mut().zip(direction(equations, freedom)).for_each(|(q, unit)| *q += amount * unit);
+    let (mut v, mut a) = (vec![0.0; q.len()], vec![0.0; q.len()]);
+    equations.project(&mut q, &mut v, &mut a);
+    q
+}
+
 /// The tree without its elastic forces: the remaining terms are smooth in all arguments and of similar magnitude.
 pub(super) struct Bare {
     pub model: Model,
-    work: Workspace,
+    pub work: Workspace,
 }
 
 impl Bare {
@@ -404,7 +385,12 @@ impl Bare {
     }
 
     pub fn new(system: &System) -> Self {
-        let mut model = system.equations.model.clone();
+        Self::of(&system.equations)
+    }
+
+    /// The tree of some equations, with the carriages of sliding joints in their elements.
+    pub fn of(equations: &Equations) -> Self {
+        let mut model = equations.model.clone();
         for element in &mut model.elements {
             element.elastic.release();
             if let Some(elastic) = &mut element.sheared {
@@ -414,10 +400,10 @@ impl Bare {
         for modal in model.bodies.iter_mut().filter_map(|body| body.modal.as_mut()) {
             modal.element.stiffness.fill(0.0);
         }
-        Self { work: system.equations.work.clone(), model }
+        Self { work: equations.work.clone(), model }
     }
 
-    fn residual(&mut self, motion: Motion, environment: Environment) -> Vec<f64> {
+    pub fn residual(&mut self, motion: Motion, environment: Environment) -> Vec<f64> {
         let mut residual = vec![0.0; self.model.coordinates];
         dynamics::residual(&self.model, &mut self.work, motion, environment, &mut residual);
         residual
@@ -441,7 +427,7 @@ pub(super) fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
 }
 
 /// Adds the elastic stiffness of all elements, weighted per body.
-fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize, usize, usize) -> f64) {
+pub(super) fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize, usize, usize) -> f64) {
     for index in 0..model.bodies.len() {
         match model.bodies[index].sheared {
             false => add_elastic_of::<STRAINS>(matrix, model, index, &weight),
@@ -485,6 +471,6 @@ pub(super) fn pick(vector: &[f64], freedoms: &[Freedom]) -> DVector<f64> {
     DVector::from_iterator(freedoms.len(), freedoms.iter().map(|freedom| vector[freedom.index]))
 }
 
-fn select(matrix: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
+pub(super) fn select(matrix: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
     DMatrix::from_fn(freedoms.len(), freedoms.len(), |i, j| matrix[(freedoms[i].index, freedoms[j].index)])
 }

@@ -12,6 +12,9 @@ use crate::system::brake::Stopped;
 use crate::system::equations::Equations;
 use crate::system::{PlantError, System};
 
+/// Maximum number of coordinates of a machine with sliding joints for analyses with a dense matrix.
+const MAXIMUM_DENSE: usize = 1200;
+
 impl System {
     /// Moves the carriages of sliding joints into the elements of the new state. The rates change by the impulse that keeps all momenta; the
     /// energy lost is returned, and the work of prescribed motions.
@@ -75,14 +78,17 @@ impl System {
         }
     }
 
-    /// Returns an error for an analysis that sliding joints do not allow, by its name.
+    /// Returns an error that names an analysis that a machine with sliding joints does not permit: with rigid loops, or with too many
+    /// coordinates for a dense matrix.
     pub(crate) fn refuse_sliding(&self, analysis: &'static str) -> Result<(), PlantError> {
-        match self.machine.sliding_joint() {
-            None => Ok(()),
-            Some(joint) => {
-                Err(PlantError::Sliding { time_s: self.state.now.time_s, joint: joint.to_owned(), analysis })
-            }
+        let Some(joint) = self.machine.sliding_joint() else { return Ok(()) };
+        self.refuse_constraints(analysis)?;
+        let coordinates = self.coordinates();
+        if coordinates <= MAXIMUM_DENSE {
+            return Ok(());
         }
+        let (time_s, joint) = (self.state.now.time_s, joint.to_owned());
+        Err(PlantError::Sliding { time_s, joint, analysis, coordinates, maximum: MAXIMUM_DENSE })
     }
 }
 
@@ -96,6 +102,17 @@ impl Equations {
             }
             Base::Root(_) | Base::Node(_) => None,
         })
+    }
+
+    /// Sets the elements of the carriages to those at the positions in `q`.
+    pub(crate) fn seat_at(&mut self, q: &[f64]) {
+        for joint in self.forces.joints() {
+            let (Base::Axis(index), Some(borders)) = (self.model.bodies[joint.body].base, joint.borders()) else {
+                continue;
+            };
+            let element = borders.element_at(q[joint.coordinate], 0.0);
+            self.work.slides[index].element = self.model.slides[index].element(&self.model, element);
+        }
     }
 
     fn is_seated(&self, joints: &[JointMemory]) -> bool {

@@ -3,7 +3,7 @@
 use crate::beam::element::ElementKind;
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
-use crate::machine::{Body, Machine, Parent, StartState};
+use crate::machine::{Body, Machine, Parent};
 
 /// Checks all sliding joints.
 pub(super) fn check(machine: &Machine, checker: &mut Checker) {
@@ -42,10 +42,6 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
             "no modal damping in a model with a sliding joint ({joint:?}); write stiffness_damping_s on the body"
         );
         checker.refuse(&["body", &body.name, "modal_damping_ratios"], array_text(&body.modal_damping_ratios), allowed);
-    }
-    if machine.experiment.start == StartState::Equilibrium {
-        let allowed = format!("\"unstrained\": there is no static equilibrium with a sliding joint ({joint:?})");
-        checker.refuse(&["simulation", "start"], "\"equilibrium\"", allowed);
     }
 }
 
