@@ -191,7 +191,7 @@ fn sj16_a_body_on_a_turning_rod() {
                 slide.angle_rad, off[0], off[1], off[2]
             );
             assert!(plant.statistics().events >= 2 && slide.angle_rad > 0.55, "{}", slide.angle_rad);
-            assert!(off.iter().all(|off| *off < 1e-6) && body.abs() < 1e-6, "{off:?} {body}");
+            assert!(off.iter().all(|off| *off < 1e-6) && body.abs() < 3e-6, "{off:?} {body}");
         }
     }
 }
@@ -291,7 +291,7 @@ fn sj18_a_pendulum_slides_along_an_arc() {
                 let outward = Vector2::new(due[0], due[1]) + arm(due[2]) - centre_m;
                 let due_m = outward.x.atan2(outward.y) / curvature_1_m;
                 off[0] = off[0].max((plant.outputs().joints()[0].angle_rad - due_m).abs());
-                let turned = plant.outputs().tips()[2].rotation.scaled_axis();
+                let turned = plant.outputs().tips()[1].rotation.scaled_axis();
                 off[1] = off[1].max((turned - Vector3::y() * due[2]).amax());
             }
             let s_m = plant.outputs().joints()[0].angle_rad;
@@ -437,7 +437,7 @@ fn sj20_order_over_pairs_and_energy() {
                 );
                 assert!(drift_j.abs() < 1e-6 && energy.dissipated > -1e-12, "{drift_j:e} J");
                 assert!(plant.statistics().events >= 1 && tips[0].position_m.z < -0.2);
-                (plant.outputs().joints()[0].angle_rad, tips[2].rotation * Vector3::new(0.0, 0.0, -0.2) + tips[2].position_m)
+                (plant.outputs().joints()[0].angle_rad, tips[1].rotation * Vector3::new(0.0, 0.0, -0.2) + tips[1].position_m)
             })
             .collect();
         let off = |index: usize| (ends[index].1 - ends[3].1).norm().max((ends[index].0 - ends[3].0).abs());
@@ -458,15 +458,15 @@ fn sj21_states_are_restored() {
         let before = allocations();
         coast(&mut plant, 0.4);
         assert_eq!(allocations() - before, 0, "{attitude:?}: allocations");
-        let (late, at) = (plant.outputs().joints()[0], plant.outputs().tips()[2]);
+        let (late, at) = (plant.outputs().joints()[0], plant.outputs().tips()[1]);
         assert!(s_m < 0.5 && late.angle_rad > 0.5, "{s_m} {}", late.angle_rad);
         plant.restore(&saved).expect("the state of this plant");
         coast(&mut plant, 0.4);
         assert_eq!(plant.outputs().joints()[0].angle_rad.to_bits(), late.angle_rad.to_bits());
-        assert_eq!(plant.outputs().tips()[2], at);
+        assert_eq!(plant.outputs().tips()[1], at);
         let mut other = released(4, 1e-6, attitude);
         (1..=40).for_each(|step| coast(&mut other, 0.01 * f64::from(step)));
-        let differs_m = (other.outputs().tips()[2].position_m - at.position_m).amax();
+        let differs_m = (other.outputs().tips()[1].position_m - at.position_m).amax();
         println!("SJ-21 {attitude:?}: {differs_m:.1e} m");
         assert!(differs_m < 1e-12);
     }

@@ -43,7 +43,9 @@ fn sj24_equilibrium_on_a_bent_beam() {
         let mut plant = plant_of(&hanging(4, |slide| slide.spring(spring).start_position_m(from_m), attitude));
         let effort = plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
         let (slide, tips) = (plant.outputs().joints()[0], plant.outputs().tips().to_vec());
-        let along = tips[1].rotation * Vector3::x();
+        // the section has the attitude of the bob without the angle of the hinge
+        let angle_rad = plant.outputs().joints().get(1).map_or(0.0, |hinge| hinge.angle_rad);
+        let along = tips[1].rotation * Vector3::new(angle_rad.cos(), 0.0, angle_rad.sin());
         let (pulls_n, due_n) = (8.0 * (slide.angle_rad - 0.45), -along.z * 0.2 * GRAVITY_M_S2);
         let upright = (tips[tips.len() - 1].rotation * Vector3::z() - Vector3::z()).norm();
         println!(
@@ -115,14 +117,23 @@ fn sj25_modes_of_bodies_on_a_beam() {
             plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
             let modes = plant.study().modes(8).unwrap_or_else(|error| panic!("{error}"));
             let tip_m = plant.outputs().tips()[0].position_m;
-            let shape: Vec<f64> = modes.iter().map(|mode| mode.real[1][0].displacement_m.norm()).collect();
+            let shape: Vec<f64> = modes
+                .iter()
+                .map(|mode| {
+                    let [real, imaginary] = [&mode.real, &mode.imaginary].map(|part| part[1][0].displacement_m);
+                    (real.norm_squared() + imaginary.norm_squared()).sqrt()
+                })
+                .collect();
             (modes.iter().map(|mode| mode.frequency_hz).collect::<Vec<_>>(), shape, tip_m)
         };
         let slides = held(Joint::sliding("slide").on("beam").start_position_m(0.5).locked());
         let clamps = held(Joint::clamped("slide").on_at("beam", 0.5));
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
         let (off, shape) = (apart(&slides.0, &clamps.0), apart(&slides.1, &clamps.1));
-        println!("SJ-25 {kind:?}: locked and clamped {off:.1e} apart, shapes {shape:.1e}, first {:.3} Hz", slides.0[0]);
+        println!(
+            "SJ-25 {kind:?}: locked and clamped {off:.1e} apart, shapes {shape:.1e}, {:?} {:?} {:?}",
+            slides.0, slides.1, clamps.1
+        );
         assert!(off < 1e-8 && shape < 1e-6 && (slides.2 - clamps.2).norm() < 1e-9, "{off:e} {shape:e}");
     }
 }
@@ -138,7 +149,7 @@ fn sj26_other_parts_beside_a_sliding_joint() {
             .gravity_m_s2([1.0, 2.0, -GRAVITY_M_S2])
             .body(body("beam", 1.0, &slender(1e4, 2.0, 1e-5), ElementKind::Linear, 2), clamped())
             .body(other, Joint::ball("ball").on("beam").motor(motor))
-            .closure(Closure::between("tie", ["other", "root"], 5.0).offsets_m([[0.0; 3], [1.0, 0.2, 0.0]]))
+            .closure(Closure::between("tie", ["other", "root"], 1e5).offsets_m([[0.1, 0.0, 0.0], [1.1, 0.0, 0.0]]))
     };
     let mut alone = plant_of(&base());
     let rail = Body::beam("rail", 0.3, slender(1e9, 1e6, 1e-6)).elements(1);
@@ -148,12 +159,12 @@ fn sj26_other_parts_beside_a_sliding_joint() {
     for plant in [&mut alone, &mut beside] {
         plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
     }
-    let apart_m = (alone.outputs().tips()[1].position_m - beside.outputs().tips()[1].position_m).norm();
-    let moved_m = (alone.outputs().tips()[1].position_m - Vector3::x()).norm();
+    let apart_m = (alone.outputs().tips()[0].position_m - beside.outputs().tips()[0].position_m).norm();
+    let moved_m = (alone.outputs().tips()[0].position_m - Vector3::x()).norm();
     let [one, other] = [&mut alone, &mut beside].map(|plant| frequencies_hz(plant, 6));
     let off = one.iter().zip(&other).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
     println!("SJ-26 equilibria {apart_m:.1e} m apart after {moved_m:.2} m, modes {off:.1e}: {one:.3?} Hz");
-    assert!(apart_m < 1e-9 && moved_m > 0.1 && off < 1e-8, "{apart_m:e} {off:e}");
+    assert!(apart_m < 1e-9 && moved_m > 0.02 && off < 1e-8, "{apart_m:e} {off:e}");
 }
 
 /// SJ-27. Every row of the linear models, states and outputs, against differences of the nonlinear machine: about a moving start, about
@@ -165,7 +176,7 @@ fn sj27_rows_of_linear_models() {
         Rows::Miss(why) | Rows::Refused(why) => panic!("{what}: {why}"),
     };
     let spring = LinearSpring { stiffness_n_m: 8.0, damping_n_s_m: 0.5, rest_position_m: 0.45 };
-    let slide = |joint: JointBuilder| joint.start_position_m(0.45).start_rate_m_s(1.0).spring(spring);
+    let slide = |joint: JointBuilder| joint.start_position_m(0.45).start_rate_m_s(2.0).spring(spring);
     for (attitude, what) in [
         (Attitude::Section, "section"),
         (Attitude::hinge([0.1, 1.0, 0.2]), "hinge"),

@@ -104,12 +104,10 @@ fn sj28_a_load_on_a_hinge_along_a_bridge() {
     let support_m = 0.5 * (0.5 * (weight_n + own_n) / 1e8);
     let due_m = (weight_n / 48.0 + 5.0 * own_n / 384.0) * length_m.powi(3) / bending_n_m2 + support_m;
     let (travel, swing) = (joints[joint("travel")], joints[joint("travel_hinge")]);
-    let sag_m = -(tips[index("travel_carriage")].position_m.z + 0.3);
+    let sag_m = -(tips[1].position_m.z + 0.3);
     println!(
         "SJ-28 at {:.6} m, sag {sag_m:.6} m of {due_m:.6}, hinge {:.1e} rad, tip {:.1e} m",
-        travel.angle_rad,
-        swing.angle_rad,
-        tips[index("girder")].position_m.z
+        travel.angle_rad, swing.angle_rad, tips[0].position_m.z
     );
     assert!(
         (travel.angle_rad - 6.0).abs() < 1e-3 && (sag_m / due_m - 1.0).abs() < 1e-3 && swing.angle_rad.abs() < 1e-3
@@ -119,7 +117,7 @@ fn sj28_a_load_on_a_hinge_along_a_bridge() {
     let lower = mass.cholesky().expect("positive").l().try_inverse().expect("regular");
     let due = (lower * stiffness * lower.transpose())
         .symmetric_eigenvalues()
-        .map(|square| square.sqrt() / std::f64::consts::TAU);
+        .map(|square: f64| square.sqrt() / std::f64::consts::TAU);
     let modes = plant.study().modes(4).unwrap_or_else(|error| panic!("{error}"));
     let found: Vec<f64> = modes.iter().map(|mode| mode.frequency_hz).collect();
     println!("SJ-28 modes {found:?} Hz; undamped drive {due:?}");
