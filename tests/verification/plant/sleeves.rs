@@ -123,21 +123,22 @@ fn sj23_a_flexible_beam_slides_through_a_sleeve() {
     for pairs in [2, 4, 8, 16] {
         let mut plant = pushed(pairs, clamps(), 1e-8);
         let before_j = balance_j(plant.outputs());
-        let mut gap = 0.0f64;
+        let (mut gap, mut aside_m) = (0.0f64, 0.0f64);
         for step in 1..=40 {
             coast(&mut plant, 0.01 * f64::from(step));
             gap = gap.max(gap_m(&plant));
+            aside_m = aside_m.max(plant.outputs().tips()[0].position_m.yz().norm());
         }
         let drift_j = balance_j(plant.outputs()) - before_j;
         let (energy, tip_m) = (plant.outputs().energy(), plant.outputs().tips()[0].position_m);
         println!(
             "SJ-23 {pairs} pairs: tip aside {:.4} m, gap {gap:.1e} m, drift {drift_j:.1e} J of {:.2} J, lost {:.1e} J, {} events",
-            tip_m.yz().norm(),
+            aside_m,
             energy.total,
             energy.dissipated,
             plant.statistics().events
         );
-        assert!(tip_m.yz().norm() > 0.02 && plant.statistics().events >= 1 && energy.dissipated >= -1e-13);
+        assert!(aside_m > 0.02 && plant.statistics().events >= 1 && energy.dissipated >= -1e-13);
         assert!(gap < 1e-12 && drift_j.abs() < 1e-7, "{gap:e} m, {drift_j:e} J");
         tips_m.push(tip_m);
     }

@@ -5,7 +5,7 @@ use crate::plant::machines::*;
 use crate::plant::sliding::slender;
 use foldwing::machine::builder::{Attitude, JointBuilder, MachineBuilder};
 use foldwing::machine::*;
-use foldwing::plant::{Holding, Plant};
+use foldwing::plant::{Holding, ModeShape, Plant};
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
 const GRAVITY_M_S2: f64 = 9.81;
@@ -117,23 +117,20 @@ fn sj25_modes_of_bodies_on_a_beam() {
             plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
             let modes = plant.study().modes(8).unwrap_or_else(|error| panic!("{error}"));
             let tip_m = plant.outputs().tips()[0].position_m;
-            let shape: Vec<f64> = modes
-                .iter()
-                .map(|mode| {
-                    let [real, imaginary] = [&mode.real, &mode.imaginary].map(|part| part[1][0].displacement_m);
-                    (real.norm_squared() + imaginary.norm_squared()).sqrt()
-                })
-                .collect();
+            // relative to the tip of the beam
+            let size = |part: [Vector3<f64>; 2]| (part[0].norm_squared() + part[1].norm_squared()).sqrt();
+            let at = |mode: &ModeShape, body: usize, node: usize| {
+                size([&mode.real, &mode.imaginary].map(|part| part[body][node].displacement_m))
+            };
+            let shape: Vec<f64> =
+                modes.iter().map(|mode| at(mode, 1, 0) / at(mode, 0, mode.real[0].len() - 1)).collect();
             (modes.iter().map(|mode| mode.frequency_hz).collect::<Vec<_>>(), shape, tip_m)
         };
         let slides = held(Joint::sliding("slide").on("beam").start_position_m(0.5).locked());
         let clamps = held(Joint::clamped("slide").on_at("beam", 0.5));
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
         let (off, shape) = (apart(&slides.0, &clamps.0), apart(&slides.1, &clamps.1));
-        println!(
-            "SJ-25 {kind:?}: locked and clamped {off:.1e} apart, shapes {shape:.1e}, {:?} {:?} {:?}",
-            slides.0, slides.1, clamps.1
-        );
+        println!("SJ-25 {kind:?}: locked and clamped {off:.1e} apart, shapes {shape:.1e}, first {:.3} Hz", slides.0[0]);
         assert!(off < 1e-8 && shape < 1e-6 && (slides.2 - clamps.2).norm() < 1e-9, "{off:e} {shape:e}");
     }
 }
@@ -164,7 +161,7 @@ fn sj26_other_parts_beside_a_sliding_joint() {
     let [one, other] = [&mut alone, &mut beside].map(|plant| frequencies_hz(plant, 6));
     let off = one.iter().zip(&other).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
     println!("SJ-26 equilibria {apart_m:.1e} m apart after {moved_m:.2} m, modes {off:.1e}: {one:.3?} Hz");
-    assert!(apart_m < 1e-9 && moved_m > 0.02 && off < 1e-8, "{apart_m:e} {off:e}");
+    assert!(apart_m < 1e-9 && moved_m > 0.005 && off < 1e-8, "{apart_m:e} {off:e}");
 }
 
 /// SJ-27. Every row of the linear models, states and outputs, against differences of the nonlinear machine: about a moving start, about
@@ -186,7 +183,7 @@ fn sj27_rows_of_linear_models() {
         let built = machine.clone().solver(solver(Method::Esdirk4, 1e-8)).build();
         agree(linear_rows_agree(&built.unwrap_or_else(|refused| panic!("{refused}"))), what);
         let mut plant = plant_of(&machine);
-        coast(&mut plant, 0.06);
+        coast(&mut plant, 0.03);
         assert!(plant.outputs().joints()[0].angle_rad > 0.5 && plant.statistics().events >= 1);
         agree(linear_rows_agree_at(&mut plant), &format!("{what}, moving beyond a border"));
     }

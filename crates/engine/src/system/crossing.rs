@@ -168,14 +168,19 @@ impl Equations {
         jump.iter_mut().zip(before.iter()).for_each(|(jump, before)| *jump -= before);
     }
 
-    /// Work in J of the impulses at prescribed joints, from the momenta of the jump to the rates `v`.
-    fn work_of_jump_j(&self, v: &[f64], momenta: &[f64]) -> f64 {
-        if self.model.constraints() > 0 {
-            // the impulses of constraints do no work in total, nor do those at free coordinates: what remains is that of the prescribed ones
-            return v.iter().zip(momenta).map(|(rate, momentum)| rate * momentum).sum();
+    /// Energy in J that an impulse loses: that of the jump from the velocities in [`Workspace::carried`] to those of `point`, with the jump of the
+    /// rates.
+    ///
+    /// [`Workspace::carried`]: crate::multibody::Workspace::carried
+    fn energy_of_jump_j(&mut self, point: &Point, rates: &[f64], zero: &[f64]) -> f64 {
+        sweep_motion(&self.model, &mut self.work, Motion { q: &point.q, v: &point.v, a: zero });
+        for (node, carried) in self.work.nodes.iter_mut().zip(&self.work.carried) {
+            node.velocity -= carried.linear;
+            node.spin -= carried.angular;
         }
-        let moved = self.forces.joints().iter().filter(|joint| joint.law().is_some());
-        moved.map(|joint| momenta[joint.coordinate] * v[joint.coordinate]).sum()
+        energy::kinetic(&self.model, &self.work, |_, _| ())
+            + energy::kinetic_of_drives(&self.model, &self.work, rates)
+            + self.loop_kinetic_j()
     }
 
     fn cross_borders(
@@ -201,8 +206,15 @@ impl Equations {
         point.v[..tree].iter_mut().zip(momenta.iter()).for_each(|(v, jump)| *v -= jump);
         let mut work_j = 0.0;
         if self.forces.joints().iter().any(|joint| joint.law().is_some()) {
+            if self.model.constraints() > 0 {
+                // the impulses of the constraints act at the prescribed joints too
+                let lost_j = self.energy_of_jump_j(point, momenta, zero);
+                let after_j = self.kinetic_j(point, zero);
+                return Ok(Stopped { lost_j, work_j: lost_j + after_j - before_j });
+            }
             self.momenta_of_jump([&point.q, &point.v, zero], [momenta, other]);
-            work_j = self.work_of_jump_j(&point.v[..tree], momenta);
+            let moved = self.forces.joints().iter().filter(|joint| joint.law().is_some());
+            work_j = moved.map(|joint| momenta[joint.coordinate] * point.v[joint.coordinate]).sum();
         }
         let after_j = self.kinetic_j(point, zero);
         // the border is located to a finite accuracy, by which the pose jumps: the resulting energy counts as work, as for the potentials
