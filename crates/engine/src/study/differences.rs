@@ -1,12 +1,16 @@
 //! Stiffness by differences of the residual without its elastic part: about moving states, and of machines with sliding joints, NOTATION
 //! eqs. (L11), (J18).
 
-use crate::load::Wrench;
-use crate::multibody::dynamics::{Damping, Environment};
+use crate::load::{RootMotion, Wrench};
+use crate::math::difference::SIXTH_ORDER;
+use crate::math::strain::{SHEARED, STRAINS, StrainMatrix};
+use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::kinematics::Motion;
-use crate::solve::Singular;
-use crate::study::Study;
-use crate::study::linear::{Bare, add_elastic, direction, displaced, pick, select, sixth_order};
+use crate::multibody::model::{Element, Strained};
+use crate::multibody::tangent::Tangent;
+use crate::multibody::{Model, Workspace};
+use crate::solve::{EquationsOfMotion, Singular};
+use crate::system::System;
 use crate::system::equations::Equations;
 use crate::system::freedoms::Freedom;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
@@ -14,17 +18,9 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 /// Pivot of the scaled stiffness below which a motion has no stiffness: the error of the differences.
 const NO_STIFFNESS: f64 = 1e-11;
 
-impl Study<'_> {
-    /// Derivative of the residual with respect to the coordinates about a moving state.
-    pub(super) fn moving_stiffness(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
-        let (equations, now) = (&self.system.equations, &self.system.state.now);
-        stiffness(equations, &mut Bare::new(self.system), Motion { q: &now.q, v: &now.v, a: &now.a }, freedoms)
-    }
-}
-
 /// Derivative of the residual with respect to the degrees of freedom: sixth-order differences of the tree, and the stiffness of elements,
 /// modal bodies and joints.
-fn stiffness(equations: &Equations, bare: &mut Bare, motion: Motion, freedoms: &[Freedom]) -> DMatrix<f64> {
+pub(super) fn stiffness(equations: &Equations, bare: &mut Bare, motion: Motion, freedoms: &[Freedom]) -> DMatrix<f64> {
     let stations: &[Wrench] = if equations.loaded { &equations.stations } else { &[] };
     let environment = Environment { root: &equations.root, damping: &equations.damping, stations };
     let columns = freedoms.iter().map(|freedom| {
@@ -57,6 +53,128 @@ fn stiffness(equations: &Equations, bare: &mut Bare, motion: Motion, freedoms: &
     }
     matrix += select(&springs, freedoms);
     matrix
+}
+
+/// Change of the coordinates of some equations due to a unit of a degree of freedom.
+pub(super) fn direction(equations: &Equations, freedom: &Freedom) -> Vec<f64> {
+    let mut unit = vec![0.0; equations.model.coordinates];
+    unit[freedom.index] = 1.0;
+    Tangent::to_coordinates(&equations.model, &equations.work, &mut unit);
+    unit
+}
+
+/// Coordinates of some equations with a degree of freedom changed by `amount`, in its unit.
+pub(super) fn displaced(equations: &Equations, q: &[f64], freedom: &Freedom, amount: f64) -> Vec<f64> {
+    let mut q = q.to_vec();
+    q.iter_mut().zip(direction(equations, freedom)).for_each(|(q, unit)| *q += amount * unit);
+    let (mut v, mut a) = (vec![0.0; q.len()], vec![0.0; q.len()]);
+    equations.project(&mut q, &mut v, &mut a);
+    q
+}
+
+/// The tree without its elastic forces: the remaining terms are smooth in all arguments and of similar magnitude.
+pub(super) struct Bare {
+    pub model: Model,
+    pub work: Workspace,
+}
+
+impl Bare {
+    /// Residual due to loads on the stations alone.
+    pub fn of_loads(&mut self, q: &[f64], zero: &[f64], stations: &[Wrench]) -> Vec<f64> {
+        let still = vec![Damping::default(); self.model.bodies.len()];
+        let environment = Environment { root: &RootMotion::default(), damping: &still, stations };
+        self.residual(Motion { q, v: zero, a: zero }, environment)
+    }
+
+    /// Residual due to accelerations alone.
+    pub fn of_accelerations(&mut self, q: &[f64], accelerations: &[f64]) -> Vec<f64> {
+        let still = vec![Damping::default(); self.model.bodies.len()];
+        let environment = Environment { root: &RootMotion::default(), damping: &still, stations: &[] };
+        self.residual(Motion { q, v: &vec![0.0; q.len()], a: accelerations }, environment)
+    }
+
+    /// Also omits the stiffness of closed loops: only rates, accelerations and loads remain.
+    pub fn without_stiffness(system: &System) -> Self {
+        let mut bare = Self::new(system);
+        for closure in &mut bare.model.closures {
+            closure.penalty.stiffness_n_m = 0.0;
+        }
+        bare
+    }
+
+    pub fn new(system: &System) -> Self {
+        Self::of(&system.equations)
+    }
+
+    /// The tree of some equations, with the carriages of sliding joints in their elements.
+    pub fn of(equations: &Equations) -> Self {
+        let mut model = equations.model.clone();
+        for element in &mut model.elements {
+            element.elastic.release();
+            if let Some(elastic) = &mut element.sheared {
+                elastic.release();
+            }
+        }
+        for modal in model.bodies.iter_mut().filter_map(|body| body.modal.as_mut()) {
+            modal.element.stiffness.fill(0.0);
+        }
+        Self { work: equations.work.clone(), model }
+    }
+
+    pub fn residual(&mut self, motion: Motion, environment: Environment) -> Vec<f64> {
+        let mut residual = vec![0.0; self.model.coordinates];
+        dynamics::residual(&self.model, &mut self.work, motion, environment, &mut residual);
+        residual
+    }
+}
+
+/// Adds the elastic stiffness of all elements, weighted per body.
+pub(super) fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize, usize, usize) -> f64) {
+    for index in 0..model.bodies.len() {
+        match model.bodies[index].sheared {
+            false => add_elastic_of::<STRAINS>(matrix, model, index, &weight),
+            true => add_elastic_of::<SHEARED>(matrix, model, index, &weight),
+        }
+    }
+}
+
+/// Adds the elastic stiffness of the elements of a body, weighted.
+fn add_elastic_of<const N: usize>(
+    matrix: &mut DMatrix<f64>,
+    model: &Model,
+    index: usize,
+    weight: &impl Fn(usize, usize, usize) -> f64,
+) where
+    Element: Strained<N>,
+{
+    let body = &model.bodies[index];
+    let weights = StrainMatrix::<N>::from_fn(|i, j| weight(index, i, j));
+    for i in 0..body.elements {
+        let element = &model.elements[body.first_element + i];
+        let mut add = |columns: &Element, block: &StrainMatrix<N>| {
+            let mut view = matrix.view_mut((element.coordinate, columns.coordinate), (N, N));
+            view += block.component_mul(&weights);
+        };
+        add(element, &element.elastic().stiffness);
+        if element.elastic().coupling != StrainMatrix::<N>::zeros() {
+            add(&model.elements[body.first_element + (i ^ 1)], &element.elastic().coupling);
+        }
+    }
+}
+
+pub(super) fn sixth_order(at: &mut dyn FnMut(f64) -> DVector<f64>, step: f64) -> DVector<f64> {
+    let mut slope = (at(1.0) - at(-1.0)) * SIXTH_ORDER[0];
+    slope += (at(2.0) - at(-2.0)) * SIXTH_ORDER[1];
+    slope += (at(3.0) - at(-3.0)) * SIXTH_ORDER[2];
+    slope / (60.0 * step)
+}
+
+pub(super) fn pick(vector: &[f64], freedoms: &[Freedom]) -> DVector<f64> {
+    DVector::from_iterator(freedoms.len(), freedoms.iter().map(|freedom| vector[freedom.index]))
+}
+
+pub(super) fn select(matrix: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
+    DMatrix::from_fn(freedoms.len(), freedoms.len(), |i, j| matrix[(freedoms[i].index, freedoms[j].index)])
 }
 
 /// The static tangent of a machine with sliding joints as a dense matrix; the elements of the carriages are those of the equations.

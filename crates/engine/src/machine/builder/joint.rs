@@ -1,10 +1,10 @@
 //! Joints in code: equivalent of a table `[joint.<name>]` of the model file.
 
 mod attitude;
+pub(super) mod carriage;
 mod kind;
 
 pub use attitude::Attitude;
-pub(super) use attitude::with_carriages;
 pub(super) use kind::Type;
 
 use crate::force::prescribed::Law;

@@ -207,7 +207,7 @@ impl MachineBuilder {
 
     fn assemble(&self, checker: &mut Checker) -> Machine {
         let start_time_s = self.experiment.start_time_s;
-        let described = joint::with_carriages(&self.bodies);
+        let described = joint::carriage::with_carriages(&self.bodies);
         let tree = tree::resolve(&described, checker);
         let mut bodies: Vec<Body> = Vec::with_capacity(described.len());
         for index in &tree.order {
