@@ -59,7 +59,10 @@ class Builder:
         return self.joint(name, child, type="prismatic", parent=parent, **keys)
 
     def sliding(self, name: str, child: str, *, parent: str, **keys: Any) -> Builder:
-        """Add a sliding joint: the child slides along the axis of the beam `parent`, from `start_position_m` (m)."""
+        """Add a sliding joint: the child slides along the axis of the beam `parent`, from `start_position_m` (m).
+
+        With `attitude="hinge"` and an `axis` in the section's frame, or `attitude="ball"`, the child also rotates.
+        """
         return self.joint(name, child, type="sliding", parent=parent, **keys)
 
     def gauge(self, name: str, **keys: Any) -> Builder:

@@ -5,6 +5,7 @@
 use crate::machines::draw::{Dice, Draft, Kind, Member, begin, body, end, joint, one_freedom};
 use crate::machines::model::{Model, Table, Value};
 use crate::machines::view::Frame;
+use nalgebra::Vector3;
 
 /// Machines of this seed and above have sliding joints.
 pub const SLIDING: u64 = 1_000_000;
@@ -39,7 +40,7 @@ pub fn draw(seed: u64) -> Model {
     model
 }
 
-/// A body on a sliding joint: a point mass, a rigid body, a beam, or a massless carriage with a body on a joint.
+/// A body on a sliding joint: a point mass, a rigid body in any attitude, a beam, or a massless carriage with a body on a joint.
 fn rider(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize)) {
     let index = draft.members.len();
     let name = format!("b{index}");
@@ -95,9 +96,36 @@ fn rider(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize)) {
         );
     }
     slide(dice, draft, (beam, elements), &name);
+    if kind <= 2 {
+        attitude(draft, index);
+    }
     if kind == 4 {
         body(dice, draft, Kind::Rigid, None, None);
         joint(dice, draft, Some(index));
+    }
+}
+
+/// Attitude of a rigid body on its sliding joint, without drawing a random number, so that everything else is unchanged.
+fn attitude(draft: &mut Draft, index: usize) {
+    let name = format!("joint.j{index}");
+    let joint = draft.tables.iter_mut().find(|table| table.name == name).expect("the joint");
+    let digits = (1e3 * joint.number("start_position_m").abs()).round() as u64;
+    match digits % 4 {
+        0 => joint.set("attitude", "section"),
+        1 => {
+            joint.set("attitude", "hinge");
+            // not along one of the axes
+            let axis = Vector3::new(0.2, 1.0, 0.1 * (digits % 7) as f64);
+            joint.set("axis", Value::Axial(axis, Frame::Body));
+            joint.set("start_angle_deg", 10.0 * (digits % 5) as f64);
+            joint.set("start_rate_deg_s", -30.0 * (digits % 3) as f64);
+        }
+        2 => {
+            joint.set("attitude", "ball");
+            let spin = Vector3::new(40.0, -20.0, 10.0 * (digits % 5) as f64);
+            joint.set("start_angular_velocity_deg_s", Value::Axial(spin, Frame::Body));
+        }
+        _ => {}
     }
 }
 
@@ -188,8 +216,8 @@ fn move_along(table: &mut Table, by_m: f64) {
     }
 }
 
-/// Removes parts that are not supported with sliding joints: damped modes, starts in equilibrium, and gauges on the beam if its elements are
-/// linear. Shifts the bounds of failures to the positions of the joints.
+/// Removes parts that are not supported with sliding joints: damped modes, and gauges on the beam if its elements are linear; also starts in
+/// equilibrium, which bodies that slide freely do not have. Shifts the bounds of failures to the positions of the joints.
 fn allowed(model: &mut Model, beam_of_pairs: Option<usize>) {
     let starts: Vec<(String, f64)> = (model.tables.iter())
         .filter(|table| table.is("type", "sliding"))

@@ -54,6 +54,13 @@ pub(super) fn expand(file: &mut ModelFile) -> Copies {
         }
         carried!(mass, load, gauge, internal_load, skate, wheel, surface, control_surface);
     }
+    // errors of the parts of a sliding joint whose body rotates are those of the joint
+    for (name, joint) in &file.joint {
+        let original = copies.names.get(name).unwrap_or(name).clone();
+        let own = |part: &String| file.joint.contains_key(part) || file.rigid_body.contains_key(part);
+        let parts = joint.attitude().parts(name).into_iter().flatten().filter(|part| !own(part));
+        copies.names.extend(parts.map(|part| (part, original.clone())));
+    }
     copies
 }
 

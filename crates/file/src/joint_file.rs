@@ -2,6 +2,7 @@
 //! joints; [`PAIRS`] lists the pairs.
 
 use foldwing_engine::machine::Travel;
+use foldwing_engine::machine::builder::Attitude;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -33,7 +34,7 @@ pub(super) struct JointFile {
     pub mount_rotation_deg: [f64; 3],
     /// Hinge axis in the parent's section frame, of any length except zero. Positive angles follow the right-hand rule.
     /// For a prismatic joint the sliding axis; positions are positive in its direction. Required for revolute,
-    /// prismatic and universal joints.
+    /// prismatic and universal joints, and for sliding ones with `attitude = "hinge"`.
     pub axis: Option<[f64; 3]>,
     /// Second axis of a universal joint in the body's section frame, not parallel to `axis` at the start.
     pub body_axis: Option<[f64; 3]>,
@@ -47,6 +48,10 @@ pub(super) struct JointFile {
     pub start_angle_deg: Option<f64>,
     /// Fold rate of a revolute joint at the start, default 0.
     pub start_rate_deg_s: Option<f64>,
+    /// Attitude of the body of a sliding joint, default `section`. With `hinge` and `ball` the body rotates freely on the
+    /// body `<joint>_carriage`, which has no mass, by the joint `<joint>_hinge` or `<joint>_ball`; both are added to the
+    /// model. The keys of the start of a revolute or ball joint, and `mount_rotation_deg`, then apply to this joint.
+    pub attitude: Option<AttitudeFile>,
     /// Position of a prismatic joint at the start, default 0; of a sliding joint the distance along the unstrained parent
     /// from its inner end.
     pub start_position_m: Option<f64>,
@@ -101,8 +106,8 @@ pub(super) enum JointType {
     Revolute,
     /// Translation along one axis.
     Prismatic,
-    /// Motion along the axis of the parent, a beam that deforms, with the attitude of its sections. The keys of prismatic
-    /// joints apply, except `axis`.
+    /// Motion along the axis of the parent, a beam that deforms; `attitude` selects that of the child. The keys of
+    /// prismatic joints apply, except `axis`.
     Sliding,
     /// Rotation about two axes, one fixed to each body.
     Universal,
@@ -116,6 +121,15 @@ impl JointFile {
     /// Returns whether the keys of revolute or of prismatic joints apply.
     pub fn travel(&self) -> Travel {
         self.kind.travel().unwrap_or(Travel::Rotation)
+    }
+
+    /// Attitude of the body relative to the beam along which it slides.
+    pub fn attitude(&self) -> Attitude {
+        match self.attitude {
+            None | Some(AttitudeFile::Section) => Attitude::Section,
+            Some(AttitudeFile::Hinge) => Attitude::hinge(self.axis.unwrap_or_default()),
+            Some(AttitudeFile::Ball) => Attitude::Ball,
+        }
     }
 }
 
@@ -141,6 +155,18 @@ impl JointType {
             Self::Free => "free",
         }
     }
+}
+
+/// Attitude of the body of a sliding joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum AttitudeFile {
+    /// That of the beam's section, times the mount.
+    Section,
+    /// Rotation about `axis`.
+    Hinge,
+    /// Rotation about any axis.
+    Ball,
 }
 
 /// Motion of a fold angle or a position.

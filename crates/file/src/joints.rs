@@ -4,7 +4,8 @@ use crate::body_file::FrameFile;
 use crate::checker::Checker;
 use crate::file::ModelFile;
 use crate::joint_file::{
-    EndStopsFile, JointFile, JointType, LatchFile, LatchType, MotionType, MotorFile, PAIRS, SpringFile, TableEnds,
+    AttitudeFile, EndStopsFile, JointFile, JointType, LatchFile, LatchType, MotionType, MotorFile, PAIRS, SpringFile,
+    TableEnds,
 };
 use foldwing_engine::machine::builder::{JointBuilder, LatchBuilder};
 use foldwing_engine::machine::units::quoted;
@@ -22,6 +23,7 @@ const KEYS: &[(&str, &[JointType])] = {
     &[
         ("axis", &[Revolute, Prismatic, Universal]),
         ("body_axis", &[Universal]),
+        ("attitude", &[Sliding]),
         ("polynomial_deg", &[Revolute]),
         ("table_s_deg", &[Revolute]),
         ("polynomial_m", &[Prismatic, Sliding]),
@@ -110,6 +112,12 @@ fn joint_of_bodies(file: &ModelFile, checker: &mut Checker) -> Vec<Option<usize>
 fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker) -> JointBuilder {
     for (key, types) in KEYS.iter().filter(|(_, types)| !types.contains(&joint.kind)) {
         if checker.states(&["joint", name, key]) {
+            if *key == "axis" && joint.kind == JointType::Sliding {
+                if joint.attitude != Some(AttitudeFile::Hinge) {
+                    checker.refuse(&["joint", name, key], "this key of a sliding joint only with attitude = \"hinge\"");
+                }
+                continue;
+            }
             let names: Vec<&str> = types.iter().copied().map(JointType::name).collect();
             checker.refuse(&["joint", name, key], format!("this key only with type = {}", quoted(&names)));
         }
@@ -138,7 +146,7 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
         JointType::Clamped => Joint::clamped(name),
         JointType::Revolute => Joint::revolute(name, axis),
         JointType::Prismatic => Joint::prismatic(name, axis),
-        JointType::Sliding => Joint::sliding(name),
+        JointType::Sliding => Joint::sliding(name).attitude(joint.attitude()),
         JointType::Universal => Joint::universal(name, axis, joint.body_axis.unwrap_or_default()),
         JointType::Ball => Joint::ball(name),
         JointType::Free => Joint::free(name),

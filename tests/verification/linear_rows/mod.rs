@@ -28,8 +28,6 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ("gear/castor.toml", "constrains velocities"),
     ("models/flying_wing.toml", "no steady flight"),
     ("models/double_pendulum.toml", "no stiffness resists a motion of joint"),
-    ("sliding/jib_crane.toml", "no linear model"),
-    ("sliding/moving_mass.toml", "no linear model"),
 ];
 
 /// Paths of all model files below `examples`, sorted.

@@ -27,7 +27,7 @@ impl Borders {
     }
 
     /// Element at a position that moves with the rate `rate_m_s`: at a border, the element into which it moves; at rest, the outboard one.
-    fn element_at(&self, position_m: f64, rate_m_s: f64) -> usize {
+    pub fn element_at(&self, position_m: f64, rate_m_s: f64) -> usize {
         let inside = &self.borders_m[1..self.elements()];
         inside.partition_point(|border| if rate_m_s < 0.0 { *border < position_m } else { *border <= position_m })
     }

@@ -9,6 +9,7 @@ use crate::multibody::elimination::Weights;
 use crate::multibody::loops::ClosureFactor;
 use crate::multibody::model::{Base, Model};
 use crate::multibody::norm::kinematic_norm;
+use crate::multibody::slide;
 use crate::multibody::tree_factor::solve_tree;
 use crate::multibody::workspace::{Node, Pair, Workspace};
 use nalgebra::Vector3;
@@ -214,9 +215,13 @@ pub(crate) fn project_bias(model: &Model, work: &mut Workspace, out: &mut [f64])
         let joint = &work.joints[index];
         body.joint.project(joint, &p, out);
         joint.pass_on(&p.linear, &mut p.angular);
-        if let Base::Node(node) = body.base {
-            work.bias[node].linear += p.linear;
-            work.bias[node].angular += p.angular;
+        match body.base {
+            Base::Root(_) => {}
+            Base::Node(node) => {
+                work.bias[node].linear += p.linear;
+                work.bias[node].angular += p.angular;
+            }
+            Base::Axis(index) => slide::reduce(model, work, index, &p, out),
         }
     }
 }
@@ -230,7 +235,9 @@ fn project_on_element<const N: usize>(
     out: &mut [f64],
 ) -> Pair {
     let link = work.link::<N>(model, element, node);
-    out[model.elements[element].range_of::<N>()].copy_from_slice(&link.project(&p.linear, &p.angular));
+    // beside the projections of bodies that slide along the element
+    let rows = &mut out[model.elements[element].range_of::<N>()];
+    rows.iter_mut().zip(link.project(&p.linear, &p.angular)).for_each(|(row, term)| *row += term);
     let own = &work.bias[node];
     Pair { linear: own.linear + p.linear, angular: own.angular + p.angular + link.arm_m.cross(&p.linear) }
 }

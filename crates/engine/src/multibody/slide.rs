@@ -49,7 +49,7 @@ struct Part {
 
 impl SlideWork {
     /// Inner node of the element or pair.
-    fn inner_node(&self, model: &Model, slide: &Slide) -> usize {
+    pub fn inner_node(&self, model: &Model, slide: &Slide) -> usize {
         let beam = &model.bodies[slide.beam];
         beam.first_node + self.element - beam.first_element
     }
@@ -182,7 +182,7 @@ impl SlideWork {
     }
 
     /// Twist of the carriage at constant arc length, for the twist of the inner node and a change of the coordinates, eq. (J13).
-    fn displaced(&self, model: &Model, slide: &Slide, inner: &Pair, change: &[f64]) -> Pair {
+    pub fn displaced(&self, model: &Model, slide: &Slide, inner: &Pair, change: &[f64]) -> Pair {
         let mut moved = Pair { linear: inner.linear + inner.angular.cross(&self.arm), angular: inner.angular };
         for (own, range) in self.by_strain.iter().zip(self.strains(model, slide)) {
             for (twist, amount) in own.iter().zip(&change[range]) {

@@ -8,7 +8,7 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::lagged::Lagged;
 use crate::solve::linearize::SecondOrder;
 use crate::study::Study;
-use crate::study::linear::{Bare, pick, sixth_order};
+use crate::study::differences::{Bare, pick, sixth_order};
 use crate::system::PlantError;
 use crate::system::air::slopes::{AirSlopes, SECTION_VARIABLES};
 use crate::system::freedoms::Freedom;

@@ -1,25 +1,22 @@
 //! Linear model of the machine about its current state: matrices, modes, derivatives of outputs.
 //!
 //! The stiffness is the exact tangent if the state is an equilibrium. About a moving state, inertia forces change with the pose: the
-//! derivative is then computed by sixth-order differences of the residual without its elastic part, accurate to 1e-11 of its terms. Mass
+//! derivative is then, and with sliding joints, computed by sixth-order differences of the residual without its elastic part, accurate to 1e-11 of its terms. Mass
 //! and damping are always exact: the residual is linear in the accelerations and quadratic in the rates. NOTATION eqs. (L10)–(L12).
 
 use crate::force::joint::JointForces;
-use crate::load::{RootMotion, Wrench};
-use crate::math::difference::SIXTH_ORDER;
-use crate::math::strain::{SHEARED, STRAINS, StrainMatrix};
-use crate::multibody::dynamics::{self, Damping, Environment};
+use crate::load::RootMotion;
+use crate::math::strain::SHEARED;
+use crate::multibody::dynamics::Environment;
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::{Element, Strained};
 use crate::multibody::tangent::Tangent;
-use crate::multibody::{Model, Workspace};
 use crate::solve::EquationsOfMotion;
 use crate::solve::linearize::SecondOrder;
 use crate::solve::point::Point;
 use crate::study::Study;
+use crate::study::differences::{Bare, add_elastic, direction, displaced, pick, select, sixth_order, stiffness};
 use crate::system::Outputs;
 use crate::system::PlantError;
-use crate::system::System;
 use crate::system::freedoms::Freedom;
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -63,7 +60,6 @@ pub struct InstantRates {
 impl Study<'_> {
     /// Mass, damping and stiffness about the current state with its accelerations, over [`System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
-        self.system.refuse_sliding("linear model")?;
         self.system.refuse_constraints("linear model")?;
         let freedoms = self.system.freedoms();
         let mut unused = vec![0.0; self.system.coordinates()];
@@ -76,8 +72,8 @@ impl Study<'_> {
                 cause: "models with universal, ball or free joints are linearised at rest only".into(),
             });
         }
-        let mut tangent = Tangent::new(&self.system.equations.model);
-        let stiffness = if rest {
+        let stiffness = if rest && self.system.machine.sliding_joint().is_none() {
+            let mut tangent = Tangent::new(&self.system.equations.model);
             self.system.equations.linearize_at_rest(&mut tangent, &now.q);
             select(&tangent.dense(&self.system.equations.model), &freedoms)
         } else {
@@ -138,49 +134,19 @@ impl Study<'_> {
 
     /// Derivative of the residual with respect to the coordinates about a moving state.
     pub(super) fn moving_stiffness(&self, freedoms: &[Freedom]) -> DMatrix<f64> {
-        let mut bare = Bare::new(self.system);
-        let now = &self.system.state.now;
-        let stations: &[Wrench] = if self.system.equations.loaded { &self.system.equations.stations } else { &[] };
-        let environment =
-            Environment { root: &self.system.equations.root, damping: &self.system.equations.damping, stations };
-        let columns = freedoms.iter().map(|freedom| {
-            let mut at = |steps: f64| {
-                let q = self.displaced(freedom, steps * freedom.step);
-                pick(&bare.residual(Motion { q: &q, v: &now.v, a: &now.a }, environment), freedoms)
-            };
-            sixth_order(&mut at, freedom.step)
-        });
-        let mut matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
-        let mut springs = DMatrix::zeros(now.q.len(), now.q.len());
-        add_elastic(&mut springs, &self.system.equations.model, |_, _, _| 1.0);
-        for modal in self.system.equations.model.bodies.iter().filter_map(|body| body.modal.as_ref()) {
-            let (first, modes) = (modal.coordinate, modal.element.modes);
-            let own = modal.element.stiffness.view((0, 0), (modes, modes));
-            springs.view_mut((first, first), (modes, modes)).copy_from(&own);
-        }
-        for joint in self.system.equations.forces.joints().iter().filter(|joint| !joint.held) {
-            springs[(joint.coordinate, joint.coordinate)] += self.system.equations.tangents[joint.body].stiffness;
-        }
-        matrix += select(&springs, freedoms);
-        matrix
+        let (equations, now) = (&self.system.equations, &self.system.state.now);
+        stiffness(equations, &mut Bare::new(self.system), Motion { q: &now.q, v: &now.v, a: &now.a }, freedoms)
     }
 
     /// Change of the coordinates due to a unit of a degree of freedom; also of the rates due to its rate, and of the accelerations due to
     /// its acceleration.
     pub fn direction(&self, freedom: &Freedom) -> Vec<f64> {
-        let mut unit = vec![0.0; self.system.coordinates()];
-        unit[freedom.index] = 1.0;
-        Tangent::to_coordinates(&self.system.equations.model, &self.system.equations.work, &mut unit);
-        unit
+        direction(&self.system.equations, freedom)
     }
 
     /// The coordinates with a degree of freedom changed by `amount`, in its unit.
     pub fn displaced(&self, freedom: &Freedom, amount: f64) -> Vec<f64> {
-        let mut q = self.system.state.now.q.clone();
-        q.iter_mut().zip(self.direction(freedom)).for_each(|(q, unit)| *q += amount * unit);
-        let (mut v, mut a) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-        self.system.equations.project(&mut q, &mut v, &mut a);
-        q
+        displaced(&self.system.equations, &self.system.state.now.q, freedom, amount)
     }
 
     /// Residual over [`System::freedoms`] at the current state with the current inputs. A change of a command moves the motor's neutral
@@ -373,57 +339,6 @@ impl Study<'_> {
     }
 }
 
-/// The tree without its elastic forces: the remaining terms are smooth in all arguments and of similar magnitude.
-pub(super) struct Bare {
-    pub model: Model,
-    work: Workspace,
-}
-
-impl Bare {
-    /// Residual due to loads on the stations alone.
-    pub fn of_loads(&mut self, q: &[f64], zero: &[f64], stations: &[Wrench]) -> Vec<f64> {
-        let still = vec![Damping::default(); self.model.bodies.len()];
-        let environment = Environment { root: &RootMotion::default(), damping: &still, stations };
-        self.residual(Motion { q, v: zero, a: zero }, environment)
-    }
-
-    /// Residual due to accelerations alone.
-    pub fn of_accelerations(&mut self, q: &[f64], accelerations: &[f64]) -> Vec<f64> {
-        let still = vec![Damping::default(); self.model.bodies.len()];
-        let environment = Environment { root: &RootMotion::default(), damping: &still, stations: &[] };
-        self.residual(Motion { q, v: &vec![0.0; q.len()], a: accelerations }, environment)
-    }
-
-    /// Also omits the stiffness of closed loops: only rates, accelerations and loads remain.
-    pub fn without_stiffness(system: &System) -> Self {
-        let mut bare = Self::new(system);
-        for closure in &mut bare.model.closures {
-            closure.penalty.stiffness_n_m = 0.0;
-        }
-        bare
-    }
-
-    pub fn new(system: &System) -> Self {
-        let mut model = system.equations.model.clone();
-        for element in &mut model.elements {
-            element.elastic.release();
-            if let Some(elastic) = &mut element.sheared {
-                elastic.release();
-            }
-        }
-        for modal in model.bodies.iter_mut().filter_map(|body| body.modal.as_mut()) {
-            modal.element.stiffness.fill(0.0);
-        }
-        Self { work: system.equations.work.clone(), model }
-    }
-
-    fn residual(&mut self, motion: Motion, environment: Environment) -> Vec<f64> {
-        let mut residual = vec![0.0; self.model.coordinates];
-        dynamics::residual(&self.model, &mut self.work, motion, environment, &mut residual);
-        residual
-    }
-}
-
 /// Whether the determinant is positive; `None` if it is round-off.
 pub(super) fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
     let n = matrix.nrows();
@@ -438,53 +353,4 @@ pub(super) fn determinant_is_positive(matrix: &DMatrix<f64>) -> Option<bool> {
     let negative = pivots.iter().filter(|pivot| **pivot < 0.0).count();
     let even = lu.p().determinant::<f64>() > 0.0;
     (!singular).then_some((negative % 2 == 0) == even)
-}
-
-/// Adds the elastic stiffness of all elements, weighted per body.
-fn add_elastic(matrix: &mut DMatrix<f64>, model: &Model, weight: impl Fn(usize, usize, usize) -> f64) {
-    for index in 0..model.bodies.len() {
-        match model.bodies[index].sheared {
-            false => add_elastic_of::<STRAINS>(matrix, model, index, &weight),
-            true => add_elastic_of::<SHEARED>(matrix, model, index, &weight),
-        }
-    }
-}
-
-/// Adds the elastic stiffness of the elements of a body, weighted.
-fn add_elastic_of<const N: usize>(
-    matrix: &mut DMatrix<f64>,
-    model: &Model,
-    index: usize,
-    weight: &impl Fn(usize, usize, usize) -> f64,
-) where
-    Element: Strained<N>,
-{
-    let body = &model.bodies[index];
-    let weights = StrainMatrix::<N>::from_fn(|i, j| weight(index, i, j));
-    for i in 0..body.elements {
-        let element = &model.elements[body.first_element + i];
-        let mut add = |columns: &Element, block: &StrainMatrix<N>| {
-            let mut view = matrix.view_mut((element.coordinate, columns.coordinate), (N, N));
-            view += block.component_mul(&weights);
-        };
-        add(element, &element.elastic().stiffness);
-        if element.elastic().coupling != StrainMatrix::<N>::zeros() {
-            add(&model.elements[body.first_element + (i ^ 1)], &element.elastic().coupling);
-        }
-    }
-}
-
-pub(super) fn sixth_order(at: &mut dyn FnMut(f64) -> DVector<f64>, step: f64) -> DVector<f64> {
-    let mut slope = (at(1.0) - at(-1.0)) * SIXTH_ORDER[0];
-    slope += (at(2.0) - at(-2.0)) * SIXTH_ORDER[1];
-    slope += (at(3.0) - at(-3.0)) * SIXTH_ORDER[2];
-    slope / (60.0 * step)
-}
-
-pub(super) fn pick(vector: &[f64], freedoms: &[Freedom]) -> DVector<f64> {
-    DVector::from_iterator(freedoms.len(), freedoms.iter().map(|freedom| vector[freedom.index]))
-}
-
-fn select(matrix: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
-    DMatrix::from_fn(freedoms.len(), freedoms.len(), |i, j| matrix[(freedoms[i].index, freedoms[j].index)])
 }

@@ -4,6 +4,7 @@ mod aeroelastic;
 mod at_rest_in_air;
 mod coast;
 mod derivatives;
+mod differences;
 mod flight;
 mod lattice_delays;
 mod lattice_modes;

@@ -119,14 +119,20 @@ impl Study<'_> {
         let now = &self.system.state.now;
         let mut unused = vec![0.0; self.system.coordinates()];
         self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut unused);
-        let mut tangent = Tangent::new(&self.system.equations.model);
-        self.system.equations.linearize_at_rest(&mut tangent, &now.q);
-        let model = &self.system.equations.model;
-        let neutral = tangent.factorize(model).is_err();
-        let negative_directions = if neutral { 0 } else { tangent.negative_directions() };
+        let (equations, model) = (&self.system.equations, &self.system.equations.model);
+        let (negative, asymmetry) = if let Some(mut dense) = self.dense_tangent() {
+            let negative = dense.factorize(equations, &now.q, 0.0).ok();
+            (negative, dense.asymmetry())
+        } else {
+            let mut tangent = Tangent::new(model);
+            equations.linearize_at_rest(&mut tangent, &now.q);
+            let negative = tangent.factorize(model).ok().map(|()| tangent.negative_directions());
+            (negative, tangent.asymmetry(model))
+        };
+        let (neutral, negative_directions) = (negative.is_none(), negative.unwrap_or(0));
         // aerodynamic loads that respond to motion have no potential
         let blown = self.system.air_is_linearised() && self.system.state.applied_parameters.air_density_kg_m3() > 0.0;
-        let potential = tangent.asymmetry(model) < SYMMETRIC && !blown;
+        let potential = asymmetry < SYMMETRIC && !blown;
         let by_pivots = potential && !neutral;
         let coordinates = self.system.coordinates();
         let too_many = coordinates > MAXIMUM_COORDINATES;

@@ -10,6 +10,7 @@ use crate::solve::equilibrium::{self, Cause, Effort, NoEquilibrium, Settings, St
 use crate::solve::settle;
 use crate::solve::{EquationsOfMotion, Singular};
 use crate::study::Study;
+use crate::study::differences::DenseTangent;
 use crate::study::stability::{SYMMETRIC, Stability};
 use crate::system::PlantError;
 use crate::system::equations::Equations;
@@ -123,6 +124,8 @@ impl Target {
 struct AtRest<'a> {
     equations: &'a mut Equations,
     tangent: Tangent,
+    /// The tangent of a machine with sliding joints in place of `tangent`.
+    dense: Option<DenseTangent>,
     target: Target,
     time_s: f64,
     zero: Vec<f64>,
@@ -133,11 +136,12 @@ struct AtRest<'a> {
 }
 
 impl<'a> AtRest<'a> {
-    fn new(equations: &'a mut Equations, time_s: f64, start: &[f64]) -> Self {
+    fn new(equations: &'a mut Equations, dense: Option<DenseTangent>, time_s: f64, start: &[f64]) -> Self {
         let target = Target::of(equations, start);
         let weights = path_weights(&equations.model);
         Self {
             tangent: Tangent::new(&equations.model),
+            dense,
             zero: vec![0.0; start.len()],
             multipliers: vec![0.0; start.len()],
             target,
@@ -180,7 +184,11 @@ impl<'a> AtRest<'a> {
     /// Number of unstable directions of the equilibrium `q`; zero for loads without a potential, for which the pivots are inconclusive.
     fn unstable_directions(&mut self, q: &[f64]) -> usize {
         let directions = self.factorize(q, 0.0).unwrap_or(0);
-        if directions > 0 && self.tangent.asymmetry(&self.equations.model) < SYMMETRIC { directions } else { 0 }
+        let asymmetry = match &self.dense {
+            Some(dense) => dense.asymmetry(),
+            None => self.tangent.asymmetry(&self.equations.model),
+        };
+        if directions > 0 && asymmetry < SYMMETRIC { directions } else { 0 }
     }
 }
 
@@ -231,6 +239,7 @@ impl StaticEquations for AtRest<'_> {
     fn residual(&mut self, q: &[f64], residual: &mut [f64]) {
         let tree = self.equations.model.tree_coordinates();
         self.multipliers[tree..].copy_from_slice(&q[tree..]);
+        self.equations.seat_at(q);
         self.equations.residual(self.time_s, q, &self.zero, &self.multipliers, residual);
         let Equations { model, work, .. } = &*self.equations;
         for (index, closure) in model.rigid_loops.iter().enumerate() {
@@ -239,6 +248,9 @@ impl StaticEquations for AtRest<'_> {
     }
 
     fn factorize(&mut self, q: &[f64], shift_1_s2: f64) -> Result<usize, Singular> {
+        if let Some(dense) = &mut self.dense {
+            return dense.factorize(self.equations, q, shift_1_s2);
+        }
         self.equations.linearize_shifted(&mut self.tangent, q, shift_1_s2);
         let singular = |singular: SingularTangent| Singular { coordinate: singular.coordinate };
         self.tangent.factorize(&self.equations.model).map_err(singular)?;
@@ -246,7 +258,10 @@ impl StaticEquations for AtRest<'_> {
     }
 
     fn solve(&mut self, x: &mut [f64]) {
-        self.tangent.solve(&self.equations.model, x);
+        match &self.dense {
+            Some(dense) => dense.solve(x),
+            None => self.tangent.solve(&self.equations.model, x),
+        }
         Tangent::to_coordinates(&self.equations.model, &self.equations.work, x);
     }
 
@@ -470,7 +485,9 @@ impl Study<'_> {
         for joint in &mut equations.spatial {
             joint.held = joint.flies;
         }
-        let mut at_rest = AtRest::new(equations, time_s, &now.q);
+        let dense = self.dense_tangent();
+        let (now, equations) = (&mut self.system.state.now, &mut self.system.equations);
+        let mut at_rest = AtRest::new(equations, dense, time_s, &now.q);
         let quest = &mut self.quest;
         let settings = Settings::default();
         quest.path.clear();
@@ -493,6 +510,12 @@ impl Study<'_> {
         let effort = found.map_err(|error| self.no_equilibrium(time_s, &error))?;
         self.check_loops(time_s)?;
         Ok(effort)
+    }
+
+    /// The dense tangent of a machine with sliding joints.
+    pub(super) fn dense_tangent(&self) -> Option<DenseTangent> {
+        self.system.machine.sliding_joint()?;
+        Some(DenseTangent::new(&self.system.equations, self.system.freedoms()))
     }
 
     /// Returns an error for an equilibrium supported only by stretched penalty springs of closed loops; the search finds such a state for a

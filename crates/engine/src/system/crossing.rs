@@ -12,6 +12,9 @@ use crate::system::brake::Stopped;
 use crate::system::equations::Equations;
 use crate::system::{PlantError, System};
 
+/// Maximum number of coordinates of a machine with sliding joints for analyses with a dense matrix.
+const MAXIMUM_DENSE: usize = 1200;
+
 impl System {
     /// Moves the carriages of sliding joints into the elements of the new state. The rates change by the impulse that keeps all momenta; the
     /// energy lost is returned, and the work of prescribed motions.
@@ -75,14 +78,17 @@ impl System {
         }
     }
 
-    /// Returns an error for an analysis that sliding joints do not allow, by its name.
+    /// Returns an error that names an analysis that a machine with sliding joints does not permit: with rigid loops, or with too many
+    /// coordinates for a dense matrix.
     pub(crate) fn refuse_sliding(&self, analysis: &'static str) -> Result<(), PlantError> {
-        match self.machine.sliding_joint() {
-            None => Ok(()),
-            Some(joint) => {
-                Err(PlantError::Sliding { time_s: self.state.now.time_s, joint: joint.to_owned(), analysis })
-            }
+        let Some(joint) = self.machine.sliding_joint() else { return Ok(()) };
+        self.refuse_constraints(analysis)?;
+        let coordinates = self.coordinates();
+        if coordinates <= MAXIMUM_DENSE {
+            return Ok(());
         }
+        let (time_s, joint) = (self.state.now.time_s, joint.to_owned());
+        Err(PlantError::Sliding { time_s, joint, analysis, coordinates, maximum: MAXIMUM_DENSE })
     }
 }
 
@@ -96,6 +102,17 @@ impl Equations {
             }
             Base::Root(_) | Base::Node(_) => None,
         })
+    }
+
+    /// Sets the elements of the carriages to those at the positions in `q`.
+    pub(crate) fn seat_at(&mut self, q: &[f64]) {
+        for joint in self.forces.joints() {
+            let (Base::Axis(index), Some(borders)) = (self.model.bodies[joint.body].base, joint.borders()) else {
+                continue;
+            };
+            let element = borders.element_at(q[joint.coordinate], 0.0);
+            self.work.slides[index].element = self.model.slides[index].element(&self.model, element);
+        }
     }
 
     fn is_seated(&self, joints: &[JointMemory]) -> bool {
@@ -113,11 +130,12 @@ impl Equations {
         }
     }
 
-    /// Kinetic energy in J of the whole model.
+    /// Kinetic energy in J of the whole model and of the penalties of its loops.
     fn kinetic_j(&mut self, point: &Point, zero: &[f64]) -> f64 {
         sweep_motion(&self.model, &mut self.work, Motion { q: &point.q, v: &point.v, a: zero });
         energy::kinetic(&self.model, &self.work, |_, _| ())
             + energy::kinetic_of_drives(&self.model, &self.work, &point.v)
+            + self.loop_kinetic_j()
     }
 
     /// Kinetic energy in J of the velocities before the impulse at the pose after it.
@@ -128,10 +146,12 @@ impl Equations {
         }
         energy::kinetic(&self.model, &self.work, |_, _| ())
             + energy::kinetic_of_drives(&self.model, &self.work, &point.v)
+            + self.loop_kinetic_j()
     }
 
     /// Momenta in the directions of all coordinates of the jump from the velocities in [`Workspace::carried`] to those at the rates `v`;
-    /// `zero` are zeros. The parts of strains and modes are the same before and after, and cancel.
+    /// `zero` are zeros. The parts of strains and modes are the same before and after, and cancel. The rows of the multipliers of rigid loops
+    /// are the rates of their gaps.
     ///
     /// [`Workspace::carried`]: crate::multibody::Workspace::carried
     fn momenta_of_jump(&mut self, [q, v, zero]: [&[f64]; 3], [jump, before]: [&mut [f64]; 2]) {
@@ -146,6 +166,21 @@ impl Equations {
         before.fill(0.0);
         dynamics::momenta(&self.model, &mut self.work, still, &self.damping, before);
         jump.iter_mut().zip(before.iter()).for_each(|(jump, before)| *jump -= before);
+    }
+
+    /// Energy in J that an impulse loses: that of the jump from the velocities in [`Workspace::carried`] to those of `point`, with the jump of the
+    /// rates.
+    ///
+    /// [`Workspace::carried`]: crate::multibody::Workspace::carried
+    fn energy_of_jump_j(&mut self, point: &Point, rates: &[f64], zero: &[f64]) -> f64 {
+        sweep_motion(&self.model, &mut self.work, Motion { q: &point.q, v: &point.v, a: zero });
+        for (node, carried) in self.work.nodes.iter_mut().zip(&self.work.carried) {
+            node.velocity -= carried.linear;
+            node.spin -= carried.angular;
+        }
+        energy::kinetic(&self.model, &self.work, |_, _| ())
+            + energy::kinetic_of_drives(&self.model, &self.work, rates)
+            + self.loop_kinetic_j()
     }
 
     fn cross_borders(
@@ -166,9 +201,17 @@ impl Equations {
         self.momenta_of_jump([&point.q, &point.v, zero], [momenta, other]);
         self.factorize(1.0, 0.0, 0.0)?;
         self.solve(momenta);
-        point.v.iter_mut().zip(momenta.iter()).for_each(|(v, jump)| *v -= jump);
+        // the impulses of the constraints are not kept
+        let tree = self.model.tree_coordinates();
+        point.v[..tree].iter_mut().zip(momenta.iter()).for_each(|(v, jump)| *v -= jump);
         let mut work_j = 0.0;
         if self.forces.joints().iter().any(|joint| joint.law().is_some()) {
+            if self.model.constraints() > 0 {
+                // the impulses of the constraints act at the prescribed joints too
+                let lost_j = self.energy_of_jump_j(point, momenta, zero);
+                let after_j = self.kinetic_j(point, zero);
+                return Ok(Stopped { lost_j, work_j: lost_j + after_j - before_j });
+            }
             self.momenta_of_jump([&point.q, &point.v, zero], [momenta, other]);
             let moved = self.forces.joints().iter().filter(|joint| joint.law().is_some());
             work_j = moved.map(|joint| momenta[joint.coordinate] * point.v[joint.coordinate]).sum();

@@ -192,10 +192,10 @@ pub enum PlantError {
         /// Position of the joint in m.
         position_m: f64,
     },
-    /// An analysis that models with sliding joints do not have.
+    /// An analysis of a machine with sliding joints and too many coordinates.
     #[error(
-        "no {analysis} at t = {time_s} s: the sliding joint {joint} has no linear model; compute the motion over time, or \
-         replace the joint by a clamped one at a fixed parent_position_m"
+        "no {analysis} at t = {time_s} s: a machine with a sliding joint ({joint}) may have {maximum} coordinates for it, and this one has \
+         {coordinates}; use fewer elements, or compute the motion over time"
     )]
     Sliding {
         /// Time in s.
@@ -204,6 +204,10 @@ pub enum PlantError {
         joint: String,
         /// The analysis.
         analysis: &'static str,
+        /// Number of coordinates.
+        coordinates: usize,
+        /// Maximum number of coordinates.
+        maximum: usize,
     },
     /// An analysis that models with rigid loops do not support.
     #[error(

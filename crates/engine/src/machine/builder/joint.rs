@@ -1,5 +1,12 @@
 //! Joints in code: equivalent of a table `[joint.<name>]` of the model file.
 
+mod attitude;
+pub(super) mod carriage;
+mod kind;
+
+pub use attitude::Attitude;
+pub(super) use kind::Type;
+
 use crate::force::prescribed::Law;
 use crate::machine::builder::latch::LatchBuilder;
 use crate::machine::fault::{Checker, array_text};
@@ -10,32 +17,6 @@ use crate::machine::{
     Spring, Travel,
 };
 use nalgebra::{Matrix3, Rotation3, Vector3};
-
-/// Type of a joint in the builder.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Type {
-    Clamped,
-    Revolute,
-    Prismatic,
-    Sliding,
-    Universal,
-    Ball,
-    Free,
-}
-
-impl Type {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Clamped => "clamped",
-            Self::Revolute => Travel::Rotation.joint_type(),
-            Self::Prismatic => Travel::Translation.joint_type(),
-            Self::Sliding => "sliding",
-            Self::Universal => "universal",
-            Self::Ball => "ball",
-            Self::Free => "free",
-        }
-    }
-}
 
 /// Parent of a joint, by name.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,6 +38,7 @@ pub struct JointBuilder {
     offset_m: Vector3<f64>,
     axis: Vector3<f64>,
     body_axis: Vector3<f64>,
+    attitude: Attitude,
     start_angular_velocity_rad_s: Option<Vector3<f64>>,
     start_velocity_m_s: Option<Vector3<f64>>,
     start_angle_rad: Option<f64>,
@@ -82,6 +64,7 @@ impl Joint {
             offset_m: Vector3::zeros(),
             axis: Vector3::zeros(),
             body_axis: Vector3::zeros(),
+            attitude: Attitude::Section,
             start_angular_velocity_rad_s: None,
             start_velocity_m_s: None,
             start_angle_rad: None,
@@ -114,8 +97,8 @@ impl Joint {
     }
 
     /// A sliding joint along the axis of the beam that is its parent: the body keeps the attitude of the beam's section at the arc length
-    /// [`JointBuilder::start_position_m`], and moves along the beam from there. For a body that also rotates, attach a rigid body without
-    /// mass by the sliding joint, and the body to it by a revolute or ball joint.
+    /// [`JointBuilder::start_position_m`], and moves along the beam from there. A body that also rotates has another
+    /// [`JointBuilder::attitude`].
     pub fn sliding(name: impl Into<String>) -> JointBuilder {
         JointBuilder { axis: Vector3::x(), ..Self::builder(name, Type::Sliding) }
     }
@@ -298,6 +281,7 @@ impl JointBuilder {
     /// Builds the joint on a known parent; invalid values are replaced after an error.
     pub(super) fn build(&self, parent: Parent, start_time_s: f64, checker: &mut Checker) -> Joint {
         self.refuse_strangers(checker);
+        self.refuse_attitude(checker);
         let kind = match self.kind {
             Type::Clamped => JointKind::Clamped,
             Type::Revolute => {
@@ -356,11 +340,11 @@ impl JointBuilder {
         for (key, types, found) in stated.into_iter().chain(machinery) {
             if let (Some(found), false) = (found, types.contains(&self.kind)) {
                 let names: Vec<&str> = types.iter().copied().map(Type::name).collect();
-                checker.refuse(
-                    &["joint", &self.name, key],
-                    found,
-                    format!("this key only with type = {}", quoted(&names)),
-                );
+                let allowed = match attitude::of_start(key).filter(|_| self.kind == Sliding) {
+                    Some(attitude) => format!("this key of a sliding joint only with attitude = {attitude:?}"),
+                    None => format!("this key only with type = {}", quoted(&names)),
+                };
+                checker.refuse(&["joint", &self.name, key], found, allowed);
             }
         }
     }

@@ -15,7 +15,7 @@ pub use air::{AirBuilder, GustBuilder};
 pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, InternalLoadBuilder};
 pub use failure::FailureBuilder;
 pub use flap::FlapBuilder;
-pub use joint::JointBuilder;
+pub use joint::{Attitude, JointBuilder};
 pub use latch::LatchBuilder;
 pub use no_slip::NoSlipBuilder;
 pub use rotor::RotorSettings;
@@ -207,10 +207,11 @@ impl MachineBuilder {
 
     fn assemble(&self, checker: &mut Checker) -> Machine {
         let start_time_s = self.experiment.start_time_s;
-        let tree = tree::resolve(&self.bodies, checker);
-        let mut bodies: Vec<Body> = Vec::with_capacity(self.bodies.len());
+        let described = joint::carriage::with_carriages(&self.bodies);
+        let tree = tree::resolve(&described, checker);
+        let mut bodies: Vec<Body> = Vec::with_capacity(described.len());
         for index in &tree.order {
-            let (body, joint) = &self.bodies[*index];
+            let (body, joint) = &described[*index];
             let joint = joint.build(tree.parents[*index].clone(), start_time_s, checker);
             bodies.push(body.build(joint, checker));
         }

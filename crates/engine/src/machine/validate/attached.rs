@@ -7,7 +7,7 @@ use crate::machine::pose::{along, first_frames};
 use crate::machine::units::shortest;
 use crate::machine::validate::body::section_stands;
 use crate::machine::validate::unit_vector;
-use crate::machine::{Body, Closure, Gauge, InternalLoad, LoopEnd, Machine, SectionSide};
+use crate::machine::{Body, Closure, Gauge, InternalLoad, LoopEnd, Machine, Parent, SectionSide};
 use nalgebra::Vector3;
 
 /// Largest initial gap divided by the length of the longer body: angles rounded to 0.01 degrees cause 2e-4. A wider gap is an error in the
@@ -177,7 +177,12 @@ pub(super) fn gaps(machine: &Machine, checker: &mut Checker) {
         });
         let gap = points[1] - points[0];
         let joined = closure.ends.into_iter().filter_map(LoopEnd::on_body);
-        let mut length_m = joined.map(|(body, _)| machine.bodies[body].length_m).fold(0.0, f64::max);
+        // a body that slides along a beam is placed on it to its round-off
+        let length_of = |body: usize| match machine.bodies[body].joint.parent {
+            Parent::Body { index, .. } if machine.bodies[body].joint.kind.rides() => machine.bodies[index].length_m,
+            Parent::Body { .. } | Parent::Root { .. } => machine.bodies[body].length_m,
+        };
+        let mut length_m = joined.map(|(body, _)| length_of(body)).fold(0.0, f64::max);
         if length_m == 0.0 {
             // rigid bodies extend to their points
             length_m = closure.offsets_m.iter().map(Vector3::norm).fold(0.0, f64::max);

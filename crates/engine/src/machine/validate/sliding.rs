@@ -3,7 +3,7 @@
 use crate::beam::element::ElementKind;
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
-use crate::machine::{Body, Machine, Parent, StartState};
+use crate::machine::{Body, Machine, Parent};
 
 /// Checks all sliding joints.
 pub(super) fn check(machine: &Machine, checker: &mut Checker) {
@@ -33,10 +33,6 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     }
     carried(&machine.bodies, checker);
     let Some(joint) = machine.sliding_joint() else { return };
-    if let Some(closure) = machine.closures.first() {
-        let allowed = format!("no loop in a model with a sliding joint ({joint:?})");
-        checker.refuse_state(&["loop", &closure.name], "a loop", allowed);
-    }
     if let Some(no_slip) = machine.no_slips.first() {
         let allowed = format!("no skate and no wheel in a model with a sliding joint ({joint:?})");
         checker.refuse_state(&[no_slip.table(), &no_slip.name], format!("a {}", no_slip.table()), allowed);
@@ -46,10 +42,6 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
             "no modal damping in a model with a sliding joint ({joint:?}); write stiffness_damping_s on the body"
         );
         checker.refuse(&["body", &body.name, "modal_damping_ratios"], array_text(&body.modal_damping_ratios), allowed);
-    }
-    if machine.experiment.start == StartState::Equilibrium {
-        let allowed = format!("\"unstrained\": there is no static equilibrium with a sliding joint ({joint:?})");
-        checker.refuse(&["simulation", "start"], "\"equilibrium\"", allowed);
     }
 }
 

@@ -93,7 +93,7 @@ impl Tangent {
     /// Outward half of [`Self::solve`].
     fn substitute(&mut self, model: &Model, x: &mut [f64]) {
         for (index, body) in model.bodies.iter().enumerate() {
-            let before = self.base_twist(body);
+            let before = self.base_twist(model, body, x);
             x[body.joint.range()].fill(0.0);
             let joint = &self.joints[index];
             if let Some(factor) = &self.joint_factors[index] {

@@ -26,6 +26,7 @@ pub use joint::JointTangent;
 use crate::load::{LoadFrame, RootMotion, Wrench};
 use crate::math::so3::hat;
 use crate::math::strain::{SHEARED, STRAINS, Strain};
+use crate::multibody::carriage::SlideWork;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::nodal::multiply;
 use crate::multibody::station;
@@ -79,6 +80,8 @@ pub struct Tangent {
     rigid: Option<RigidTangent>,
     displaced: Vec<Pair>,
     wrenches: Vec<Pair>,
+    /// Carriages of sliding joints; only [`Self::node_displacements`] supports them.
+    slides: Vec<SlideWork>,
 }
 
 impl Tangent {
@@ -99,6 +102,7 @@ impl Tangent {
             rigid: None,
             displaced: vec![Pair::ZERO; nodes],
             wrenches: vec![Pair::ZERO; nodes],
+            slides: Vec::new(),
         }
     }
 
@@ -123,6 +127,7 @@ impl Tangent {
             + Matrix3::from_diagonal_element(shift_1_s2);
         let rotates = surroundings.root.rotates() || shift_1_s2 != 0.0;
         self.linearize_nodes(model, work, &frame);
+        self.slides.clone_from(&work.slides);
         self.cross.clear();
         for (index, body) in model.bodies.iter().enumerate() {
             for i in 0..body.elements {
@@ -239,7 +244,7 @@ impl Tangent {
                 add(&mut self.wrenches[body.first_node], &passed);
             }
             let wrench = twist(&self.wrenches[body.first_node]);
-            let before = self.base_twist(body);
+            let before = self.base_twist(model, body, x);
             let passed = self.joints[index].push(x, &before, &wrench, y);
             if let Base::Node(node) = body.base {
                 add(&mut self.wrenches[node], &passed);
@@ -250,7 +255,7 @@ impl Tangent {
     /// Computes the twists of all nodes due to a change of the coordinates.
     fn displace(&mut self, model: &Model, x: &[f64]) {
         for (index, body) in model.bodies.iter().enumerate() {
-            let mut moved = self.joints[index].displaced(x, &self.base_twist(body));
+            let mut moved = self.joints[index].displaced(x, &self.base_twist(model, body, x));
             self.displaced[body.first_node] = pair(&moved);
             if let Some(modal) = &self.modal[index] {
                 self.displaced[body.last_node()] = pair(&modal.displaced(x, &moved));
@@ -267,11 +272,14 @@ impl Tangent {
         }
     }
 
-    fn base_twist(&self, body: &Body) -> Vector6<f64> {
+    fn base_twist(&self, model: &Model, body: &Body, x: &[f64]) -> Vector6<f64> {
         match body.base {
             Base::Root(_) => Vector6::zeros(),
             Base::Node(node) => twist(&self.displaced[node]),
-            Base::Axis(_) => unreachable!("no tangent with sliding joints"),
+            Base::Axis(index) => {
+                let (slide, own) = (&model.slides[index], &self.slides[index]);
+                twist(&own.displaced(model, slide, &self.displaced[own.inner_node(model, slide)], x))
+            }
         }
     }
 
