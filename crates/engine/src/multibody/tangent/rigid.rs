@@ -4,6 +4,7 @@
 //! It changes no solution, because its force is zero when the constraints are met.
 
 use crate::multibody::model::Model;
+use crate::multibody::rigid_factor::IMMOBILE;
 use crate::multibody::tangent::Tangent;
 use crate::multibody::tangent::loops::RigidTangent;
 use nalgebra::{DMatrix, DVector};
@@ -38,6 +39,7 @@ impl Tangent {
         let mut columns = DMatrix::zeros(n, rows);
         let mut small = DMatrix::zeros(rows, rows);
         let mut x = vec![0.0; n];
+        let mut mobility = 0.0f64;
         for row in 0..rows {
             let closure = &closures[row / 3];
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
@@ -48,34 +50,40 @@ impl Tangent {
                 self.correct_closures(&mut x);
                 columns.column_mut(row).iter_mut().zip(&x).for_each(|(sum, x)| *sum += sign * x);
             }
-            let gaps = self.rigid_gaps(model, columns.column(row).as_slice());
+            let (gaps, largest) = self.rigid_gaps(model, columns.column(row).as_slice());
             small.column_mut(row).copy_from(&gaps);
+            mobility = mobility.max(largest);
         }
         let symmetric = (&small + small.transpose()) * 0.5;
         let values = symmetric.symmetric_eigenvalues();
-        let negative = values.iter().filter(|value| **value < -REDUNDANT * values.amax()).count();
+        // if no loop has a freedom, the largest value is round-off too
+        let least = |largest: f64| (REDUNDANT * largest).max(IMMOBILE * mobility);
+        let negative = values.iter().filter(|value| **value < -least(values.amax())).count();
         let largest = small.singular_values().max();
-        if let Ok(inverse) = small.pseudo_inverse(REDUNDANT * largest) {
+        if let Ok(inverse) = small.pseudo_inverse(least(largest)) {
             self.rigid = Some(RigidTangent { columns, inverse, negative, support_n_m: support_n_m(model) });
         }
     }
 
-    /// Changes of the gaps of the rigid loops with the coordinates `x`.
-    fn rigid_gaps(&mut self, model: &Model, x: &[f64]) -> DVector<f64> {
+    /// Changes of the gaps of the rigid loops with the coordinates `x`, and the largest change of a point.
+    fn rigid_gaps(&mut self, model: &Model, x: &[f64]) -> (DVector<f64>, f64) {
         self.displace(model, x);
         let closures = &self.closures[model.closures.len()..];
-        let gaps = closures.iter().flat_map(|closure| {
-            let change = closure.displacement(1, &self.displaced) - closure.displacement(0, &self.displaced);
-            [change.x, change.y, change.z]
-        });
-        DVector::from_iterator(3 * closures.len(), gaps)
+        let mut gaps = DVector::zeros(3 * closures.len());
+        let mut largest = 0.0f64;
+        for (i, closure) in closures.iter().enumerate() {
+            let [first, second] = [0, 1].map(|side| closure.displacement(side, &self.displaced));
+            gaps.fixed_rows_mut::<3>(3 * i).copy_from(&(second - first));
+            largest = largest.max(first.amax()).max(second.amax());
+        }
+        (gaps, largest)
     }
 
     /// Adds the constraints to a solution: in the rows of the multipliers `x` holds the gaps on entry and the changes of the multipliers on
     /// return.
     pub(super) fn correct_rigid(&mut self, model: &Model, x: &mut [f64]) {
         let Some(rigid) = self.rigid.take() else { return };
-        let moved = self.rigid_gaps(model, x);
+        let (moved, _) = self.rigid_gaps(model, x);
         let (of_tree, rows) = x.split_at_mut(model.tree_coordinates());
         let open = DVector::from_column_slice(rows);
         let weights = &rigid.inverse * (moved - &open);
