@@ -16,7 +16,7 @@ fn falling(solver: &str, turn: Rotation3<f64>) -> Machine {
     let mount = turn * Rotation3::from_axis_angle(&Vector3::x_axis(), -lean_rad);
     let text = format!(
         r#"
-name = "Falling disc"
+name = "FallingDisc"
 gravity_m_s2 = {gravity}
 
 [rigid_body.sledge]

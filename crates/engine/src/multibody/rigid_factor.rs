@@ -5,7 +5,7 @@
 const REDUNDANT: f64 = 1e-11;
 /// Eigenvalue of the small matrix, relative to the mobility of the points themselves, below which it is round-off: if no loop has a freedom,
 /// as between points of a hinge's axis, the largest eigenvalue is round-off too.
-pub(super) const IMMOBILE: f64 = 1e-13;
+const IMMOBILE: f64 = 1e-13;
 /// Maximum number of sweeps of the Jacobi iteration, which converges quadratically.
 const JACOBI_SWEEPS: usize = 30;
 

@@ -4,13 +4,16 @@
 //! It changes no solution, because its force is zero when the constraints are met.
 
 use crate::multibody::model::Model;
-use crate::multibody::rigid_factor::IMMOBILE;
 use crate::multibody::tangent::Tangent;
 use crate::multibody::tangent::loops::RigidTangent;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular value of the small matrix, relative to its largest, below which a row is redundant.
 const REDUNDANT: f64 = 1e-10;
+/// Singular value of the small matrix, relative to the displacement of a point by a unit force on it alone, below which it is round-off: of
+/// forces that cancel, times that of displacements that cancel, 1e-32 multiplied by the condition of the tree. Those of a loop that restrains a
+/// motion are at least the stiffness of the machine over that of the support, 1e-13 for a soft hinge between stiff beams.
+const IDLE: f64 = 1e-20;
 /// Stiffness of the support of a machine without beams, relative to its weight divided by its length.
 const OF_WEIGHT: f64 = 100.0;
 
@@ -48,16 +51,17 @@ impl Tangent {
                 x.fill(0.0);
                 self.solve_tree(model, &mut x, Some((node, &wrench)));
                 self.correct_closures(&mut x);
+                self.displace(model, &x);
+                mobility = mobility.max(closure.displacement(side, &self.displaced).amax());
                 columns.column_mut(row).iter_mut().zip(&x).for_each(|(sum, x)| *sum += sign * x);
             }
-            let (gaps, largest) = self.rigid_gaps(model, columns.column(row).as_slice());
+            let gaps = self.rigid_gaps(model, columns.column(row).as_slice());
             small.column_mut(row).copy_from(&gaps);
-            mobility = mobility.max(largest);
         }
         let symmetric = (&small + small.transpose()) * 0.5;
         let values = symmetric.symmetric_eigenvalues();
         // if no loop has a freedom, the largest value is round-off too
-        let least = |largest: f64| (REDUNDANT * largest).max(IMMOBILE * mobility);
+        let least = |largest: f64| (REDUNDANT * largest).max(IDLE * mobility);
         let negative = values.iter().filter(|value| **value < -least(values.amax())).count();
         let largest = small.singular_values().max();
         if let Ok(inverse) = small.pseudo_inverse(least(largest)) {
@@ -65,25 +69,22 @@ impl Tangent {
         }
     }
 
-    /// Changes of the gaps of the rigid loops with the coordinates `x`, and the largest change of a point.
-    fn rigid_gaps(&mut self, model: &Model, x: &[f64]) -> (DVector<f64>, f64) {
+    /// Changes of the gaps of the rigid loops with the coordinates `x`.
+    fn rigid_gaps(&mut self, model: &Model, x: &[f64]) -> DVector<f64> {
         self.displace(model, x);
         let closures = &self.closures[model.closures.len()..];
-        let mut gaps = DVector::zeros(3 * closures.len());
-        let mut largest = 0.0f64;
-        for (i, closure) in closures.iter().enumerate() {
-            let [first, second] = [0, 1].map(|side| closure.displacement(side, &self.displaced));
-            gaps.fixed_rows_mut::<3>(3 * i).copy_from(&(second - first));
-            largest = largest.max(first.amax()).max(second.amax());
-        }
-        (gaps, largest)
+        let gaps = closures.iter().flat_map(|closure| {
+            let change = closure.displacement(1, &self.displaced) - closure.displacement(0, &self.displaced);
+            [change.x, change.y, change.z]
+        });
+        DVector::from_iterator(3 * closures.len(), gaps)
     }
 
     /// Adds the constraints to a solution: in the rows of the multipliers `x` holds the gaps on entry and the changes of the multipliers on
     /// return.
     pub(super) fn correct_rigid(&mut self, model: &Model, x: &mut [f64]) {
         let Some(rigid) = self.rigid.take() else { return };
-        let (moved, _) = self.rigid_gaps(model, x);
+        let moved = self.rigid_gaps(model, x);
         let (of_tree, rows) = x.split_at_mut(model.tree_coordinates());
         let open = DVector::from_column_slice(rows);
         let weights = &rigid.inverse * (moved - &open);
