@@ -366,7 +366,8 @@ fn x16_skates_and_wheels_do_not_slip() {
             let miss =
                 (a.normal_force_n - b.normal_force_n).abs().max((a.side_force_n.abs() - b.side_force_n.abs()).abs());
             let share = miss / (1.0 + a.normal_force_n.abs() + a.side_force_n.abs());
-            assert!(share < 1e-6, "seed {seed}: {a:?} {b:?}");
+            // round-off of rotated numbers, multiplied by elastic forces over those of the constraint: up to 2e-10 in these machines
+            assert!(share < 5e-9, "seed {seed}: {a:?} {b:?}");
             apart = apart.max(share);
         }
     }

@@ -1,7 +1,7 @@
 //! Rigid loops that restrain nothing, and the refusal of gradients.
 
 use foldwing::config;
-use foldwing::plant::{GradientError, Plant};
+use foldwing::plant::{GradientError, Holding, Plant, PlantError};
 use std::sync::Arc;
 
 fn plant(text: &str) -> Plant {
@@ -10,7 +10,13 @@ fn plant(text: &str) -> Plant {
 
 /// A pendulum of two rigid bars; `of_loop` closes a loop between the bars.
 fn pendulum(of_loop: &str) -> Plant {
-    let text = format!(
+    let mut plant = plant(&pendulum_text(of_loop));
+    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+    plant
+}
+
+fn pendulum_text(of_loop: &str) -> String {
+    format!(
         r#"
 name = "Pendulum"
 gravity_m_s2 = [0.3, 0.2, -9.8]
@@ -47,10 +53,7 @@ tolerance = 1e-9
 stop_time_s = 1.0
 step_s = 1e-2
 "#
-    );
-    let mut plant = plant(&text);
-    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
-    plant
+    )
 }
 
 /// Both points on the axis of the second hinge, 0.25 m beside it.
@@ -87,4 +90,118 @@ fn lp39_gradients_refuse_rigid_loops() {
         other => panic!("{:?}", other.map(|_| ()).map_err(|error| error.to_string())),
     }
     pendulum("").run_on_tape(&[0.01]).unwrap_or_else(|error| panic!("{error}"));
+}
+
+/// A beam with a hinge in its middle, and a bar from its root to its outer part, closed by a rigid loop.
+fn braced_beam(of_loop: &str) -> String {
+    format!(
+        r#"
+name = "Braced"
+gravity_m_s2 = [0.0, 0.4, -9.8]
+
+[section.rod]
+shape = "ellipse"
+width_m = 0.01
+height_m = 0.01
+youngs_modulus_Pa = 2e11
+poisson_ratio = 0.3
+density_kg_m3 = 7800.0
+
+[body.inner]
+section = "rod"
+length_m = 0.5
+elements = 2
+
+[body.outer]
+section = "rod"
+length_m = 0.5
+elements = 2
+shear = true
+
+[rigid_body.brace]
+mass_kg = 0.3
+centre_of_mass_m = [0.3, 0.0, 0.0]
+inertia_kg_m2 = [1e-3, 2e-3, 2e-3, 0.0, 0.0, 0.0]
+
+[joint.clamp]
+type = "clamped"
+parent = "root"
+child = "inner"
+
+[joint.knee]
+type = "revolute"
+parent = "inner"
+child = "outer"
+axis = [0.0, 1.0, 0.0]
+
+[joint.foot]
+type = "ball"
+parent = "root"
+child = "brace"
+root_position_m = [0.0, 0.0, -0.3]
+
+[loop.brace]
+bodies = ["brace", "outer"]
+offsets_m = [[1.0, 0.0, 0.3], [0.0, 0.0, 0.0]]
+rigid = true
+{of_loop}
+[solver]
+tolerance = 1e-8
+
+[simulation]
+stop_time_s = 1.0
+step_s = 1e-2
+"#
+    )
+}
+
+/// Two points of the axis of the knee.
+const ON_KNEE: &str = "\n[loop.idle]\nbodies = [\"inner\", \"outer\"]\npositions_m = [0.5, 0.0]\noffsets_m = [[0.0, 0.1, 0.0], [0.0, 0.1, 0.0]]\nrigid = true\n";
+
+/// LP-41. Static equilibria with an idle loop are those without it, and the loop carries nothing: alone between rigid bars, with and without
+/// gravity, and beside a rigid loop that carries a beam. 1e-9 rad and of the weight: the correction after which the search ends is squared.
+#[test]
+fn lp41_an_idle_loop_does_not_change_an_equilibrium() {
+    let weightless = |text: String| text.replace("[0.3, 0.2, -9.8]", "[0.0, 0.0, 0.0]");
+    for (with, without) in [
+        (pendulum_text(ON_AXIS), pendulum_text("")),
+        (weightless(pendulum_text(ON_AXIS)), weightless(pendulum_text(""))),
+        (braced_beam(ON_KNEE), braced_beam("")),
+    ] {
+        let [with, without] = [with, without].map(|text| {
+            let mut plant = plant(&text);
+            plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+            plant
+        });
+        let (mut apart, mut moved) = (0.0f64, 0.0f64);
+        for (a, b) in with.outputs().tips().iter().zip(without.outputs().tips()) {
+            apart = apart.max((a.position_m - b.position_m).norm());
+            moved = moved.max(b.position_m.norm());
+        }
+        let carried = with.outputs().loops().len() - 1;
+        let idle = with.outputs().loops()[carried];
+        for (a, b) in with.outputs().loops()[..carried].iter().zip(without.outputs().loops()) {
+            apart = apart.max((a.force_n - b.force_n).norm());
+        }
+        println!(
+            "LP-41 apart {apart:.1e} of {moved:.1} m, force {:.1e} N, gap {:.1e} m",
+            idle.force_n.norm(),
+            idle.gap_m.norm()
+        );
+        assert!(apart < 1e-9 && idle.force_n.norm() < 1e-9 && idle.gap_m.norm() < 1e-12, "{apart:.1e} {idle:?}");
+    }
+}
+
+/// LP-42. A hinge that nothing holds, with an idle loop on its axis: the refusal names the hinge and the remedy, as without the loop.
+#[test]
+fn lp42_an_idle_loop_holds_no_hinge() {
+    for of_loop in ["", ON_AXIS] {
+        let text = pendulum_text(of_loop)
+            .replace("[0.3, 0.2, -9.8]", "[0.0, 0.0, 0.0]")
+            .replace("motor.stiffness_N_m_rad = 5.0", "");
+        let mut plant = plant(&text);
+        let error = plant.study().equilibrium(0.0, Holding::AsReleased).expect_err("nothing holds the hinge");
+        let PlantError::Equilibrium { cause, .. } = &error else { panic!("{error}") };
+        assert!(cause.contains("no stiffness resists a motion of joint \"second\": add a spring"), "{cause}");
+    }
 }

@@ -12,6 +12,7 @@ mod deployment;
 mod double_pendulum;
 mod energy;
 mod failures;
+mod flat_wheel;
 mod hinges;
 mod hybrid;
 mod idle_loop;

@@ -599,6 +599,7 @@ fn wh10_castoring_landing_gear_wheel() {
         normal_n / weight_n,
         drift_j / kinetic_j
     );
-    assert!(swivel.angle_rad.abs() < 0.02 && side_n > 50.0, "{swivel:?}");
-    assert!((normal_n / weight_n - 1.0).abs() < 0.02 && drift_j < 1e-4 * kinetic_j);
+    // the swivel has come to rest; the carriage still bounces on the leg; the drift is that of the default tolerance
+    assert!(swivel.angle_rad.abs() < 1e-4 && side_n > 50.0, "{swivel:?}");
+    assert!((normal_n / weight_n - 1.0).abs() < 0.01 && drift_j < 2e-5 * kinetic_j);
 }

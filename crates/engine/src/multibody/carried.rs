@@ -1,12 +1,11 @@
-//! Contributions to the elimination of an element other than the inertia at its outer node: by the outer half of a pair, by the slopes of an
-//! element with shear, by bodies that slide along it; NOTATION eqs. (D14), (D20), (J14).
+//! Contributions to the elimination of an element other than the inertia at its outer node: by the outer half of a pair, by bodies that slide
+//! along it; NOTATION eqs. (D14), (J14).
 
-use crate::math::strain::{LINEAR, Strain, StrainMatrix};
+use crate::math::strain::{Strain, StrainMatrix};
 use crate::multibody::cholesky::{back, forward};
 use crate::multibody::model::{Element, Strained};
 use crate::multibody::node::ElementFactor;
 use crate::multibody::slide::Coupling;
-use crate::multibody::slope::SlopeInertia;
 use nalgebra::Vector3;
 use std::array::from_fn;
 
@@ -51,19 +50,6 @@ where
             self.spin[j] += riders.spin[j];
         }
         self.block += riders.block;
-    }
-
-    /// Adds the inertia of an element with shear: `T = P_b J + H_{bε} Z`, eq. (D20), has the form of eq. (D14).
-    #[inline]
-    pub fn join(&mut self, sloped: &SlopeInertia) {
-        let outer = &sloped.couplings[1];
-        for (k, &strain) in LINEAR.iter().enumerate() {
-            self.velocity[strain] += outer.velocity[k];
-            self.spin[strain] += outer.spin[k];
-            for (l, &other) in LINEAR.iter().enumerate() {
-                self.block[(strain, other)] += sloped.own[(k, l)];
-            }
-        }
     }
 }
 

@@ -71,6 +71,12 @@ fn body_elastic_forces<const N: usize>(
             for pair in elements.chunks_exact(2) {
                 let [inner, outer] = [&pair[0], &pair[1]].map(|half| resisted_strain(half, motion, damping));
                 let [a, b] = [pair[0].elastic(), pair[1].elastic()];
+                if N == SHEARED && a.diagonal && b.diagonal {
+                    let along = |block: &StrainMatrix<N>, strain: &Strain<N>| block.diagonal().component_mul(strain);
+                    write(&pair[0], along(&a.stiffness, &inner) + along(&a.coupling, &outer));
+                    write(&pair[1], along(&b.stiffness, &outer) + along(&b.coupling, &inner));
+                    continue;
+                }
                 write(&pair[0], a.stiffness * inner + a.coupling * outer);
                 write(&pair[1], b.stiffness * outer + b.coupling * inner);
             }

@@ -39,6 +39,8 @@ pub struct Elastic<const N: usize = STRAINS> {
     pub coupling: StrainMatrix<N>,
     /// Section stiffness at the inner and outer ends, for strain recovery.
     pub section_stiffness: [StrainMatrix<N>; 2],
+    /// Whether stiffness and coupling are diagonal matrices, of an element with shear; not used without shear.
+    pub diagonal: bool,
 }
 
 impl<const N: usize> Elastic<N> {
@@ -46,7 +48,7 @@ impl<const N: usize> Elastic<N> {
     pub(super) fn none() -> Self {
         let stiffness = StrainMatrix::repeat(f64::NAN);
         let natural_strain = Strain::repeat(f64::NAN);
-        Self { natural_strain, stiffness, coupling: stiffness, section_stiffness: [stiffness; 2] }
+        Self { natural_strain, stiffness, coupling: stiffness, section_stiffness: [stiffness; 2], diagonal: false }
     }
 
     /// The parts of an element on the interval `[start_m, start_m + length_m]` of a body.
@@ -61,6 +63,8 @@ impl<const N: usize> Elastic<N> {
     {
         let elasticity = ElementElasticity::new(kind, (start_m, length_m), section, natural_strain);
         let piece_m = length_m / elasticity.own.len() as f64;
+        let is_diagonal = |matrix: &StrainMatrix<N>| (0..N).all(|i| (0..N).all(|j| i == j || matrix[(i, j)] == 0.0));
+        let diagonal = N == SHEARED && elasticity.own.iter().chain([&elasticity.coupling]).all(is_diagonal);
         let parts = elasticity.own.iter().zip(&elasticity.natural_strain).enumerate();
         parts
             .map(|(piece, (own, natural))| {
@@ -70,6 +74,7 @@ impl<const N: usize> Elastic<N> {
                     stiffness: *own,
                     coupling: elasticity.coupling,
                     section_stiffness: [inner_m, inner_m + piece_m].map(|s| section.at(s).stiffness()),
+                    diagonal,
                 }
             })
             .collect()

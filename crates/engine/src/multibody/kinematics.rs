@@ -2,7 +2,7 @@
 
 use crate::math::local_link::{self, LANES, Lanes, LocalLinks, LocalMotions, Strains, matrix, vector};
 use crate::math::strain::STRAINS;
-use crate::multibody::model::{Base, Model};
+use crate::multibody::model::{Base, Element, Model};
 use crate::multibody::slope;
 use crate::multibody::workspace::Workspace;
 use std::array::from_fn;
@@ -83,13 +83,7 @@ fn sweep_links<const RATES: bool>(
         let first = from_fn(|lane| element(lane).coordinate);
         let length_m = Lanes(from_fn(|lane| element(lane).length_m));
         if model.sheared && elements.iter().any(|element| element.sheared.is_some()) {
-            let read = |coordinates| Strains::read_mixed(coordinates, &first, from_fn(|lane| element(lane).count()));
-            let q = read(motion.q);
-            if RATES {
-                (*links, *motions) = local_link::poses_and_motions(length_m, &q, &read(motion.v), &read(motion.a));
-            } else {
-                *links = local_link::poses(length_m, &q);
-            }
+            sheared_links::<RATES>(elements, (first, length_m), (links, motions), motion);
             continue;
         }
         let q = Strains::<STRAINS>::read(motion.q, &first);
@@ -99,5 +93,27 @@ fn sweep_links<const RATES: bool>(
         } else {
             *links = local_link::poses(length_m, &q);
         }
+    }
+}
+
+/// Evaluates links of which at least one has shear.
+#[inline(never)]
+fn sheared_links<const RATES: bool>(
+    elements: &[Element],
+    (first, length_m): ([usize; LANES], Lanes),
+    (links, motions): (&mut LocalLinks, &mut LocalMotions),
+    motion: Motion,
+) {
+    let element = |lane: usize| &elements[lane.min(elements.len() - 1)];
+    let alike = elements.iter().all(|element| element.sheared.is_some());
+    let read = |coordinates| match alike {
+        true => Strains::read(coordinates, &first),
+        false => Strains::read_mixed(coordinates, &first, from_fn(|lane| element(lane).count())),
+    };
+    let q = read(motion.q);
+    if RATES {
+        (*links, *motions) = local_link::poses_and_motions(length_m, &q, &read(motion.v), &read(motion.a));
+    } else {
+        *links = local_link::poses(length_m, &q);
     }
 }

@@ -6,7 +6,7 @@
 
 use crate::multibody::closure::Gap;
 use crate::multibody::node::Node;
-pub use crate::multibody::runner::{NoSlip, NoSlipDescription, ROWS, Runner};
+pub use crate::multibody::runner::{LEAST_SINE, NoSlip, NoSlipDescription, ROWS, Runner};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::Vector3;
 
@@ -38,6 +38,16 @@ impl NoSlip {
             Runner::Wheel { rolling, .. } => rolling,
         };
         [true, rolls, self.described.holds_normal]
+    }
+
+    /// Angle between the blade, or the axis of a wheel, and the normal of the plane in rad, from 0 to π/2, and its rate in rad/s.
+    pub(crate) fn angle(&self, node: &Node) -> [f64; 2] {
+        let (Runner::Skate { direction } | Runner::Wheel { axis: direction, .. }) = &self.described.runner;
+        let (normal, direction) = (&self.described.normal, node.rotation * direction);
+        let (across, along) = (direction.cross(normal), direction.dot(normal));
+        let sine = across.norm();
+        let rate = if sine > 0.0 { node.spin.dot(&across) / sine * along.signum() } else { 0.0 };
+        [sine.atan2(along.abs()), -rate]
     }
 
     /// Point of contact and directions of the rows at the motion of a node, eqs. (L45), (L46).

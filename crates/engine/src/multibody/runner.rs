@@ -5,6 +5,9 @@ use nalgebra::Vector3;
 /// Rows of a constraint by multipliers; of a skate or a wheel: across the heading, along the heading, along the normal of the plane.
 pub const ROWS: usize = 3;
 
+/// Least sine of the angle between the blade, or the axis of a wheel, and the normal of the plane: the heading is not defined at 0.
+pub const LEAST_SINE: f64 = 0.05;
+
 /// The part that touches the plane; directions are unit vectors of the section's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Runner {

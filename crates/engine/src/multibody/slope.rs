@@ -1,27 +1,30 @@
 //! Inertia of elements with shear: the slope of their axis at an end is `d = R (e_x + ε)` instead of `r_x`.
 //!
 //! The mass (D1) is constant over the nodal vectors `(r, d, r_y, r_z)` of both ends, each with the strain of the element itself. Lumped
-//! masses therefore belong to elements instead of nodes, inertia forces act on the linear strains, and these are coupled with the twists of
-//! both ends, NOTATION eqs. (D18)–(D20).
+//! masses therefore belong to elements instead of nodes, and inertia forces act on the linear strains, NOTATION eq. (D18).
 
 use crate::load::RootMotion;
-use crate::math::strain::{LINEAR, STRETCH};
+use crate::math::strain::{LINEAR, SHEARED, STRETCH, strains_at};
 use crate::multibody::model::{Body, Element, Model};
 use crate::multibody::motion::Motion;
-use crate::multibody::nodal::{lump, product, transposed_product, wrench_of};
-use crate::multibody::node::{ArticulatedInertia, Node};
+use crate::multibody::nodal::{product, transposed_product, wrench_of};
+use crate::multibody::node::Node;
 use crate::multibody::slope_vector::Slope;
 use crate::multibody::workspace::Workspace;
-use nalgebra::{Matrix3, Matrix4, Vector3};
+use nalgebra::{Matrix4, Vector3};
 use std::array::from_fn;
 
 /// Computes the slopes of all elements with shear, and with `RATES` their rates; poses of the nodes must be current.
+#[inline(never)]
 pub(super) fn sweep<const RATES: bool>(model: &Model, work: &mut Workspace, motion: Motion) {
     for body in model.bodies.iter().filter(|body| body.sheared) {
         for i in 0..body.elements {
             let e = body.first_element + i;
-            let own =
-                |coordinates: &[f64]| Vector3::from(LINEAR.map(|k| coordinates[model.elements[e].coordinate + k]));
+            let first = model.elements[e].coordinate;
+            let own = |coordinates: &[f64]| {
+                let strains: [f64; SHEARED] = strains_at(coordinates, first);
+                Vector3::from(LINEAR.map(|k| strains[k]))
+            };
             let mut local = own(motion.q);
             local[STRETCH] += 1.0;
             let nodes = &work.nodes[body.first_node + i..body.first_node + i + 2];
@@ -61,7 +64,7 @@ pub(crate) fn forces<const SLIM: bool>(element: &Element, rates: &[[Vector3<f64>
 }
 
 #[inline(always)]
-fn inner_mass(element: &Element) -> &Matrix4<f64> {
+pub(super) fn inner_mass(element: &Element) -> &Matrix4<f64> {
     match &element.inner_mass {
         Some(mass) => mass,
         None => unreachable!("an element without shear"),
@@ -110,21 +113,30 @@ pub(super) fn inertia_forces<const SLIM: bool, const PROJECT: bool>(
     work: &mut Workspace,
     residual: &mut [f64],
 ) {
+    let on = |node: &mut Node, [origin, y, z]: &[Vector3<f64>; 3], moment: &Vector3<f64>| {
+        let across = |k: usize, force: &Vector3<f64>| node.rotation.fixed_view::<3, 1>(0, k).cross(force);
+        node.moment += moment + across(1, y) + across(2, z);
+        node.force += origin;
+    };
+    // forces on `r`, `r_y`, `r_z` of the inner node and their moment on `d`, by the element before
+    let (mut before, mut moment) = ([Vector3::zeros(); 3], Vector3::zeros());
     for i in 0..body.elements {
         let element = &model.elements[body.first_element + i];
         let nodes = &mut work.nodes[body.first_node + i..body.first_node + i + 2];
         let slopes = &work.slopes[body.first_element + i];
-        let forces = forces::<SLIM>(element, &from_fn(|end| slopes[end].load_rates(&nodes[end])));
-        for ((node, slope), forces) in nodes.iter_mut().zip(slopes).zip(&forces) {
-            let (force, moment) = wrench_of(&slope.axes(node), forces);
-            node.force += force;
-            node.moment += moment;
-            if PROJECT {
+        let [inner, outer] = forces::<SLIM>(element, &from_fn(|end| slopes[end].load_rates(&nodes[end])));
+        moment += slopes[0].vector.cross(&inner[1]);
+        on(&mut nodes[0], &[before[0] + inner[0], before[1] + inner[2], before[2] + inner[3]], &moment);
+        if PROJECT {
+            let own = &mut residual[element.range_of::<SHEARED>()];
+            for (node, forces) in nodes.iter().zip([&inner, &outer]) {
                 let on_strains = node.rotation.tr_mul(&forces[1]);
-                LINEAR.iter().zip(on_strains.iter()).for_each(|(k, force)| residual[element.coordinate + k] += force);
+                (0..3).for_each(|k| own[LINEAR[k]] += on_strains[k]);
             }
         }
+        (before, moment) = ([outer[0], outer[2], outer[3]], slopes[1].vector.cross(&outer[1]));
     }
+    on(&mut work.nodes[body.last_node()], &before, &moment);
 }
 
 /// Force and moment about `carrier` of the nodal forces of a body's beam for rates relative to that node, eq. (D15).
@@ -158,53 +170,4 @@ pub(super) fn wrench_of_outer_end(
     let slopes = &work.slopes[body.first_element + i];
     let [_, outer] = forces::<false>(element, &from_fn(|end| slopes[end].load_rates(&nodes[end])));
     wrench_of(&slopes[1].axes(&nodes[1]), &outer)
-}
-
-/// Coupling of the twist of one end with the linear strains: momentum and angular momentum per rate of each strain.
-pub(super) struct Coupling {
-    pub velocity: [Vector3<f64>; 3],
-    pub spin: [Vector3<f64>; 3],
-}
-
-/// Inertia of an element in its linear strains and the twists of its ends, without the cross inertia (D11); eqs. (D19), (D20).
-pub(super) struct SlopeInertia {
-    /// `[d r_y r_z]` of the inner and outer ends.
-    pub axes: [Matrix3<f64>; 2],
-    /// Lumped inertias of the ends, eq. (D10) with these axes.
-    pub lumps: [ArticulatedInertia; 2],
-    /// Couplings `H_{aε}` and `H_{bε}` of the inner and outer ends.
-    pub couplings: [Coupling; 2],
-    /// Inertia `H_{εε}` of the strains.
-    pub own: Matrix3<f64>,
-}
-
-impl SlopeInertia {
-    /// Inertia of element `e` with the inner node `n`, times `scale`.
-    pub fn new(model: &Model, work: &Workspace, (e, n): (usize, usize), scale: f64) -> Self {
-        let element = &model.elements[e];
-        let rotations = [&work.nodes[n].rotation, &work.nodes[n + 1].rotation];
-        let axes: [Matrix3<f64>; 2] = from_fn(|end| work.slopes[e][end].axes(&work.nodes[n + end]));
-        let own = [inner_mass(element) * scale, element.outer_mass * scale];
-        let cross = element.cross_mass * scale;
-        // Σ m_k1 r_k of the same end, and of the vectors of the other end in the block that couples them
-        let along = |end: usize, mass: [f64; 3]| axes[end] * Vector3::from(mass);
-        let within: [Vector3<f64>; 2] = from_fn(|end| along(end, from_fn(|k| own[end][(k + 1, 1)])));
-        let across = [along(0, from_fn(|l| cross[(1, l + 1)])), along(1, from_fn(|k| cross[(k + 1, 1)]))];
-        let origins = [cross[(1, 0)], cross[(0, 1)]];
-        let couplings = from_fn(|end| {
-            let (here, there) = (rotations[end], rotations[1 - end]);
-            let columns = |rotation: &Matrix3<f64>, k: usize| rotation.fixed_view::<3, 1>(0, k).into_owned();
-            Coupling {
-                velocity: from_fn(|k| columns(here, k) * own[end][(0, 1)] + columns(there, k) * origins[end]),
-                spin: from_fn(|k| within[end].cross(&columns(here, k)) + across[end].cross(&columns(there, k))),
-            }
-        });
-        let turned = rotations[1].tr_mul(rotations[0]) * cross[(1, 1)];
-        Self {
-            axes,
-            lumps: from_fn(|end| lump(&own[end], &axes[end])),
-            couplings,
-            own: Matrix3::from_diagonal_element(own[0][(1, 1)] + own[1][(1, 1)]) + turned + turned.transpose(),
-        }
-    }
 }

@@ -2,23 +2,23 @@
 //!
 //! In each element the strains are eliminated by a small Cholesky factor, in each hinge its angle by a scalar pivot, and a 6×6 inertia is
 //! passed inward; the tree may branch anywhere. The halves of a pair are eliminated in sequence, the outer one first, with their coupled
-//! stiffness carried along; NOTATION eqs. (D10)–(D14).
+//! stiffness carried along; NOTATION eqs. (D10)–(D14). Elements with shear have their own functions in `sheared_factor.rs`.
 
 use crate::beam::element::ElementKind;
 use crate::math::so3::hat;
-use crate::math::strain::{LINEAR, SHEARED, STRAINS, Strain, StrainMatrix};
+use crate::math::strain::{STRAINS, Strain, StrainMatrix};
 use crate::multibody::carried::Carried;
 use crate::multibody::cholesky::{back, cholesky, forward};
 use crate::multibody::dynamics::Damping;
 use crate::multibody::elimination::{BadPivot, FreedomTangent, Weights};
-use crate::multibody::model::{Base, Body, Element, Model, Strained};
+use crate::multibody::model::{Base, Body, Element, Model};
 use crate::multibody::nodal::lump;
 use crate::multibody::node::NormSquared;
 use crate::multibody::node::{ArticulatedInertia, ElementFactor, Pair};
 use crate::multibody::norm::displaced;
+use crate::multibody::sheared_factor;
 use crate::multibody::slide::{self, Riders};
-use crate::multibody::slope::SlopeInertia;
-use crate::multibody::workspace::{Keeps, Workspace};
+use crate::multibody::workspace::Workspace;
 use nalgebra::{Matrix3, Vector3};
 
 /// Factorises the tree without closed loops and damped modes; see [`super::factor::factorize`].
@@ -54,9 +54,11 @@ pub(super) fn factorize_tree(
             let inertia = modal.eliminate(scratch, &work.nodes[body.first_node], outer, weights)?;
             work.inertia[body.first_node].add(&inertia);
         }
-        match body.sheared {
-            false => factorize_body::<STRAINS>(model, work, index, scale, (elastic, viscous))?,
-            true => factorize_body::<SHEARED>(model, work, index, scale, (elastic, viscous))?,
+        let own = (elastic, viscous);
+        match (body.sheared, body.slim_mass) {
+            (false, true | false) => factorize_body(model, work, index, scale, own)?,
+            (true, true) => sheared_factor::factorize::<true>(model, work, index, scale, own)?,
+            (true, false) => sheared_factor::factorize::<false>(model, work, index, scale, own)?,
         }
         let inertia = work.inertia[body.first_node];
         let passed = body.joint.eliminate(&mut work.joints[index], &inertia, weights, &tangents[index])?;
@@ -69,57 +71,39 @@ pub(super) fn factorize_tree(
     Ok(())
 }
 
-/// Eliminates the strains of one body, from its last element to its first.
+/// Eliminates the strains of one body without shear, from its last element to its first.
 #[inline(always)]
-fn factorize_body<const N: usize>(
+fn factorize_body(
     model: &Model,
     work: &mut Workspace,
     index: usize,
     scale: f64,
     (elastic, viscous): (f64, f64),
-) -> Result<(), BadPivot>
-where
-    Element: Strained<N>,
-    Workspace: Keeps<N>,
-{
+) -> Result<(), BadPivot> {
     let body = &model.bodies[index];
     let stiffness = &body.damped_weights(elastic, viscous);
     // contributions of the outer half of a pair to the inner one: coupling to the middle node, and stiffness
-    let mut carried: Option<Carried<N>> = None;
+    let mut carried: Option<Carried<STRAINS>> = None;
     for i in (0..body.elements).rev() {
         let e = body.first_element + i;
         let element = &model.elements[e];
-        let coupling = &element.elastic().coupling;
+        let coupling = &element.elastic.coupling;
         let ends_pair = body.kind == ElementKind::Constant || i % 2 == 1;
-        let riders = if body.ridden && ends_pair { Riders::<N>::on(model, work, index, e) } else { None };
+        let riders = if body.ridden && ends_pair { Riders::<STRAINS>::on(model, work, index, e) } else { None };
         let outer_half = i % 2 == 1
-            && (*coupling != StrainMatrix::<N>::zeros() || riders.is_some() && body.kind == ElementKind::Linear);
+            && (*coupling != StrainMatrix::<STRAINS>::zeros() || riders.is_some() && body.kind == ElementKind::Linear);
         let n = body.first_node + i;
         let mut from_sibling = carried.take();
-        let sloped = if N == SHEARED { Some(SlopeInertia::new(model, work, (e, n), scale)) } else { None };
-        let whole;
         let mut outer = &work.inertia[n + 1];
-        let mut axes = [&work.nodes[n].rotation, &work.nodes[n + 1].rotation];
-        if let Some(sloped) = &sloped {
-            from_sibling.get_or_insert(Carried::NONE).join(sloped);
-            whole = outer.plus(&sloped.lumps[1]);
-            outer = &whole;
-            axes = sloped.axes.each_ref();
-        }
+        let axes = [&work.nodes[n].rotation, &work.nodes[n + 1].rotation];
         let with_riders;
         if let Some(riders) = &riders {
             from_sibling.get_or_insert(Carried::NONE).add(&riders.own);
             with_riders = outer.plus(&riders.outer);
             outer = &with_riders;
         }
-        let elimination = eliminate(
-            element,
-            &work.link(model, e, n),
-            axes,
-            outer,
-            (scale, stiffness),
-            (from_sibling.as_ref(), sloped.as_ref()),
-        )?;
+        let elimination =
+            eliminate(element, &work.link(model, e, n), axes, outer, (scale, stiffness), from_sibling.as_ref())?;
         let mut factor = elimination.factor;
         factor.coupling = coupling.component_mul(stiffness);
         if let Some(riders) = &riders {
@@ -132,33 +116,27 @@ where
             }
             carried = Some(passed);
         }
-        work.eliminated_mut().factors[e] = factor;
+        work.plain.factors[e] = factor;
         work.inertia[n].add(&elimination.inertia);
-        if let Some(sloped) = &sloped {
-            work.inertia[n].add(&sloped.lumps[0]);
-        }
     }
     Ok(())
 }
 
-struct Elimination<const N: usize> {
-    factor: ElementFactor<N>,
+struct Elimination {
+    factor: ElementFactor<STRAINS>,
     inertia: ArticulatedInertia,
 }
 
-/// Eliminates the strains of one element with the axes `[r_x r_y r_z]` of its ends, or with the slope in place of `r_x`, eqs. (D11)–(D13).
+/// Eliminates the strains of one element with the axes `[r_x r_y r_z]` of its ends, eqs. (D11)–(D13).
 #[inline]
-fn eliminate<const N: usize>(
+fn eliminate(
     element: &Element,
-    link: &crate::math::se3::Link<N>,
+    link: &crate::math::se3::Link<STRAINS>,
     [inner, outer]: [&Matrix3<f64>; 2],
     p: &ArticulatedInertia,
-    (scale, stiffness): (f64, &StrainMatrix<N>),
-    (carried, sloped): (Option<&Carried<N>>, Option<&SlopeInertia>),
-) -> Result<Elimination<N>, BadPivot>
-where
-    Element: Strained<N>,
-{
+    (scale, stiffness): (f64, &StrainMatrix<STRAINS>),
+    carried: Option<&Carried<STRAINS>>,
+) -> Result<Elimination, BadPivot> {
     let zero = Vector3::zeros();
     let jv = &link.velocity;
     let jw = link.spin_columns();
@@ -177,43 +155,25 @@ where
     // T = P J, U = Φᵀ T + H_baᵀ J
     let vwt = p.vw.transpose();
     let wt = w.transpose();
-    let mut tv = [zero; N];
-    let mut tw = [zero; N];
-    let mut uv = [zero; N];
-    let mut uw = [zero; N];
-    for j in 0..N {
-        if moves_only(N, j) {
-            (tv[j], tw[j]) = (p.vv * jv[j], vwt * jv[j]);
-        } else {
-            tv[j] = p.vv * jv[j] + p.vw * jw[j];
-            tw[j] = vwt * jv[j] + p.ww * jw[j];
-        }
+    let mut tv = [zero; STRAINS];
+    let mut tw = [zero; STRAINS];
+    let mut uv = [zero; STRAINS];
+    let mut uw = [zero; STRAINS];
+    for j in 0..STRAINS {
+        tv[j] = p.vv * jv[j] + p.vw * jw[j];
+        tw[j] = vwt * jv[j] + p.ww * jw[j];
         if let Some(carried) = carried {
             tv[j] += carried.velocity[j];
             tw[j] += carried.spin[j];
         }
-        if moves_only(N, j) {
-            uv[j] = tv[j] + jv[j] * mass;
-            uw[j] = tw[j] + d.cross(&tv[j]) + s_inner.cross(&jv[j]);
-            continue;
-        }
         uv[j] = tv[j] + jv[j] * mass - s_outer.cross(&jw[j]);
         uw[j] = tw[j] + d.cross(&tv[j]) + s_inner.cross(&jv[j]) + jw[j] * trace - wt * jw[j];
     }
-    if let Some(sloped) = sloped.filter(|_| N == SHEARED) {
-        let inner = &sloped.couplings[0];
-        for (k, &strain) in LINEAR.iter().enumerate() {
-            uv[strain] += inner.velocity[k];
-            uw[strain] += inner.spin[k];
-        }
-    }
-    let mut x = element.elastic().stiffness.component_mul(stiffness);
-    for i in 0..N {
+    let mut x = element.elastic.stiffness.component_mul(stiffness);
+    for i in 0..STRAINS {
         for j in 0..=i {
             let mut entry = jv[i].dot(&tv[j]);
-            if !moves_only(N, i) {
-                entry += jw[i].dot(&tw[j]);
-            }
+            entry += jw[i].dot(&tw[j]);
             if let Some(carried) = carried {
                 entry += carried.velocity[i].dot(&jv[j]) + carried.spin[i].dot(&jw[j]) + carried.block[(i, j)];
             }
@@ -231,7 +191,7 @@ where
     let mut ww = p.ww - vwt * dh + dh * shift - sh * dh + Matrix3::from_diagonal_element(2.0 * trace) - w - wt;
     let mut zv = uv;
     let mut zw = uw;
-    for j in 0..N {
+    for j in 0..STRAINS {
         for k in 0..j {
             let l = cholesky[(j, k)];
             zv[j] -= zv[k] * l;
@@ -249,12 +209,6 @@ where
     })
 }
 
-/// Whether a strain of an element with shear displaces its outer end without rotation.
-#[inline(always)]
-fn moves_only(strains: usize, strain: usize) -> bool {
-    strains == SHEARED && LINEAR.contains(&strain)
-}
-
 /// Solution without closed loops and damped modes; the displacements of the nodes stay in `bias`.
 pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
     work.bias.fill(Pair::ZERO);
@@ -266,8 +220,8 @@ pub(crate) fn solve_tree(model: &Model, work: &mut Workspace, x: &mut [f64]) -> 
             p = Pair { linear: own.linear + passed.linear, angular: own.angular + passed.angular };
         }
         p = match body.sheared {
-            false => reduce_body::<STRAINS>(model, work, body, x, p),
-            true => reduce_body::<SHEARED>(model, work, body, x, p),
+            false => reduce_body(model, work, body, x, p),
+            true => sheared_factor::reduce(model, work, body, x, p),
         };
         body.joint.reduce(&mut work.joints[index], x, &mut p);
         match body.base {
@@ -299,8 +253,8 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
             norm.include(&moved);
         }
         match body.sheared {
-            false => expand_body::<STRAINS>(model, work, body, x, moved, &mut norm),
-            true => expand_body::<SHEARED>(model, work, body, x, moved, &mut norm),
+            false => expand_body(model, work, body, x, moved, &mut norm),
+            true => sheared_factor::expand(model, work, body, x, moved, &mut norm),
         }
     }
     norm.value(model.reference_length_m)
@@ -308,21 +262,18 @@ fn back_substitute(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64 {
 
 /// Inward half of [`solve_tree`] over the elements of one body: from the wrench at its last node to that at its first node.
 #[inline(always)]
-fn reduce_body<const N: usize>(model: &Model, work: &mut Workspace, body: &Body, x: &[f64], mut p: Pair) -> Pair
-where
-    Workspace: Keeps<N>,
-{
+fn reduce_body(model: &Model, work: &mut Workspace, body: &Body, x: &[f64], mut p: Pair) -> Pair {
     let pairs = body.kind == ElementKind::Linear;
-    let mut from_sibling = Strain::<N>::zeros();
+    let mut from_sibling = Strain::<STRAINS>::zeros();
     for i in (0..body.elements).rev() {
         let e = body.first_element + i;
         let jacobian = work.jacobian(e);
         let (element, rotation) = (&model.elements[e], &work.nodes[body.first_node + i].rotation);
-        let pulled: [f64; N] =
+        let pulled: [f64; STRAINS] =
             jacobian.project(element.length_m, &rotation.tr_mul(&p.linear), &rotation.tr_mul(&p.angular));
-        let g = Strain::from_column_slice(&x[element.range_of::<N>()]) + Strain::from(pulled) - from_sibling;
-        work.eliminated_mut().right_hand[e] = g;
-        let factor = &work.eliminated().factors[e];
+        let g = Strain::from_column_slice(&x[element.range_of::<STRAINS>()]) + Strain::from(pulled) - from_sibling;
+        work.plain.right_hand[e] = g;
+        let factor = &work.plain.factors[e];
         let y = back(&factor.cholesky, forward(&factor.cholesky, g));
         from_sibling = match (pairs && i % 2 == 1, body.ridden) {
             (false, _) => Strain::zeros(),
@@ -332,7 +283,7 @@ where
         let own = &work.bias[body.first_node + i];
         let mut linear = own.linear + p.linear;
         let mut angular = own.angular + p.angular + work.arms[e].cross(&p.linear);
-        for j in 0..N {
+        for j in 0..STRAINS {
             linear -= factor.velocity[j] * y[j];
             angular -= factor.spin[j] * y[j];
         }
@@ -343,23 +294,21 @@ where
 
 /// Outward half over the elements of one body, from the displacement of its first node.
 #[inline(always)]
-fn expand_body<const N: usize>(
+fn expand_body(
     model: &Model,
     work: &mut Workspace,
     body: &Body,
     x: &mut [f64],
     mut moved: Pair,
     norm: &mut NormSquared,
-) where
-    Workspace: Keeps<N>,
-{
+) {
     let pairs = body.kind == ElementKind::Linear;
-    let mut sibling = Strain::<N>::zeros();
+    let mut sibling = Strain::<STRAINS>::zeros();
     for i in 0..body.elements {
         let e = body.first_element + i;
-        let factor = &work.eliminated().factors[e];
-        let mut g = work.eliminated().right_hand[e];
-        for j in 0..N {
+        let factor = &work.plain.factors[e];
+        let mut g = work.plain.right_hand[e];
+        for j in 0..STRAINS {
             g[j] -= factor.velocity[j].dot(&moved.linear) + factor.spin[j].dot(&moved.angular);
         }
         if pairs && i % 2 == 1 {
@@ -367,8 +316,8 @@ fn expand_body<const N: usize>(
         }
         let strain = back(&factor.cholesky, forward(&factor.cholesky, g));
         sibling = strain;
-        x[model.elements[e].range_of::<N>()].copy_from_slice(strain.as_slice());
-        moved = displaced::<N>(model, work, (e, body.first_node + i), &moved, strain.into());
+        x[model.elements[e].range_of::<STRAINS>()].copy_from_slice(strain.as_slice());
+        moved = displaced::<STRAINS>(model, work, (e, body.first_node + i), &moved, strain.into());
         work.bias[body.first_node + i + 1] = moved;
         norm.include(&moved);
     }

@@ -3,7 +3,7 @@
 use crate::math::local_jacobian::LocalJacobian;
 use crate::math::local_link::{LANES, LocalLinks, LocalMotions};
 use crate::math::se3::Link;
-use crate::math::strain::{SHEARED, STRAINS};
+use crate::math::strain::STRAINS;
 use crate::multibody::carriage::SlideWork;
 use crate::multibody::joint::JointWork;
 use crate::multibody::loops::ClosureFactor;
@@ -12,42 +12,11 @@ use crate::multibody::model::{Base, Model};
 use crate::multibody::node::Eliminated;
 use crate::multibody::rigid_factor::RigidFactor;
 use crate::multibody::runner::ROWS;
+use crate::multibody::sheared_panel::ShearedFactor;
 use crate::multibody::slope_vector::Slope;
 use nalgebra::Vector3;
 
 pub use crate::multibody::node::{ArticulatedInertia, ElementFactor, Node, Pair};
-
-/// Access to the factors of the elements with `N` strains.
-pub(crate) trait Keeps<const N: usize> {
-    /// The factors.
-    fn eliminated(&self) -> &Eliminated<N>;
-    /// The factors, for overwriting.
-    fn eliminated_mut(&mut self) -> &mut Eliminated<N>;
-}
-
-impl Keeps<STRAINS> for Workspace {
-    #[inline(always)]
-    fn eliminated(&self) -> &Eliminated<STRAINS> {
-        &self.plain
-    }
-
-    #[inline(always)]
-    fn eliminated_mut(&mut self) -> &mut Eliminated<STRAINS> {
-        &mut self.plain
-    }
-}
-
-impl Keeps<SHEARED> for Workspace {
-    #[inline(always)]
-    fn eliminated(&self) -> &Eliminated<SHEARED> {
-        &self.sheared
-    }
-
-    #[inline(always)]
-    fn eliminated_mut(&mut self) -> &mut Eliminated<SHEARED> {
-        &mut self.sheared
-    }
-}
 
 /// Workspace of the recursions.
 #[derive(Debug, Clone)]
@@ -79,7 +48,7 @@ pub struct Workspace {
     /// Elements without shear.
     pub(crate) plain: Eliminated<STRAINS>,
     /// Elements with shear; empty if there are none.
-    pub(crate) sheared: Eliminated<SHEARED>,
+    pub(crate) sheared: Vec<ShearedFactor>,
     pub(crate) closure_factor: ClosureFactor,
     pub(crate) rigid_factor: RigidFactor,
     /// Per constraint: its multipliers in N at the last wrenches; of a rigid loop the force on its first point, root frame.
@@ -134,7 +103,7 @@ impl Workspace {
             bias: vec![Pair::ZERO; nodes],
             slopes: vec![[Slope::ZERO; 2]; if model.sheared { elements } else { 0 }],
             plain: Eliminated::new(elements),
-            sheared: Eliminated::new(if model.sheared { elements } else { 0 }),
+            sheared: vec![ShearedFactor::ZERO; if model.sheared { elements } else { 0 }],
             closure_factor: ClosureFactor::new(3 * model.closures.len() + model.damped_modes.len(), model.coordinates),
             rigid_forces: vec![zero; model.constraints()],
             rigid_factor: RigidFactor::new(ROWS * model.constraints(), model.tree_coordinates()),

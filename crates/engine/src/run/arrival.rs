@@ -7,7 +7,6 @@ use crate::solve::continuation::Taken;
 use crate::solve::newton::{Effort, NewtonError};
 use crate::solve::point::Point;
 use crate::system::PlantError;
-use crate::system::events::loops_open;
 use crate::system::state::State;
 
 impl Plant {
@@ -26,7 +25,9 @@ impl Plant {
             self.system.equations.branch_s = 0.5 * (start.time_s + ahead.time_s);
             self.system.equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
             self.system.equations.project(&mut now.q, &mut now.v, &mut now.a);
-            self.system.equations.close_point(now).map_err(|error| loops_open(time_s, &error))?;
+            if let Err(error) = self.system.equations.close_point(now) {
+                return Err(self.system.not_closed(&self.system.state.now, &error));
+            }
         }
         Ok(())
     }

@@ -237,6 +237,25 @@ pub enum PlantError {
         /// The analysis.
         analysis: &'static str,
     },
+    /// A wheel whose axis, or a skate whose blade, is along the normal of the plane.
+    #[error(
+        "at t = {time_s} s the {kind} {name:?} {lies}: its {part} is at {angle_deg:.2}° to the normal of the plane, along which it has no \
+         heading; hold it off the normal by end_stops or a spring on a joint, or end the run before"
+    )]
+    NoHeading {
+        /// Last valid time in s.
+        time_s: f64,
+        /// `skate` or `wheel`.
+        kind: &'static str,
+        /// Name of the skate or wheel.
+        name: String,
+        /// Position in words.
+        lies: &'static str,
+        /// `blade` or `axis`.
+        part: &'static str,
+        /// Angle between the blade or axis and the normal in degrees.
+        angle_deg: f64,
+    },
     /// The current state has no linear model.
     #[error("no linearisation at t = {time_s} s: {cause}")]
     Linearization {
@@ -280,6 +299,7 @@ impl PlantError {
             | Self::Sliding { .. }
             | Self::RigidLoop { .. }
             | Self::NoSlip { .. }
+            | Self::NoHeading { .. }
             | Self::Linearization { .. }
             | Self::Periodic { .. }
             | Self::Snapshot(..) => self.to_string(),

@@ -3,7 +3,6 @@
 use crate::force::Outcome;
 use crate::force::memory::Told;
 use crate::multibody::dynamics::Damping;
-use crate::solve::newton::NewtonError;
 use crate::solve::point::Point;
 use crate::solve::{EquationsOfMotion, Singular, control};
 use crate::system::PlantError;
@@ -77,8 +76,9 @@ impl System {
         start.copy_from(now);
         // interpolation errors violate the constraints of the joint parameters
         self.equations.project(&mut start.q, &mut start.v, &mut start.a);
-        let time_s = start.time_s;
-        self.equations.close_point(start).map_err(|error| loops_open(time_s, &error))?;
+        if let Err(error) = self.equations.close_point(start) {
+            return Err(self.not_closed(&self.state.start, &error));
+        }
         self.cut_step();
         let machine = Arc::clone(&self.machine);
         self.event(|state, equations| {
@@ -314,9 +314,4 @@ pub(crate) fn settle_by(equations: &mut Equations, residual: &mut [f64], point: 
     }
     point.powers = equations.powers(point.time_s, &point.q, &point.v, &point.a);
     jump
-}
-
-/// Error of rigid loops that cannot be closed at a time.
-pub(crate) fn loops_open(time_s: f64, error: &NewtonError) -> PlantError {
-    PlantError::Initialization { time_s, cause: error.to_string() }
 }

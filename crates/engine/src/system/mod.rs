@@ -19,6 +19,7 @@ mod hybrid;
 mod joint_forces;
 pub(crate) mod magnitude;
 mod model_magnitude;
+mod no_heading;
 mod nominal;
 mod not_finite;
 pub(crate) mod outputs;

@@ -44,6 +44,11 @@ pub(crate) enum Failure {
 impl System {
     /// Error of a failed internal step from `start` of length `step_s`; `remainder` is the remaining correction or error estimate.
     pub(crate) fn no_convergence(&self, step_s: f64, failure: Failure, remainder: &[f64]) -> PlantError {
+        if let (Failure::Newton(_) | Failure::Estimate { .. } | Failure::Unsolved { .. }, Some(error)) =
+            (&failure, self.no_heading(&self.state.start, step_s))
+        {
+            return error;
+        }
         let time_s = self.state.start.time_s;
         let place = match &failure {
             Failure::Newton(NewtonError::Singular(singular)) => self.place_of(singular.coordinate),

@@ -6,7 +6,7 @@ use crate::force::memory::LatchState;
 use crate::force::memory::{JointMemory, Told};
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
-use crate::system::events::{Place, loops_open, settle};
+use crate::system::events::{Place, settle};
 use crate::system::failure_memory::{self, FailureMemory};
 use crate::system::{PlantError, System};
 
@@ -120,8 +120,9 @@ impl System {
             self.configure();
         }
         self.refuse_off_beam(&self.state.now)?;
-        let now = &mut self.state.now;
-        self.equations.close_point(now).map_err(|error| loops_open(time_s, &error))?;
+        if let Err(error) = self.equations.close_point(&mut self.state.now) {
+            return Err(self.not_closed(&self.state.now, &error));
+        }
         self.start_air(time_s)?;
         let now = &mut self.state.now;
         self.equations.residual(time_s, &now.q, &now.v, &now.a, &mut self.scratch[0]);

@@ -5,10 +5,8 @@ use crate::machine::pose::{along, first_frames};
 use crate::machine::validate::attached::START_GAP;
 use crate::machine::validate::basics::{names, unit_vector};
 use crate::machine::{Machine, NoSlip, Runner, StartState};
+use crate::multibody::no_slip::LEAST_SINE;
 use nalgebra::Vector3;
-
-/// Least sine of the angle between the blade, or the axis of a wheel, and the normal of the plane: the heading is not defined at 0.
-const LEAST_SINE: f64 = 0.05;
 
 /// Checks all skates and wheels; true if their places exist.
 pub(super) fn check(machine: &Machine, checker: &mut Checker) -> bool {

@@ -10,6 +10,10 @@ use nalgebra::{DMatrix, DVector};
 
 /// Singular value of the small matrix, relative to its largest, below which a row is redundant.
 const REDUNDANT: f64 = 1e-10;
+/// Singular value of the small matrix, relative to the displacement of a point by a unit force on it alone, below which it is round-off: of
+/// forces that cancel, times that of displacements that cancel, 1e-32 multiplied by the condition of the tree. Those of a loop that restrains a
+/// motion are at least the stiffness of the machine over that of the support, 1e-13 for a soft hinge between stiff beams.
+const IDLE: f64 = 1e-20;
 /// Stiffness of the support of a machine without beams, relative to its weight divided by its length.
 const OF_WEIGHT: f64 = 100.0;
 
@@ -38,6 +42,7 @@ impl Tangent {
         let mut columns = DMatrix::zeros(n, rows);
         let mut small = DMatrix::zeros(rows, rows);
         let mut x = vec![0.0; n];
+        let mut mobility = 0.0f64;
         for row in 0..rows {
             let closure = &closures[row / 3];
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
@@ -46,6 +51,8 @@ impl Tangent {
                 x.fill(0.0);
                 self.solve_tree(model, &mut x, Some((node, &wrench)));
                 self.correct_closures(&mut x);
+                self.displace(model, &x);
+                mobility = mobility.max(closure.displacement(side, &self.displaced).amax());
                 columns.column_mut(row).iter_mut().zip(&x).for_each(|(sum, x)| *sum += sign * x);
             }
             let gaps = self.rigid_gaps(model, columns.column(row).as_slice());
@@ -53,9 +60,11 @@ impl Tangent {
         }
         let symmetric = (&small + small.transpose()) * 0.5;
         let values = symmetric.symmetric_eigenvalues();
-        let negative = values.iter().filter(|value| **value < -REDUNDANT * values.amax()).count();
+        // if no loop has a freedom, the largest value is round-off too
+        let least = |largest: f64| (REDUNDANT * largest).max(IDLE * mobility);
+        let negative = values.iter().filter(|value| **value < -least(values.amax())).count();
         let largest = small.singular_values().max();
-        if let Ok(inverse) = small.pseudo_inverse(REDUNDANT * largest) {
+        if let Ok(inverse) = small.pseudo_inverse(least(largest)) {
             self.rigid = Some(RigidTangent { columns, inverse, negative, support_n_m: support_n_m(model) });
         }
     }
