@@ -23,7 +23,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("system", &["math", "load", "solve", "aero", "beam", "multibody", "force", "machine", "signal"]),
     ("study", &["math", "load", "solve", "multibody", "force", "machine", "signal", "system"]),
     ("run", &["solve", "aero", "force", "machine", "signal", "system", "study"]),
-    ("gradient", &["math", "load", "solve", "beam", "multibody", "force", "signal", "system", "run"]),
+    ("gradient", &["math", "load", "solve", "beam", "multibody", "force", "machine", "signal", "system", "run"]),
     ("plant", &["signal", "system", "study", "run", "gradient"]),
     ("config", &["math", "load", "aero", "beam", "machine"]),
     ("interface", &["load", "machine", "plant"]),

@@ -130,15 +130,12 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         | "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
         "damping by ratios of modes" => key_removed(model, "body.", &["modal_damping_ratios"]),
         "rigid loops" => remove(&format!("loop.{place}")),
-        "failures" => remove(&format!("failure.{place}")),
+        part if part.starts_with("failures") => remove(&format!("failure.{place}")),
         "universal, ball and free joints in air" => Some(clamped(model, place)),
-        "generators" => of_joint("generator"),
-        "rotors of geared motors that turn with their carrier" | "commands subject to a rate limit" => {
-            of_joint("motor")
-        }
+        "generators whose torque jumps at the first row of the table" => of_joint("generator"),
+        "rotors of geared motors that turn with their carrier" => of_joint("motor"),
         "methods without stages" => remove("solver"),
         part if part.starts_with("real-time mode") => remove("solver"),
-        part if part.starts_with("torque limits") => of_joint("motor"),
         _ => None,
     }
 }
@@ -191,7 +188,7 @@ fn numbers(model: &Model) -> Vec<(usize, usize, f64)> {
     let mut found = Vec::new();
     for (t, table) in model.tables.iter().enumerate() {
         let of_machine =
-            ["body.", "joint.", "mass.", "section.", "rigid_body.", "closure.", "surface.", "aerodynamics"];
+            ["body.", "joint.", "mass.", "section.", "rigid_body.", "closure.", "failure.", "surface.", "aerodynamics"];
         if !of_machine.iter().any(|kind| table.name.starts_with(kind)) {
             continue;
         }

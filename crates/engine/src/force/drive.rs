@@ -35,6 +35,17 @@ pub enum Piece {
     Lower,
 }
 
+/// Smooth pieces on which the clamped torques of a motor lie at a state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pieces {
+    /// Of the torque.
+    pub moving: Piece,
+    /// Of the torque at zero rate.
+    pub still: Piece,
+    /// Of the torque at zero rate and at the neutral angle.
+    pub neutral: Piece,
+}
+
 impl Drive {
     /// Torque in N·m before limiting: `−(k_m (θ − θ_cmd) + c_m θ̇ + T)`.
     pub fn wanted_n_m(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
@@ -67,6 +78,29 @@ impl Drive {
         }
     }
 
+    /// Pieces of the torques at a state.
+    pub fn pieces(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> Pieces {
+        let [moving, still, neutral] =
+            self.wanted_by_piece_n_m(angle_rad, rate_rad_s, neutral_rad).map(|wanted_n_m| self.piece(wanted_n_m, None));
+        Pieces { moving, still, neutral }
+    }
+
+    /// Whether one of these torques is at a limit to within a share of it.
+    pub fn is_at_limit(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64, share: f64) -> bool {
+        let limit_n_m = self.torque_limit_n_m;
+        let wanted = self.wanted_by_piece_n_m(angle_rad, rate_rad_s, neutral_rad);
+        wanted.iter().any(|wanted_n_m| (wanted_n_m.abs() - limit_n_m).abs() <= share * limit_n_m)
+    }
+
+    /// Torques in N·m before limiting: at a state, at zero rate, and there at the neutral angle.
+    fn wanted_by_piece_n_m(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> [f64; 3] {
+        [
+            self.wanted_n_m(angle_rad, rate_rad_s, neutral_rad),
+            self.wanted_n_m(angle_rad, 0.0, neutral_rad),
+            self.wanted_n_m(neutral_rad, 0.0, neutral_rad),
+        ]
+    }
+
     /// Torque on one piece of the clamp, extrapolated beyond its ends.
     pub fn torque_on(&self, piece: Piece, wanted_n_m: f64) -> DriveTorque {
         match piece {
@@ -79,7 +113,11 @@ impl Drive {
     /// Power dissipated by a moving motor in W: that of the difference between its torque and its torque at zero rate; never negative, and
     /// `c_m θ̇²` within the limits, NOTATION eq. (A5).
     pub fn dissipation_w(&self, torque: DriveTorque, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
-        let still = self.torque(angle_rad, 0.0, neutral_rad);
+        self.dissipation_between_w([torque, self.torque(angle_rad, 0.0, neutral_rad)], rate_rad_s)
+    }
+
+    /// The same from the torque and the torque at zero rate.
+    pub fn dissipation_between_w(&self, [torque, still]: [DriveTorque; 2], rate_rad_s: f64) -> f64 {
         if torque.saturated || still.saturated {
             (still.applied_n_m - torque.applied_n_m) * rate_rad_s
         } else {
@@ -105,6 +143,39 @@ impl Drive {
             within * (0.5 * k * within + t) + limit * (x - within).abs()
         };
         integral(stretch) - integral(0.0) + constant * neutral_rad
+    }
+
+    /// The same potential with the torques at zero rate on given pieces, continued beyond their ends.
+    pub fn potential_on_j(&self, pieces: Pieces, angle_rad: f64, neutral_rad: f64) -> f64 {
+        let Self { stiffness_n_m_rad: k, constant_torque_n_m: t, torque_limit_n_m: limit, .. } = *self;
+        let stretch = angle_rad - neutral_rad;
+        let Pieces { still, neutral, .. } = pieces;
+        match (still, neutral) {
+            (Piece::Between, Piece::Between) => 0.5 * k * stretch * stretch + t * angle_rad,
+            (Piece::Upper, Piece::Upper) => -limit * angle_rad,
+            (Piece::Lower, Piece::Lower) => limit * angle_rad,
+            (Piece::Between | Piece::Upper | Piece::Lower, Piece::Between | Piece::Upper | Piece::Lower) => {
+                // integral of the torque at zero rate, with the opposite sign, from the neutral angle on one piece
+                let integral = |piece: Piece, x: f64| {
+                    let inside = |x: f64| x * (0.5 * k * x + t);
+                    let end = |torque: f64| (torque - t) / k;
+                    match piece {
+                        Piece::Between => inside(x),
+                        Piece::Upper => inside(end(-limit)) + limit * (end(-limit) - x),
+                        Piece::Lower => inside(end(limit)) + limit * (x - end(limit)),
+                    }
+                };
+                let constant = -self.torque_on(neutral, -t).applied_n_m;
+                integral(still, stretch) - integral(neutral, 0.0) + constant * neutral_rad
+            }
+        }
+    }
+
+    /// Rate of change of the potential in W due to the motion of the neutral angle alone, on given pieces.
+    pub fn slew_power_on_w(&self, pieces: Pieces, angle_rad: f64, neutral_rad: f64, slew_rate_rad_s: f64) -> f64 {
+        let [_, still, neutral] = self.wanted_by_piece_n_m(angle_rad, 0.0, neutral_rad);
+        let still = self.torque_on(pieces.still, still).applied_n_m;
+        (still - self.torque_on(pieces.neutral, neutral).applied_n_m) * slew_rate_rad_s
     }
 
     /// Rate of change of the potential in W due to the motion of the neutral angle alone.
@@ -135,6 +206,28 @@ pub struct Slew {
     pub rate_limit_rad_s: f64,
 }
 
+/// Part of a slew.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SlewPart {
+    /// The neutral angle approaches the command at the rate limit.
+    Closing,
+    /// With the command.
+    With,
+    /// Behind a command that moves faster than the rate limit.
+    Behind,
+}
+
+/// Smooth piece of a slew: its part, and the directions in which the neutral angle moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlewPiece {
+    /// Part.
+    pub part: SlewPart,
+    /// Direction from the neutral angle at the start to the command, 1 or −1.
+    gap_sign: f64,
+    /// Direction of the command, 1 or −1.
+    target_sign: f64,
+}
+
 impl Slew {
     /// Neutral angle in rad and its rate in rad/s at `time_s`; at the end of the slew, the values after it.
     pub fn at(&self, time_s: f64) -> (f64, f64) {
@@ -145,24 +238,43 @@ impl Slew {
     ///
     /// A step that ends at the kink must use the rate before it even if round-off puts its last stage after it.
     pub fn at_on(&self, time_s: f64, branch_s: f64) -> (f64, f64) {
-        let gap = self.target_rad - self.from_rad;
-        let end_s = self.end_s();
-        if branch_s >= end_s {
-            return self.following(time_s, end_s);
-        }
-        let rate = self.rate_limit_rad_s.copysign(gap);
-        (self.from_rad + rate * (time_s - self.start_s), rate)
+        self.on(time_s, self.piece(branch_s))
     }
 
-    /// Angle and rate after the command has been reached at `end_s`: equal to the command, or at the rate limit if the command moves
-    /// faster.
-    fn following(&self, time_s: f64, end_s: f64) -> (f64, f64) {
+    /// Smooth piece at a time.
+    pub fn piece(&self, branch_s: f64) -> SlewPiece {
+        let part = if branch_s < self.end_s() {
+            SlewPart::Closing
+        } else if self.target_rate_rad_s.abs() <= self.rate_limit_rad_s {
+            SlewPart::With
+        } else {
+            SlewPart::Behind
+        };
+        let gap_rad = self.target_rad - self.from_rad;
+        SlewPiece { part, gap_sign: gap_rad.signum(), target_sign: self.target_rate_rad_s.signum() }
+    }
+
+    /// Angle and rate at `time_s` on a piece, continued beyond its ends.
+    pub fn on(&self, time_s: f64, piece: SlewPiece) -> (f64, f64) {
         let target = |time_s: f64| self.target_rad + self.target_rate_rad_s * (time_s - self.start_s);
-        if self.target_rate_rad_s.abs() <= self.rate_limit_rad_s {
-            return (target(time_s), self.target_rate_rad_s);
+        match piece.part {
+            SlewPart::Closing => {
+                let rate = self.rate_limit_rad_s * piece.gap_sign;
+                (self.from_rad + rate * (time_s - self.start_s), rate)
+            }
+            SlewPart::With => (target(time_s), self.target_rate_rad_s),
+            SlewPart::Behind => {
+                let (rate, end_s) = (self.rate_limit_rad_s * piece.target_sign, self.end_on_s(piece));
+                (target(end_s) + rate * (time_s - end_s), rate)
+            }
         }
-        let rate = self.rate_limit_rad_s.copysign(self.target_rate_rad_s);
-        (target(end_s) + rate * (time_s - end_s), rate)
+    }
+
+    /// Time in s at which the command is reached on a piece; the start, if it moves away too fast.
+    pub fn end_on_s(&self, piece: SlewPiece) -> f64 {
+        let closing_rad_s = self.rate_limit_rad_s - self.target_rate_rad_s * piece.gap_sign;
+        let gap_rad = (self.target_rad - self.from_rad) * piece.gap_sign;
+        if closing_rad_s > 0.0 { self.start_s + gap_rad / closing_rad_s } else { self.start_s }
     }
 
     /// Time in s at which the command is reached; infinite if it moves away too fast.

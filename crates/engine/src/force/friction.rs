@@ -25,23 +25,34 @@ pub struct SlippingBrake {
     pub from_s: f64,
     /// Rate in rad/s about which linear models linearise the torque; `None` for the nonlinear torque.
     pub about_rad_s: Option<f64>,
+    /// Whether the torque grows, for derivatives with respect to parameters, eq. (X34); `None` if that follows from the time.
+    pub held: Option<bool>,
 }
 
 impl SlippingBrake {
     /// A brake that has not been applied.
     pub fn off(brake: FrictionBrake, failure: usize) -> Self {
-        Self { brake, failure, from_s: f64::INFINITY, about_rad_s: None }
+        Self { brake, failure, from_s: f64::INFINITY, about_rad_s: None, held: None }
     }
 
     /// Magnitude of the torque in N·m when the brake slips.
     fn reach_n_m(&self, time_s: f64) -> f64 {
         let on_s = time_s - self.from_s;
-        if on_s >= self.brake.ramp_s {
-            self.brake.torque_n_m
-        } else {
-            // not evaluated for a ramp of zero length
-            self.brake.torque_n_m * (on_s / self.brake.ramp_s).max(0.0)
+        match self.held {
+            Some(true) => self.brake.torque_n_m * (on_s / self.brake.ramp_s),
+            None if on_s < self.brake.ramp_s => self.brake.torque_n_m * (on_s / self.brake.ramp_s).max(0.0),
+            Some(false) | None => self.brake.torque_n_m,
         }
+    }
+
+    /// Whether the torque grows at a time.
+    pub fn grows_at(&self, time_s: f64) -> bool {
+        self.from_s <= time_s && time_s < self.end_s()
+    }
+
+    /// Keeps the part of the ramp at a time.
+    pub fn hold(&mut self, branch_s: f64) {
+        self.held = self.from_s.is_finite().then_some(self.grows_at(branch_s));
     }
 
     /// Torque on the outer body about `+θ` in N·m.
@@ -80,9 +91,14 @@ impl SlippingBrake {
         }
     }
 
+    /// End of the ramp in s; infinite before the failure.
+    pub fn end_s(&self) -> f64 {
+        self.from_s + self.brake.ramp_s
+    }
+
     /// End of the ramp in s if it is after `time_s`.
     pub fn next_kink_s(&self, time_s: f64) -> f64 {
-        let end_s = self.from_s + self.brake.ramp_s;
+        let end_s = self.end_s();
         if end_s > time_s { end_s } else { f64::INFINITY }
     }
 }

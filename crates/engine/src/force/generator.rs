@@ -31,32 +31,78 @@ pub struct GeneratorLaw {
     pub connected: bool,
 }
 
+/// Smooth piece of the torque of a generator over its speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Segment {
+    /// Proportional to the square of the speed, below the first row.
+    Square,
+    /// Reversed rotation below the first row: no torque.
+    Reversed,
+    /// The torque of the first row, below it.
+    First,
+    /// From this row of the table to the next.
+    From(usize),
+    /// The torque of the last row, above it.
+    Last,
+    /// The power of the last row, above it.
+    Power,
+}
+
 impl GeneratorLaw {
+    /// Piece at a generator speed in rad/s; `None` without rows.
+    pub fn segment(&self, speed_rad_s: f64) -> Option<Segment> {
+        let (first, last) = (self.rows.first()?, self.rows.last()?);
+        Some(if speed_rad_s < first[0] {
+            match self.square_gain_n_m_s2 {
+                Some(_) if speed_rad_s < 0.0 => Segment::Reversed,
+                Some(_) => Segment::Square,
+                None => Segment::First,
+            }
+        } else if speed_rad_s >= last[0] {
+            match self.beyond {
+                Beyond::Torque => Segment::Last,
+                Beyond::Power => Segment::Power,
+            }
+        } else {
+            Segment::From(self.rows.partition_point(|row| row[0] <= speed_rad_s) - 1)
+        })
+    }
+
+    /// Torque opposing the motion in N·m on a piece, continued beyond its ends, and its derivative with respect to the speed in N·m·s.
+    pub fn torque_on_n_m(&self, segment: Segment, speed_rad_s: f64) -> (f64, f64) {
+        let (Some(first), Some(last)) = (self.rows.first(), self.rows.last()) else { return (0.0, 0.0) };
+        match segment {
+            Segment::Square => {
+                let gain = self.square_gain_n_m_s2.unwrap_or(0.0);
+                (gain * speed_rad_s * speed_rad_s, 2.0 * gain * speed_rad_s)
+            }
+            Segment::Reversed => (0.0, 0.0),
+            Segment::First => (first[1], 0.0),
+            Segment::From(row) => {
+                let [from, to] = [self.rows[row], self.rows[row + 1]];
+                let slope = (to[1] - from[1]) / (to[0] - from[0]);
+                (from[1] + slope * (speed_rad_s - from[0]), slope)
+            }
+            Segment::Last => (last[1], 0.0),
+            Segment::Power => {
+                let torque_n_m = last[1] * last[0] / speed_rad_s;
+                (torque_n_m, -torque_n_m / speed_rad_s)
+            }
+        }
+    }
+
+    /// Jump of the torque at the first row, relative to the larger of both torques, for a torque proportional to the square of the speed
+    /// below it.
+    pub fn relative_jump(&self) -> f64 {
+        let (Some(gain), Some(first)) = (self.square_gain_n_m_s2, self.rows.first()) else { return 0.0 };
+        let below_n_m = gain * first[0].max(0.0) * first[0].max(0.0);
+        let largest_n_m = below_n_m.abs().max(first[1].abs());
+        if largest_n_m > 0.0 { (first[1] - below_n_m).abs() / largest_n_m } else { 0.0 }
+    }
+
     /// Torque opposing the motion in N·m at a generator speed in rad/s, and its derivative with respect to the speed in N·m·s.
     pub fn torque_n_m(&self, speed_rad_s: f64) -> (f64, f64) {
-        let (Some(first), Some(last)) = (self.rows.first(), self.rows.last()) else { return (0.0, 0.0) };
-        if speed_rad_s < first[0] {
-            return match self.square_gain_n_m_s2 {
-                Some(gain) => {
-                    let speed_rad_s = speed_rad_s.max(0.0);
-                    (gain * speed_rad_s * speed_rad_s, 2.0 * gain * speed_rad_s)
-                }
-                None => (first[1], 0.0),
-            };
-        }
-        if speed_rad_s >= last[0] {
-            return match self.beyond {
-                Beyond::Torque => (last[1], 0.0),
-                Beyond::Power => {
-                    let torque_n_m = last[1] * last[0] / speed_rad_s;
-                    (torque_n_m, -torque_n_m / speed_rad_s)
-                }
-            };
-        }
-        let above = self.rows.partition_point(|row| row[0] <= speed_rad_s);
-        let [from, to] = [self.rows[above - 1], self.rows[above]];
-        let slope = (to[1] - from[1]) / (to[0] - from[0]);
-        (from[1] + slope * (speed_rad_s - from[0]), slope)
+        self.segment(speed_rad_s).map_or((0.0, 0.0), |segment| self.torque_on_n_m(segment, speed_rad_s))
     }
 }
 
@@ -69,6 +115,8 @@ pub struct Generator {
     pub connected: bool,
     /// Speed in rad/s about which linear models linearise the torque; `None` for the nonlinear torque.
     pub about_rad_s: Option<f64>,
+    /// Smooth piece of the torque for derivatives with respect to parameters, eq. (X34); `None` if it follows from the speed.
+    pub held: Option<Segment>,
 }
 
 /// Torque and power of a generator.
@@ -90,13 +138,28 @@ impl Generator {
         let speed_rad_s = self.law.gear_ratio * rate_rad_s;
         let (torque_n_m, slope_n_m_s) = if self.connected {
             let about_rad_s = self.about_rad_s.unwrap_or(speed_rad_s);
-            let (torque_n_m, slope_n_m_s) = self.law.torque_n_m(about_rad_s);
+            let (torque_n_m, slope_n_m_s) = match self.held {
+                Some(segment) => self.law.torque_on_n_m(segment, about_rad_s),
+                None => self.law.torque_n_m(about_rad_s),
+            };
             (torque_n_m + slope_n_m_s * (speed_rad_s - about_rad_s), slope_n_m_s)
         } else {
             (0.0, 0.0)
         };
         let power_w = self.law.efficiency * torque_n_m * speed_rad_s;
         GeneratorState { speed_rad_s, torque_n_m, slope_n_m_s, power_w }
+    }
+
+    /// Keeps the piece of the torque at a rate of the joint.
+    pub fn hold(&mut self, rate_rad_s: f64) {
+        self.held = self.law.segment(self.law.gear_ratio * rate_rad_s);
+    }
+
+    /// Whether the speed is at a row of the table, where the torque has a kink, to within a share of the largest speed of the table.
+    pub fn is_at_row(&self, rate_rad_s: f64, share: f64) -> bool {
+        let speed_rad_s = self.law.gear_ratio * rate_rad_s;
+        let largest_rad_s = self.law.rows.iter().fold(0.0f64, |largest, row| largest.max(row[0].abs()));
+        self.connected && self.law.rows.iter().any(|row| (speed_rad_s - row[0]).abs() <= share * largest_rad_s)
     }
 
     /// Linearises the torque about a rate of the joint; at a row of the table with the slope towards higher speeds.
@@ -152,7 +215,7 @@ mod tests {
 
     #[test]
     fn disconnected_generator_gives_nothing() {
-        let generator = Generator { law: law(), connected: false, about_rad_s: None };
+        let generator = Generator { law: law(), connected: false, about_rad_s: None, held: None };
         let state = generator.at(1.3);
         assert_eq!([state.torque_n_m, state.power_w], [0.0, 0.0]);
         approx::assert_relative_eq!(state.speed_rad_s, 126.1, max_relative = 1e-12);

@@ -163,6 +163,33 @@ impl JointForces {
         self.forces.iter_mut().for_each(Force::drop_piece);
     }
 
+    /// Keeps the smooth pieces on which the forces lie at a state, on the branch of `branch_s`, until [`JointForces::let_go`].
+    pub fn hold(&mut self, times_s: [f64; 2], q: &[f64], v: &[f64]) {
+        let (angle_rad, rate_rad_s) = (q[self.coordinate], v[self.coordinate]);
+        self.forces.iter_mut().for_each(|force| force.hold(times_s, angle_rad, rate_rad_s));
+    }
+
+    /// Keeps the pieces of the same joint of another machine.
+    pub fn hold_as(&mut self, other: &Self) {
+        self.forces.iter_mut().zip(&other.forces).for_each(|(force, other)| force.hold_as(other));
+    }
+
+    /// Ends [`JointForces::hold`].
+    pub fn let_go(&mut self) {
+        self.forces.iter_mut().for_each(Force::let_go);
+    }
+
+    /// Whether a force changes with time itself at a time, apart from inputs and prescribed motions.
+    pub fn moves_at(&self, time_s: f64) -> bool {
+        self.forces.iter().any(|force| force.moves_at(time_s))
+    }
+
+    /// Kink in which a force of a joint that is not held lies at a state to round-off, in words.
+    pub fn kink(&self, at: &Point) -> Option<&'static str> {
+        let Moving { angle_rad, rate_rad_s, .. } = self.moving(at);
+        self.forces.iter().filter(|_| !self.held).find_map(|force| force.kink(at.time_s, angle_rad, rate_rad_s))
+    }
+
     /// Replaces the joint's nonlinear forces by their tangents at a state.
     pub fn linearize(&mut self, time_s: f64, q: &[f64], v: &[f64]) {
         let (angle_rad, rate_rad_s) = (q[self.coordinate], v[self.coordinate]);
@@ -267,6 +294,11 @@ impl JointForces {
     pub fn has_tripped(&self, failure: usize, memory: &JointMemory) -> bool {
         let trips = |force: &Force| matches!(force, Force::Watch(watch) if watch.failure == failure && watch.has_tripped(memory));
         self.forces.iter().any(trips)
+    }
+
+    /// Brakes applied by failures.
+    pub fn slipping_brakes(&self) -> impl Iterator<Item = &SlippingBrake> {
+        self.forces.iter().filter_map(|force| if let Force::Slipping(brake) = force { Some(brake) } else { None })
     }
 
     /// Brakes applied by failures, mutable.

@@ -40,6 +40,9 @@ use watch::Watch;
 
 pub use contract::{Here, Moving, Outcome, Place, Push, Stored};
 
+/// Distance of a force from a kink, as a share of the torque or speed of the kink, that is round-off.
+const AT_KINK: f64 = 1e-11;
+
 /// Matches forces by type, without their contents; without a list it matches all of them. Types without an effect are listed explicitly, so
 /// that a new type does not compile until every function handles it.
 macro_rules! each {
@@ -229,6 +232,84 @@ impl Force {
     pub fn drop_piece(&mut self) {
         if let Self::Motor(motor) = self {
             motor.piece = None;
+        }
+    }
+
+    /// Keeps the smooth piece on which the force lies at a state, on the branch of `branch_s`, for derivatives with respect to parameters
+    /// and time, until [`Force::let_go`], eq. (X34).
+    pub fn hold(&mut self, times_s: [f64; 2], angle_rad: f64, rate_rad_s: f64) {
+        match self {
+            Self::Motor(motor) => motor.hold(times_s, angle_rad, rate_rad_s),
+            Self::Generator(generator) => generator.hold(rate_rad_s),
+            Self::Slipping(brake) => brake.hold(times_s[1]),
+            // smooth in angle, rate and parameters for the current contact, latch state and attitude
+            each!(Spring | External | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Watch | Borders) => {}
+        }
+    }
+
+    /// Keeps the same piece as the same force of another machine.
+    pub fn hold_as(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Motor(motor), Self::Motor(other)) => motor.held = other.held,
+            (Self::Generator(generator), Self::Generator(other)) => generator.held = other.held,
+            (Self::Slipping(brake), Self::Slipping(other)) => brake.held = other.held,
+            (each!(), _) => {}
+        }
+    }
+
+    /// Ends [`Force::hold`].
+    pub fn let_go(&mut self) {
+        match self {
+            Self::Motor(motor) => motor.held = None,
+            Self::Generator(generator) => generator.held = None,
+            Self::Slipping(brake) => brake.held = None,
+            each!(Spring | External | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Watch | Borders) => {}
+        }
+    }
+
+    /// Whether the force changes with time itself at a time, apart from inputs and prescribed motions.
+    pub fn moves_at(&self, time_s: f64) -> bool {
+        match self {
+            Self::Motor(motor) => motor.slews_at(time_s),
+            Self::Slipping(brake) => brake.grows_at(time_s),
+            each!(
+                Spring
+                    | External
+                    | Generator
+                    | Latch
+                    | EndStops
+                    | Brake
+                    | Prescribed
+                    | Lock
+                    | Attitude
+                    | Watch
+                    | Borders
+            ) => false,
+        }
+    }
+
+    /// Kink in which the force lies at a state to round-off, in words: derivatives to its two sides differ.
+    pub fn kink(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> Option<&'static str> {
+        match self {
+            Self::Motor(motor) => motor
+                .is_at_limit(time_s, angle_rad, rate_rad_s, AT_KINK)
+                .then_some("the torque of its motor is exactly at the torque limit"),
+            Self::Generator(generator) => generator
+                .is_at_row(rate_rad_s, AT_KINK)
+                .then_some("the speed of its generator is exactly that of a row of the table"),
+            each!(
+                Spring
+                    | External
+                    | Latch
+                    | EndStops
+                    | Brake
+                    | Prescribed
+                    | Lock
+                    | Attitude
+                    | Slipping
+                    | Watch
+                    | Borders
+            ) => None,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Motor of a joint: its torque law, the slew of its neutral angle, and the active piece of its limits.
 
-use crate::force::drive::{Drive, DriveTorque, Piece, Slew};
+use crate::force::drive::{Drive, DriveTorque, Piece, Pieces, Slew, SlewPiece};
 use crate::force::memory::{JointMemory, Told};
 use crate::force::{Here, Outcome, Push};
 use crate::solve::Powers;
@@ -19,6 +19,8 @@ pub struct Motor {
     pub tangent: Option<MotorTangent>,
     /// Selected piece of the limits, eq. (T12); `None` if it follows from the state.
     pub piece: Option<Piece>,
+    /// Smooth pieces for derivatives with respect to parameters and time, eq. (X34); `None` if they follow from the state.
+    pub held: Option<HeldMotor>,
     /// Whether the motor ignores commands (runaway failure).
     pub deaf: bool,
 }
@@ -35,7 +37,47 @@ pub struct MotorTangent {
     slopes_n_m: [f64; 2],
 }
 
+/// Smooth pieces of a motor: of its clamped torques and of its slew.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeldMotor {
+    /// Pieces of the torques.
+    pieces: Pieces,
+    /// Piece of the slew.
+    slew: SlewPiece,
+}
+
 impl Motor {
+    /// Keeps the pieces at a state, with the slew on the branch of `branch_s`.
+    pub fn hold(&mut self, [time_s, branch_s]: [f64; 2], angle_rad: f64, rate_rad_s: f64) {
+        let slew = self.slew.piece(branch_s);
+        let pieces = self.drive.pieces(angle_rad, rate_rad_s, self.slew.on(time_s, slew).0);
+        self.held = Some(HeldMotor { pieces, slew });
+    }
+
+    /// Whether the torque is at its limit to within a share of it.
+    pub fn is_at_limit(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64, share: f64) -> bool {
+        let drive = &self.drive;
+        drive.torque_limit_n_m < UNLIMITED && drive.is_at_limit(angle_rad, rate_rad_s, self.neutral(time_s).0, share)
+    }
+
+    /// Neutral angle in rad and its rate in rad/s.
+    pub fn neutral(&self, time_s: f64) -> (f64, f64) {
+        self.neutral_on(time_s, time_s)
+    }
+
+    /// The same on the branch of the slew selected by `branch_s`.
+    fn neutral_on(&self, time_s: f64, branch_s: f64) -> (f64, f64) {
+        match self.held {
+            Some(held) => self.slew.on(time_s, held.slew),
+            None => self.slew.at_on(time_s, branch_s),
+        }
+    }
+
+    /// Whether the neutral angle moves at a time.
+    pub fn slews_at(&self, branch_s: f64) -> bool {
+        self.slew.at(branch_s).1 != 0.0
+    }
+
     /// Sets the tangent at a state.
     pub fn linearize(&mut self, time_s: f64, angle_rad: f64, rate_rad_s: f64) {
         let neutral_rad = self.slew.at(time_s).0;
@@ -53,15 +95,16 @@ impl Motor {
 
     /// Torque at a state, on the selected piece of the limits if there is one.
     pub fn torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
-        match self.piece.or(self.tangent.as_ref().map(|tangent| tangent.piece)) {
+        let held = self.held.map(|held| held.pieces.moving);
+        match self.piece.or(held).or(self.tangent.as_ref().map(|tangent| tangent.piece)) {
             Some(piece) => self.drive.torque_on(piece, self.wanted_n_m(time_s, angle_rad, rate_rad_s)),
-            None => self.drive.torque(angle_rad, rate_rad_s, self.slew.at(time_s).0),
+            None => self.drive.torque(angle_rad, rate_rad_s, self.neutral(time_s).0),
         }
     }
 
     /// Torque in N·m before limiting.
     fn wanted_n_m(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> f64 {
-        self.drive.wanted_n_m(angle_rad, rate_rad_s, self.slew.at(time_s).0)
+        self.drive.wanted_n_m(angle_rad, rate_rad_s, self.neutral(time_s).0)
     }
 
     /// Adds the torque and its tangent.
@@ -78,8 +121,14 @@ impl Motor {
     /// Adds work and dissipation, NOTATION eq. (A5).
     pub fn add_powers(&self, here: &Here, powers: &mut Powers) {
         let Here { time_s, branch_s, angle_rad, rate_rad_s, .. } = *here;
-        let (neutral_rad, slew_rate_rad_s) = self.slew.at_on(time_s, branch_s);
+        let (neutral_rad, slew_rate_rad_s) = self.neutral_on(time_s, branch_s);
         let torque = self.torque(time_s, angle_rad, rate_rad_s);
+        if let Some(HeldMotor { pieces, .. }) = self.held {
+            let still = self.drive.torque_on(pieces.still, self.drive.wanted_n_m(angle_rad, 0.0, neutral_rad));
+            powers.work += self.drive.slew_power_on_w(pieces, angle_rad, neutral_rad, slew_rate_rad_s);
+            powers.dissipated += self.drive.dissipation_between_w([torque, still], rate_rad_s);
+            return;
+        }
         powers.work += self.drive.slew_power_w(angle_rad, neutral_rad, slew_rate_rad_s);
         powers.dissipated += self.drive.dissipation_w(torque, angle_rad, rate_rad_s, neutral_rad);
     }
@@ -96,10 +145,11 @@ impl Motor {
 
     /// Stored energy in J.
     pub fn potential_j(&self, here: &Here) -> f64 {
-        let neutral_rad = self.slew.at(here.time_s).0;
-        match &self.tangent {
-            None => self.drive.potential_j(here.angle_rad, neutral_rad),
-            Some(tangent) => {
+        let neutral_rad = self.neutral(here.time_s).0;
+        match (&self.tangent, &self.held) {
+            (None, Some(held)) => self.drive.potential_on_j(held.pieces, here.angle_rad, neutral_rad),
+            (None, None) => self.drive.potential_j(here.angle_rad, neutral_rad),
+            (Some(tangent), _) => {
                 let [by_angle_n_m, by_neutral_n_m] = tangent.slopes_n_m;
                 tangent.potential_j
                     + by_angle_n_m * (here.angle_rad - tangent.angle_rad)

@@ -113,6 +113,11 @@ impl Forces {
         self.list.iter().any(|joint| joint.kink_at(time_s))
     }
 
+    /// Whether a knot of a prescribed motion is exactly at `time_s`.
+    pub fn knot_at(&self, time_s: f64) -> bool {
+        self.joints().iter().filter_map(JointForces::law).any(|law| law.has_knot_at(time_s))
+    }
+
     /// Selects the pieces of all forces with kinks for a state, eq. (T12), or changes only the first; returns whether any piece has
     /// changed.
     pub fn move_pieces(&mut self, time_s: f64, q: &[f64], v: &[f64], only_first: bool) -> bool {
@@ -129,6 +134,26 @@ impl Forces {
     /// Deselects the pieces of forces with kinks, which then follow from the state again.
     pub fn drop_pieces(&mut self) {
         self.list.iter_mut().for_each(JointForces::drop_pieces);
+    }
+
+    /// Keeps the smooth pieces on which all forces lie at a state, on the branch of `branch_s`, until [`Forces::let_go`], eq. (X34).
+    pub fn hold(&mut self, times_s: [f64; 2], q: &[f64], v: &[f64]) {
+        self.joints_mut().iter_mut().for_each(|joint| joint.hold(times_s, q, v));
+    }
+
+    /// Keeps the pieces of another machine.
+    pub fn hold_as(&mut self, other: &Self) {
+        self.joints_mut().iter_mut().zip(other.joints()).for_each(|(joint, other)| joint.hold_as(other));
+    }
+
+    /// Ends [`Forces::hold`].
+    pub fn let_go(&mut self) {
+        self.joints_mut().iter_mut().for_each(JointForces::let_go);
+    }
+
+    /// Whether a force changes with time itself at a time, apart from inputs and prescribed motions.
+    pub fn move_at(&self, time_s: f64) -> bool {
+        self.joints().iter().any(|joint| joint.moves_at(time_s))
     }
 
     /// Replaces all nonlinear forces by their tangents at a state, until [`Forces::drop_tangents`]: linear in the motion of their joints.

@@ -49,11 +49,13 @@ impl Account {
     }
 
     /// Its jump at an event from those of the kinetic and the total energy: work jumps with the potentials, dissipation by the loss of
-    /// kinetic energy in impulses.
-    fn of_jumps(self, [kinetic, total]: [f64; 2]) -> f64 {
-        match self {
-            Self::Work => total - kinetic,
-            Self::Dissipated => -kinetic,
+    /// kinetic energy in impulses. `loses`: at a failure the loss of potentials is dissipated too.
+    fn of_jumps(self, loses: bool, [kinetic, total]: [f64; 2]) -> f64 {
+        match (self, loses) {
+            (Self::Work, true) => 0.0,
+            (Self::Work, false) => total - kinetic,
+            (Self::Dissipated, true) => -total,
+            (Self::Dissipated, false) => -kinetic,
         }
     }
 
@@ -63,6 +65,19 @@ impl Account {
             Self::Dissipated => at.dissipated,
         }
     }
+}
+
+/// One side of an event.
+#[derive(Clone, Copy)]
+pub(super) struct EventSide<'s> {
+    /// The step that ends or starts there.
+    pub step: &'s Step,
+    /// The point there.
+    pub at: &'s Point,
+    /// 1 after the event, −1 before it.
+    pub sign: f64,
+    /// Whether the event is a failure at which potentials fall.
+    pub loses: bool,
 }
 
 /// Powers of work and dissipation at a point of a step whose middle is at `middle_s`.
@@ -90,8 +105,10 @@ pub(super) fn add_slopes_along(
         (&along.v, 1.0, &BY_RATES),
         (&along.a, 1.0, if accelerated { &BY_ACCELERATIONS } else { &[] }),
     ];
-    // a difference step may pass a torque limit of a motor: its torque is continued from its piece at the point itself, (T12)
-    system.equations.take_pieces(at.time_s, &at.q, &at.v);
+    // a difference step may lead past a kink of a force, and torques may be of any degree in the rates: they continue on their pieces, and
+    // on their tangents, at the point itself
+    system.equations.forces.hold([at.time_s, middle_s], &at.q, &at.v);
+    system.equations.forces.linearize(at.time_s, &at.q, &at.v);
     let mut there = at.clone();
     for (kind, (direction, step, weights)) in parts.into_iter().enumerate() {
         let size = system.equations.size_of(direction);
@@ -109,7 +126,8 @@ pub(super) fn add_slopes_along(
             }
         }
     }
-    system.equations.drop_pieces();
+    system.equations.forces.drop_tangents();
+    system.equations.forces.let_go();
 }
 
 impl Gradient<'_> {
@@ -136,16 +154,20 @@ impl Gradient<'_> {
     }
 
     fn powers_by_neighbours(&mut self, step: &Step, at: &Point) -> Vec<[f64; 2]> {
+        self.hold(at);
         let of = |beside: &mut Neighbours| {
             let mut slopes = [0.0; 2];
             beside.add_slopes(&mut slopes, |system, each| each.copy_from_slice(&powers(system, at, step.middle_s())));
             slopes
         };
-        self.neighbours.iter_mut().map(of).collect()
+        let slopes = self.neighbours.iter_mut().map(of).collect();
+        self.let_go();
+        slopes
     }
 
     /// Slopes of both powers with respect to time at a point of a step, for inputs that vary.
     pub(super) fn powers_by_time(&mut self, step: &Step, at: &Point) -> [f64; 2] {
+        self.hold(at);
         let step_s = time_step_s(step.length_s());
         let mut slopes = [0.0; 2];
         for (steps, weight) in ONWARD {
@@ -153,6 +175,7 @@ impl Gradient<'_> {
             let powers = powers(self.system, &there, step.middle_s());
             slopes.iter_mut().zip(powers).for_each(|(slope, power)| *slope += weight / step_s * power);
         }
+        self.let_go();
         slopes
     }
 
@@ -194,9 +217,10 @@ impl Gradient<'_> {
     ) -> Result<(), GradientError> {
         let tape = self.tape;
         if let (Some(before), true) = (index.checked_sub(1), tape.steps[index].renewed && !accounts.is_empty()) {
-            self.check_jump(index)?;
+            let loses = self.check_jump(index)?;
             let step = &tape.steps[before];
-            self.add_energies((step, &step.end, -1.0), (variations, shifts_s), accounts, table);
+            let side = EventSide { step, at: &step.end, sign: -1.0, loses };
+            self.add_energies(side, (variations, shifts_s), accounts, table);
         }
         Ok(())
     }
@@ -212,7 +236,8 @@ impl Gradient<'_> {
         let tape = self.tape;
         let step = &tape.steps[index];
         if index > 0 && step.renewed && !accounts.is_empty() {
-            self.add_energies((step, &step.start, 1.0), (variations, shifts_s), accounts, table);
+            let side = EventSide { step, at: &step.start, sign: 1.0, loses: self.loses(index) };
+            self.add_energies(side, (variations, shifts_s), accounts, table);
         }
     }
 
@@ -222,37 +247,52 @@ impl Gradient<'_> {
         [offset_of!(EnergyOutputs, kinetic), offset_of!(EnergyOutputs, total)].map(|offset| energy.place(0, offset))
     }
 
-    /// Returns an error if an account changes at an event by an energy other than those of (X23), such as the work of a prescribed motion
-    /// in an impulse.
-    pub(super) fn check_jump(&mut self, index: usize) -> Result<(), GradientError> {
+    /// Whether an event at the start of a step is a failure at which potentials fall.
+    fn loses(&mut self, index: usize) -> bool {
         let tape = self.tape;
-        let Some(index_before) = index.checked_sub(1).filter(|_| tape.steps[index].renewed) else { return Ok(()) };
-        let (before, behind) = (&tape.steps[index_before], &tape.steps[index]);
+        let Some(index_before) = index.checked_sub(1) else { return false };
+        let [was, is] = self.energies_at_event(index_before, index);
+        tape.steps[index_before].failures != tape.steps[index].failures && is[1] - is[0] < was[1] - was[0]
+    }
+
+    /// Kinetic and total energy before and after an event between two steps.
+    fn energies_at_event(&mut self, before: usize, behind: usize) -> [[f64; 2]; 2] {
+        let tape = self.tape;
+        let (before, behind) = (&tape.steps[before], &tape.steps[behind]);
         let indices = self.energies();
-        let mut energies = |step: &Step, at: &Point| {
+        [(before, &before.end), (behind, &behind.start)].map(|(step, at)| {
             self.adopt(step);
             let values = super::outputs::values(self.system, at);
             indices.map(|index| values[index])
-        };
-        let [was, is] = [energies(before, &before.end), energies(behind, &behind.start)];
+        })
+    }
+
+    /// Returns an error if an account changes at an event by an energy other than those of (X23), such as the work of a prescribed motion
+    /// in an impulse; otherwise whether the event is a failure at which potentials fall.
+    pub(super) fn check_jump(&mut self, index: usize) -> Result<bool, GradientError> {
+        let tape = self.tape;
+        let Some(index_before) = index.checked_sub(1).filter(|_| tape.steps[index].renewed) else { return Ok(false) };
+        let (before, behind) = (&tape.steps[index_before], &tape.steps[index]);
+        let [was, is] = self.energies_at_event(index_before, index);
+        let loses = self.loses(index);
         let size = [was, is].iter().flatten().fold(0.0f64, |size, energy| size.max(energy.abs()));
         for account in [Account::Work, Account::Dissipated] {
             let booked = account.booked(&behind.start) - account.booked(&before.end);
-            let known = account.of_jumps([is[0] - was[0], is[1] - was[1]]);
+            let known = account.of_jumps(loses, [is[0] - was[0], is[1] - was[1]]);
             if (booked - known).abs() > SAME_JUMP * size.max(booked.abs()) {
                 let remedy =
                     format!("choose times before the event at {} s, or use finite differences", behind.start.time_s);
                 return Err(GradientError::OtherChoice { part: OTHER_ENERGIES, remedy });
             }
         }
-        Ok(())
+        Ok(loses)
     }
 
     /// Adds `sign` times the slopes of the energies at a point before or after an event to the rows of the accounts; the point varies by
     /// `variations`, its time by `shifts_s`.
     pub(super) fn add_energies(
         &mut self,
-        (step, at, sign): (&Step, &Point, f64),
+        EventSide { step, at, sign, loses }: EventSide,
         (variations, shifts_s): (&[Variation], &[f64]),
         accounts: &[(usize, Account)],
         table: &mut [Vec<f64>],
@@ -265,7 +305,7 @@ impl Gradient<'_> {
         for (row, account) in accounts {
             for (direction, sum) in table[*row].iter_mut().enumerate() {
                 let along = |energy: usize| slopes[energy][direction] + by_time[energy] * shifts_s[direction];
-                *sum += sign * account.of_jumps([along(0), along(1)]);
+                *sum += sign * account.of_jumps(loses, [along(0), along(1)]);
             }
         }
     }
@@ -281,14 +321,14 @@ impl Gradient<'_> {
     /// time and of the parameters.
     pub(super) fn add_energy_seed(
         &mut self,
-        (step, at, sign): (&Step, &Point, f64),
+        EventSide { step, at, sign, loses }: EventSide,
         account: Account,
         (on, shift): (&mut Variation, &mut f64),
         gradient: Option<&mut Vec<f64>>,
     ) {
         self.adopt(step);
         self.place(at);
-        let weights = [account.of_jumps([1.0, 0.0]), account.of_jumps([0.0, 1.0])];
+        let weights = [[1.0, 0.0], [0.0, 1.0]].map(|jumps| account.of_jumps(loses, jumps));
         let indices = self.energies();
         let by_time = self.energies_by_time(step, at);
         let mut by_parameters = vec![0.0; self.entries.len()];

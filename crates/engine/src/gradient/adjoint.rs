@@ -1,5 +1,6 @@
 //! Multipliers of a result, from the end of a run back to its start, eqs. (X10) and (X11).
 
+use crate::gradient::account::EventSide;
 use crate::gradient::integrand::Mean;
 use crate::gradient::mean::Seeds;
 use crate::gradient::outputs::{Part, Seed};
@@ -80,10 +81,12 @@ impl Gradient<'_> {
             }
             let before = index.checked_sub(1).filter(|_| step.renewed);
             let account = sums.mean.and_then(|mean| mean.account()).zip(before);
+            let mut loses = false;
             if let Some((account, _)) = account {
-                self.check_jump(index)?;
+                loses = self.check_jump(index)?;
                 let (on, shift) = &mut multipliers;
-                self.add_energy_seed((step, &step.start, 1.0), account, (on, shift), sums.gradient.as_mut());
+                let side = EventSide { step, at: &step.start, sign: 1.0, loses };
+                self.add_energy_seed(side, account, (on, shift), sums.gradient.as_mut());
             }
             if step.renewed {
                 self.adopt(step);
@@ -116,7 +119,8 @@ impl Gradient<'_> {
             if let Some((account, before)) = account {
                 let step = &tape.steps[before];
                 let (on, shift) = &mut multipliers;
-                self.add_energy_seed((step, &step.end, -1.0), account, (on, shift), sums.gradient.as_mut());
+                let side = EventSide { step, at: &step.end, sign: -1.0, loses };
+                self.add_energy_seed(side, account, (on, shift), sums.gradient.as_mut());
             }
         }
         Ok(multipliers)
@@ -152,7 +156,12 @@ impl Gradient<'_> {
         }
         match step.ending {
             Ending::Chosen => {}
-            Ending::Given => shift = -along_length,
+            Ending::Given | Ending::Timed => {
+                if let Some(gradient) = &mut sums.gradient {
+                    add(gradient, along_length + shift, &self.end_slopes(step)?);
+                }
+                shift = -along_length;
+            }
             Ending::Crossing(indicator) => {
                 let z = self.crossing_slopes(step, indicator);
                 let c = z.coordinate;

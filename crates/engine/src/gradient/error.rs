@@ -23,7 +23,7 @@ pub enum GradientError {
     },
     /// A crossing that the motion only touches: its instant has no derivative.
     #[error(
-        "joint {joint} reaches its latch or end stop at {time_s} s with a rate of only {closing_1_s:.1e} rad/s (or \
+        "joint {joint} reaches its latch, end stop or bound at {time_s} s with a rate of only {closing_1_s:.1e} rad/s (or \
          m/s), less than a millionth of its largest rate: the time of contact has no derivative; change the model so \
          that the joint reaches it faster or not at all"
     )]
@@ -35,9 +35,22 @@ pub enum GradientError {
         /// Rate at which the indicator falls.
         closing_1_s: f64,
     },
+    /// A point of the run in a kink of a force: its derivatives to both sides differ.
+    #[error(
+        "joint {joint}, at {time_s} s: {kink}, where the two one-sided derivatives differ; change one of these values by \
+         a small amount"
+    )]
+    Kink {
+        /// Joint.
+        joint: String,
+        /// Kink, in words.
+        kink: &'static str,
+        /// Time in s.
+        time_s: f64,
+    },
     /// Two crossings at one instant.
     #[error(
-        "joints {first} and {second} have events at the same time, {time_s} s: a parameter changes the order of the \
+        "{first} and {second} have events at the same time, {time_s} s: a parameter changes the order of the \
          events, so the two one-sided derivatives differ; separate the events by a small asymmetry"
     )]
     Simultaneous {

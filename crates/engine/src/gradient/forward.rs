@@ -154,11 +154,15 @@ impl Gradient<'_> {
         let mut stages = self.stages_through(step, &front.variations, &front.shifts_s, causes)?;
         let columns = match step.ending {
             Ending::Chosen => Vec::new(),
-            Ending::Given | Ending::Crossing(_) => stages.pop().unwrap_or_default(),
+            Ending::Given | Ending::Timed | Ending::Crossing(_) => stages.pop().unwrap_or_default(),
         };
         let changes_s: Vec<f64> = match step.ending {
             Ending::Chosen => vec![0.0; stages.len()],
-            Ending::Given => front.shifts_s.iter().map(|shift_s| -shift_s).collect(),
+            Ending::Given | Ending::Timed => {
+                let times = self.end_slopes(step)?;
+                let time = |direction: usize| if causes.parameters { times[direction] } else { 0.0 };
+                front.shifts_s.iter().enumerate().map(|(direction, shift_s)| time(direction) - shift_s).collect()
+            }
             Ending::Crossing(indicator) => {
                 let z = self.crossing_slopes(step, indicator);
                 let c = z.coordinate;
@@ -261,7 +265,8 @@ impl Gradient<'_> {
         let by_angle = (distance(own, at(turn, 0.0)) - distance(own, at(-turn, 0.0))) / (2.0 * turn);
         let by_rate = match speed > 0.0 {
             true => (distance(own, at(0.0, speed)) - distance(own, at(0.0, -speed))) / (2.0 * speed),
-            false => 0.0,
+            // a bound of the rate at rest
+            false => (distance(own, at(0.0, turn)) - distance(own, at(0.0, -turn))) / (2.0 * turn),
         };
         let by_neighbours: Vec<f64> =
             self.neighbours.iter_mut().map(|beside| beside.slope(|system| distance(system, at(0.0, 0.0)))).collect();

@@ -33,10 +33,12 @@ pub(crate) struct Piece {
     rows: [usize; 2],
 }
 
-/// A change of one column in all rows.
+/// A change of one column in all rows, or in one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Offset {
     pub column: usize,
+    /// The row; `None` for all.
+    pub row: Option<usize>,
     /// In the unit of the input.
     pub by: f64,
 }
@@ -144,14 +146,17 @@ impl InputRows {
         let [left, right] = piece.rows;
         let share = self.share(piece, piece.from_s);
         self.columns.iter().enumerate().map(move |(place, column)| {
+            let by = |row: usize| match offset {
+                Some(offset) if offset.column == place && offset.row.is_none_or(|own| own == row) => offset.by,
+                Some(_) | None => 0.0,
+            };
             let from = column.values[left];
-            let by = offset.filter(|offset| offset.column == place).map_or(0.0, |offset| offset.by);
             if left == right || column.held {
-                return (column.index, from + by, 0.0);
+                return (column.index, from + by(left), 0.0);
             }
-            let change = column.values[right] - from;
+            let change = column.values[right] - from + (by(right) - by(left));
             let rate_1_s = change / (self.times_s[right] - self.times_s[left]);
-            (column.index, from + share * change + by, rate_1_s)
+            (column.index, from + share * change + by(left), rate_1_s)
         })
     }
 
@@ -161,19 +166,11 @@ impl InputRows {
         self.write(piece, None, inputs, rates);
     }
 
-    /// Writes the inputs of a stretch as those of the present step, the neutral angles of motors included.
+    /// Writes the inputs of a stretch as those of the present step.
     pub(crate) fn write_present(&self, piece: Piece, offset: Option<Offset>, state: &mut State) {
-        let State { applied_inputs, applied_rates, applied_from_s, joints, .. } = state;
+        let State { applied_inputs, applied_rates, applied_from_s, .. } = state;
         self.write(piece, offset, applied_inputs, applied_rates);
         *applied_from_s = piece.from_s;
-        let commands = applied_inputs.joints().iter().zip(applied_rates.joints());
-        for (memory, (command, rate)) in joints.iter_mut().zip(commands) {
-            let slew = &mut memory.slew;
-            slew.from_rad = command.command_rad;
-            slew.target_rad = command.command_rad;
-            slew.target_rate_rad_s = rate.command_rad;
-            slew.start_s = piece.from_s;
-        }
     }
 
     fn write(&self, piece: Piece, offset: Option<Offset>, inputs: &mut Inputs, rates: &mut Inputs) {

@@ -230,7 +230,7 @@ pub(super) fn of_run(plant: &mut crate::run::Plant, tape: &Tape, result: RunResu
     let Some((mean, tableau)) = Mean::of(result, tape, system).zip(tableau) else { return f64::NAN };
     let mut sum = 0.0;
     for step in covered(tape, mean) {
-        super::parameter::adopt(system, step, &tape.inputs, None);
+        super::parameter::adopt(system, step, &tape.inputs);
         sum += mean_in(system, tableau, step, mean);
     }
     sum

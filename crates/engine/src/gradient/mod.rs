@@ -11,6 +11,7 @@ mod adjoint;
 mod air;
 mod block;
 mod directions;
+mod ends;
 mod error;
 mod factors;
 mod forward;
@@ -23,6 +24,7 @@ mod outputs;
 mod parameter;
 mod prescribed;
 mod projection;
+mod replay;
 mod result;
 mod run;
 mod sections;
@@ -30,6 +32,7 @@ mod slopes;
 mod step;
 mod sums;
 mod tape;
+mod timer;
 mod values;
 mod variation;
 mod vectors;
@@ -60,6 +63,8 @@ pub struct Gradient<'a> {
     entries: Vec<Entry>,
     /// Stretch of the inputs over time of the present step.
     piece: Piece,
+    /// Middle of the present step in s.
+    middle_s: f64,
     derivative: Derivative,
     directions: Directions,
     factors: Factors,
@@ -90,8 +95,12 @@ impl<'a> Gradient<'a> {
             .tableau()
             .ok_or(GradientError::NotCovered { part: "methods without stages", place: "solver.method".into() })?;
         let system = plant.system_mut();
+        if let Some(first) = tape.steps.first() {
+            parameter::adopt(system, first, &tape.inputs);
+        }
         let neighbours = parameters
             .into_iter()
+            .flat_map(|parameter| parameter.apart(system, tape))
             .map(|parameter| Neighbours::new(parameter, system, tape))
             .collect::<Result<Vec<_>, GradientError>>()?;
         let of = |(beside, neighbours): (usize, &Neighbours)| -> Vec<Entry> {
@@ -115,6 +124,7 @@ impl<'a> Gradient<'a> {
             neighbours,
             entries,
             piece,
+            middle_s: 0.0,
             derivative,
             directions,
             factors,

@@ -7,7 +7,6 @@ use crate::gradient::tape::{Ending, Mark, Step};
 use crate::gradient::variation::{Causes, Variation};
 use crate::gradient::{Gradient, GradientError, RunResult, add};
 use crate::math::difference::SIXTH_ORDER;
-use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::{OutputSet, System};
 
@@ -164,9 +163,12 @@ impl<'a> Gradient<'a> {
 
     /// Slope of an output with respect to time, for inputs that vary, at a state in a step of given length.
     pub(super) fn slope_by_time(&mut self, index: usize, at: &Point, length_s: f64) -> f64 {
+        self.hold(at);
         let step_s = time_step_s(length_s);
         let mut there = |time_s: f64| values(self.system, &Point { time_s, ..at.clone() })[index];
-        ONWARD.iter().map(|(steps, weight)| weight / step_s * there(at.time_s + steps * step_s)).sum()
+        let slope = ONWARD.iter().map(|(steps, weight)| weight / step_s * there(at.time_s + steps * step_s)).sum();
+        self.let_go();
+        slope
     }
 
     /// Slopes of an output with respect to the state at a requested time and to the parameters.
@@ -211,8 +213,10 @@ impl<'a> Gradient<'a> {
 
     /// Derivatives of an output at a state with respect to the parameters.
     pub(super) fn output_by_parameters(&mut self, index: usize, at: &Point) -> Vec<f64> {
+        self.hold(at);
         let by_neighbours = self.neighbours.iter_mut().map(|beside| beside.slope(|system| values(system, at)[index]));
         let by_neighbours: Vec<f64> = by_neighbours.collect();
+        self.let_go();
         self.by_parameters(at.time_s, &by_neighbours)
     }
 
@@ -238,6 +242,7 @@ impl<'a> Gradient<'a> {
         loads: &[Vec<f64>],
     ) -> Vec<Vec<f64>> {
         let mut columns = Vec::new();
+        self.hold(at);
         let by_neighbours: Vec<Vec<f64>> = self
             .neighbours
             .iter_mut()
@@ -250,6 +255,7 @@ impl<'a> Gradient<'a> {
                 slopes
             })
             .collect();
+        self.let_go();
         let shares = self.shares(at.time_s);
         for (direction, ((variation, entry), share)) in variations.iter().zip(&self.entries).zip(shares).enumerate() {
             let mut slopes = vec![0.0; indices.len()];
@@ -294,8 +300,8 @@ fn add_slopes_along(
         Kind::Coordinates => (STEP / size, &SIXTH_ORDER.map(|weight| weight / 60.0)),
         Kind::Rates | Kind::Accelerations => (1.0 / size, &[0.5]),
     };
-    // a step may lead past a torque limit of a motor: its torque continues on the piece of the point itself, (T12)
-    system.equations.take_pieces(at.time_s, &at.q, &at.v);
+    // a step may lead past a kink of a force, and torques may be of any degree in the rates: they continue on their tangents at the point
+    system.equations.forces.linearize(at.time_s, &at.q, &at.v);
     for (steps, weight) in (1..).zip(weights) {
         for sign in [1.0, -1.0] {
             let now = &mut system.state.now;
@@ -311,7 +317,7 @@ fn add_slopes_along(
             sum.iter_mut().zip(indices).for_each(|(sum, index)| *sum += sign * weight / step * values[*index]);
         }
     }
-    system.equations.drop_pieces();
+    system.equations.forces.drop_tangents();
 }
 
 /// Adds the slopes of outputs along a change of the loads of the air, of which they are linear.

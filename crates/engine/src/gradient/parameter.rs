@@ -1,21 +1,30 @@
 //! Parameters of a run: any number of a machine, by perturbed models, eq. (X9).
 
+use crate::force::drive::Pieces;
+use crate::force::joint::JointForces;
+use crate::force::set::Forces;
 use crate::gradient::GradientError;
 use crate::gradient::impulse::Jump;
 use crate::gradient::inputs::{InputRows, Offset};
+use crate::gradient::replay::Replay;
 use crate::gradient::tape::{Step, Tape};
+use crate::machine::{Effect, StartState};
 use crate::multibody::Model;
 use crate::multibody::block_slopes::{BlockSlopes, DampingSlope};
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::Body;
 use crate::run::Plant;
+use crate::signal::JointInputs;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::System;
 use crate::system::air::AirHistory;
 use crate::system::equations::Equations;
+use crate::system::failure_memory::FailureMemory;
 use nalgebra::Matrix3;
+use std::mem::offset_of;
+use std::sync::Arc;
 
 /// Steps and weights over the step of central differences of fourth order.
 const CENTRAL: [(f64, f64); 4] = [(-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0)];
@@ -41,6 +50,14 @@ struct Perturbed {
     plant: Plant,
     /// Its change of the inputs over time.
     offset: Option<Offset>,
+    /// Its slews and failures in the steps of the tape; `None` until it is initialised.
+    replay: Option<Replay>,
+}
+
+impl Perturbed {
+    fn new(weight: f64, plant: Plant, offset: Option<Offset>) -> Self {
+        Self { weight, plant, offset, replay: None }
+    }
 }
 
 impl Parameter {
@@ -59,9 +76,7 @@ impl Parameter {
     ) -> Result<Self, E> {
         let perturbed = |rule: &[(f64, f64)], step: f64| {
             rule.iter()
-                .map(|(steps, weight)| {
-                    Ok(Perturbed { weight: weight / step, plant: plant(value + steps * step)?, offset: None })
-                })
+                .map(|(steps, weight)| Ok(Perturbed::new(weight / step, plant(value + steps * step)?, None)))
                 .collect::<Result<_, E>>()
         };
         let perturbed = perturbed(&CENTRAL, step).or_else(|refused| {
@@ -83,10 +98,40 @@ impl Parameter {
         plant: impl Fn() -> Result<Plant, E>,
     ) -> Result<Self, E> {
         let perturbed = |&(steps, weight): &(f64, f64)| {
-            Ok(Perturbed { weight: weight / step, plant: plant()?, offset: Some(Offset { column, by: steps * step }) })
+            let offset = Some(Offset { column, row: None, by: steps * step });
+            Ok(Perturbed::new(weight / step, plant()?, offset))
         };
         let perturbed = CENTRAL.iter().map(perturbed).collect::<Result<_, E>>()?;
         Ok(Self { name: name.into(), perturbed, rows: Some(rows) })
+    }
+
+    /// The parameter, or one for each of its rows: a motor with a rate limit remembers earlier rows of its command, so that a row has no
+    /// fixed share in the neutral angle.
+    pub(super) fn apart(self, own: &System, tape: &Tape) -> Vec<Self> {
+        let slewed = |offset: Offset| {
+            let layout = own.state.inputs.layout().joints;
+            let column = tape.inputs.columns().get(offset.column)?;
+            let command = |joint: usize| layout.place(joint, offset_of!(JointInputs, command_rad)) == column.index;
+            own.state
+                .joints
+                .iter()
+                .enumerate()
+                .find(|(joint, memory)| command(*joint) && !memory.slew.follows_at_once())
+        };
+        let offset = self.perturbed.first().and_then(|perturbed| perturbed.offset);
+        let (Some(rows), Some(_)) = (&self.rows, offset.and_then(slewed)) else { return vec![self] };
+        let of_row = |row: &usize| {
+            let perturbed = |from: &Perturbed| {
+                let system = &from.plant.system;
+                let mut plant = Plant::new(Arc::clone(&system.machine));
+                plant.inputs_mut().clone_from(&system.state.inputs);
+                plant.parameters_mut().clone_from(&system.state.parameters);
+                let offset = from.offset.map(|offset| Offset { row: Some(*row), ..offset });
+                Perturbed::new(from.weight, plant, offset)
+            };
+            Self { name: self.name.clone(), perturbed: self.perturbed.iter().map(perturbed).collect(), rows: None }
+        };
+        rows.iter().map(of_row).collect()
     }
 
     /// Number of perturbed models: 4 for central differences, 5 for one-sided ones.
@@ -136,7 +181,12 @@ impl Difference {
             let column = offset.map(|offset| tape.inputs.columns()[offset.column].index);
             own.loads_are_those_of(&system.equations) && column.is_none_or(of_joint)
         });
-        if !same_loads {
+        // failures change these blocks during the run
+        let weakens = |effect: &Effect| matches!(effect, Effect::StiffnessLoss { .. } | Effect::LoopBreak { .. });
+        let weakened = plants.iter_mut().any(|Perturbed { plant, .. }| {
+            plant.system_mut().machine.failures.iter().any(|failure| weakens(&failure.effect))
+        });
+        if !same_loads || weakened {
             return Self::Any;
         }
         let others = plants.iter_mut().map(|perturbed| (perturbed.weight, &perturbed.plant.system_mut().equations));
@@ -163,6 +213,7 @@ fn forces_differ(plants: &mut [Perturbed]) -> bool {
     let Some((first, others)) = plants.split_first_mut() else { return false };
     let own = first.plant.system_mut();
     first.offset.is_some()
+        || !own.machine.failures.is_empty()
         || others.iter_mut().any(|other| {
             let other = other.plant.system_mut();
             other.state.inputs != own.state.inputs || !own.equations.forces.are_those_of(&other.equations.forces)
@@ -177,9 +228,9 @@ impl Neighbours {
         let coordinates = own.coordinates();
         let mut start = [vec![0.0; coordinates], vec![0.0; coordinates]];
         let mut start_memory = Vec::new();
-        for Perturbed { weight, plant, offset } in &mut plants {
+        for Perturbed { weight, plant, offset, replay } in &mut plants {
             let rows = rows.iter().flatten();
-            if offset.is_some_and(|offset| !tape.inputs.has(offset.column, rows)) {
+            if offset.as_ref().is_some_and(|own| !tape.inputs.has(own.column, rows.chain(&own.row))) {
                 let cause = format!("parameter {name} has no such real input over time, or no such row");
                 return Err(GradientError::Inputs { cause });
             }
@@ -209,7 +260,19 @@ impl Neighbours {
                 {
                     return Err(refuse("the state of a joint at the start (lock, latch or stop)"));
                 }
+                let failed = |memory: &FailureMemory| (memory.brought_s.is_some(), memory.has_failed());
+                if !system.state.failures.iter().map(failed).eq(first.failures.iter().map(failed)) {
+                    return Err(refuse("a failure at the start"));
+                }
+                let rests = system.machine.experiment.start == StartState::Equilibrium;
+                if rests && pieces(system, &system.state.start) != pieces(own, &first.start) {
+                    return Err(refuse("whether a motor is at its torque limit at the start"));
+                }
             }
+            if law_rows(system).ne(law_rows(own)) {
+                return Err(refuse("the number of rows of a generator's table"));
+            }
+            *replay = Some(Replay::of(system, &own.machine, tape, *offset).map_err(refuse)?);
             if let Some(air) = tape.steps.first().and_then(|step| step.air.as_deref()) {
                 if !system.state.air.as_ref().is_some_and(|own| air.fits(own)) {
                     return Err(refuse("the number of aerodynamic sections"));
@@ -236,9 +299,19 @@ impl Neighbours {
 
     /// Adopts the states of the joints in a step.
     pub fn adopt(&mut self, step: &Step, inputs: &InputRows) {
-        for Perturbed { plant, offset, .. } in &mut self.plants {
-            adopt(plant.system_mut(), step, inputs, *offset);
+        for Perturbed { plant, offset, replay, .. } in &mut self.plants {
+            let system = plant.system_mut();
+            take(system, step, inputs, *offset);
+            if let Some(replay) = replay {
+                replay.impose(step, &mut system.state);
+            }
+            system.configure();
         }
+    }
+
+    /// Keeps the smooth pieces of the forces of another machine, eq. (X34).
+    pub fn hold_as(&mut self, own: &Forces) {
+        self.plants.iter_mut().for_each(|perturbed| perturbed.plant.system_mut().equations.forces.hold_as(own));
     }
 
     /// Slope of the residual at a point, at which that of `own` is prepared, into `slope`.
@@ -349,13 +422,30 @@ fn align_quaternions(system: &System, reference: &[f64], [q, v]: [&mut [f64]; 2]
     }
 }
 
-/// Puts a system's joints, inputs and the signs of its quaternions into their states in a step. With constant inputs the neutral angles of motors stay the system's own.
-pub(super) fn adopt(system: &mut System, step: &Step, inputs: &InputRows, offset: Option<Offset>) {
-    for (own, taped) in system.state.joints.iter_mut().zip(&step.joints) {
-        let slew = own.slew;
-        *own = *taped;
-        own.slew = slew;
-    }
+/// Pieces of the torques of motors at rest at the start of a run.
+fn pieces(system: &System, start: &Point) -> Vec<Option<Pieces>> {
+    let of_joint = |joint: &JointForces| {
+        let (angle_rad, motor) = (start.q[joint.coordinate], joint.motor()?);
+        Some(motor.drive.pieces(angle_rad, 0.0, motor.neutral(start.time_s).0))
+    };
+    system.equations.forces.joints().iter().map(of_joint).collect()
+}
+
+/// Numbers of rows of the generators' tables.
+fn law_rows(system: &System) -> impl Iterator<Item = usize> {
+    system.equations.forces.joints().iter().filter_map(|joint| Some(joint.generator()?.law.rows.len()))
+}
+
+/// Puts the system of a tape into the state of a step: joints, failures, inputs and the signs of quaternions.
+pub(super) fn adopt(system: &mut System, step: &Step, inputs: &InputRows) {
+    take(system, step, inputs, None);
+    system.configure();
+}
+
+/// Takes over joints, failures, inputs and the signs of quaternions of a step.
+fn take(system: &mut System, step: &Step, inputs: &InputRows, offset: Option<Offset>) {
+    system.state.joints.clone_from(&step.joints);
+    system.state.failures.clone_from(&step.failures);
     let [joints, tips, stations] = &step.attitudes;
     system.state.spatial_rotations.clone_from(joints);
     system.state.tip_rotations.clone_from(tips);
@@ -366,5 +456,4 @@ pub(super) fn adopt(system: &mut System, step: &Step, inputs: &InputRows, offset
     if !inputs.columns().is_empty() {
         inputs.write_present(step.piece, offset, &mut system.state);
     }
-    system.configure();
 }

@@ -1,11 +1,9 @@
 //! Runs whose steps are kept for their derivatives.
 
-use crate::force::joint::JointForces;
-use crate::force::memory::JointMemory;
-use crate::force::motor::{Motor, UNLIMITED};
 use crate::force::set::Indicator;
 use crate::gradient::inputs::{InputRows, Piece};
 use crate::gradient::tape::{AT_END, Ending, Mark, Step};
+use crate::gradient::timer::Timer;
 use crate::gradient::{GradientError, Tape, parameter};
 use crate::run::Plant;
 use crate::solve::continuation::Taken;
@@ -14,9 +12,6 @@ use crate::system::PlantError;
 use crate::system::state::State;
 use nalgebra::UnitQuaternion;
 use std::sync::Arc;
-
-/// Distance of a motor's torque from its limit, as a share of the limit, within which neighbouring machines could be on another piece.
-const LIMIT_SHARE: f64 = 0.01;
 
 impl Plant {
     /// Runs on from the present and keeps the steps, which are those of a simulation: the requested times, increasing, lie within them. The
@@ -33,6 +28,7 @@ impl Plant {
     /// at the rows.
     pub fn run_on_tape_with(&mut self, inputs: &InputRows, times_s: &[f64]) -> Result<Tape, GradientError> {
         self.system.refuse_gradient()?;
+        self.system.refuse_jumps()?;
         if self.tableau().is_none() {
             return Err(GradientError::NotCovered { part: "methods without stages", place: "solver.method".into() });
         }
@@ -117,7 +113,7 @@ impl Plant {
         let Some(step) = tape.steps.get(place).filter(|_| time_s >= from_s) else {
             return Err(GradientError::Times { from_s, time_s });
         };
-        parameter::adopt(&mut self.system, step, &tape.inputs, None);
+        parameter::adopt(&mut self.system, step, &tape.inputs);
         let now = &mut self.system.state.now;
         Taken { start: &step.start, stages: &step.stages, end: &step.end, continuation: &self.system.continuation }
             .fill(now, time_s);
@@ -134,8 +130,8 @@ impl Plant {
             let first = self.joint_name(indicator.joint).to_owned();
             return Err(GradientError::Simultaneous { first, second: "requested time".into(), time_s });
         }
-        parameter::adopt(&mut self.system, step, &tape.inputs, None);
-        let mut branch = Step { ending: Ending::Given, ..step.clone() };
+        parameter::adopt(&mut self.system, step, &tape.inputs);
+        let mut branch = Step { ending: Ending::Given, timers: Vec::new(), ..step.clone() };
         self.step_apart(&step.start, time_s, (&mut branch.end, &mut branch.stages))
             .map_err(|_| GradientError::NotSolved { time_s, left: f64::INFINITY })?;
         self.keep_last_stage(&mut branch)?;
@@ -163,14 +159,6 @@ impl Plant {
         }
         system.apply_inputs()?;
         system.state.rates.clear();
-        let name = |joint: usize| system.joint_name(joint).to_owned();
-        let lags = |memory: &JointMemory| {
-            let slew = memory.slew;
-            !slew.follows_at_once() && (slew.from_rad != slew.target_rad || slew.target_rate_rad_s != 0.0)
-        };
-        if let Some(joint) = system.state.joints.iter().position(lags) {
-            return Err(GradientError::NotCovered { part: "commands subject to a rate limit", place: name(joint) });
-        }
         Ok(true)
     }
 
@@ -186,20 +174,24 @@ impl Plant {
         Ok(begins)
     }
 
+    /// Whether the step just taken ends an aerodynamic step.
+    fn ends_air_step(&self, tape: &Tape) -> bool {
+        let State { start, ahead, .. } = &self.system.state;
+        let span_s = ahead.time_s - start.time_s;
+        tape.air.as_ref().is_some_and(|air| (ahead.time_s - air.loads.end_s).abs() <= AT_END * span_s)
+    }
+
     /// Rule for the end of the step just taken, if nothing has crossed: that of an aerodynamic step is given, behind a crossing within it.
     fn ending_in_air(&self, tape: &Tape, crossed: Option<Indicator>) -> Result<Ending, GradientError> {
-        let Some(air) = &tape.air else { return Ok(Ending::Chosen) };
-        let State { start, ahead, .. } = &self.system.state;
-        if (ahead.time_s - air.loads.end_s).abs() > AT_END * (ahead.time_s - start.time_s) {
-            return Ok(Ending::Chosen);
-        }
+        let Some(air) = tape.air.as_ref().filter(|_| self.ends_air_step(tape)) else { return Ok(Ending::Chosen) };
+        let ahead = &self.system.state.ahead;
         if let Some(indicator) = crossed {
             let first = self.joint_name(indicator.joint).to_owned();
             let second = "end of an aerodynamic step".into();
             return Err(GradientError::Simultaneous { first, second, time_s: ahead.time_s });
         }
         let together = |step: &&Step| step.air.as_ref().is_some_and(|own| Arc::ptr_eq(own, air));
-        let moved = |step: &Step| matches!(step.ending, Ending::Crossing(_));
+        let moved = |step: &Step| matches!(step.ending, Ending::Crossing(_) | Ending::Timed);
         let moves = tape.steps.iter().rev().take_while(together).any(moved);
         Ok(if moves { Ending::Given } else { Ending::Chosen })
     }
@@ -224,13 +216,18 @@ impl Plant {
         let events = self.system.state.statistics.events;
         self.system.apply_events()?;
         let begins = self.begin_air_step_on_tape(tape)?;
-        let kink = |plant: &Self, time_s: f64| plant.system.equations.forces.kink_at(time_s);
         let time_s = self.system.state.start.time_s;
-        let knot = kink(self, time_s);
-        tape.knots_s.extend(knot.then_some(time_s));
+        let knot = self.system.equations.forces.kink_at(time_s);
+        let failures = self.system.state.failures.clone();
+        let fails = tape.steps.last().is_some_and(|step| step.failures != failures);
+        tape.knots_s.extend((knot || fails).then_some(time_s));
         let events = self.system.state.statistics.events != events;
         let renewed = starts || begins || knot || events || tape.steps.is_empty();
         let joints = self.system.state.joints.clone();
+        let episode = tape.steps.last().map_or(0, |step| {
+            let slews = joints.iter().zip(&step.joints).any(|(own, before)| own.slew != before.slew);
+            step.episode + usize::from(slews || fails)
+        });
         advance(self)?;
         self.loosen_bound_after_jump();
         self.system.remember_attitudes();
@@ -244,27 +241,27 @@ impl Plant {
             let [first, second] = [first, second].map(|indicator| self.joint_name(indicator.joint).to_owned());
             return Err(GradientError::Simultaneous { first, second, time_s: ahead.time_s });
         }
-        let reaches_limit = |joint: &&JointForces| {
-            let c = joint.coordinate;
-            let at_limit = |motor: &Motor, at: &Point| {
-                let [upper, lower] = motor.limit_distances_n_m(at.time_s, at.q[c], at.v[c]);
-                upper.min(lower) < LIMIT_SHARE * motor.drive.torque_limit_n_m
-            };
-            joint
-                .motor()
-                .filter(|motor| motor.drive.torque_limit_n_m < UNLIMITED)
-                .is_some_and(|motor| [start, ahead].into_iter().chain(stages).any(|point| at_limit(motor, point)))
+        let of_point = |at: &Point| {
+            let found = forces.joints().iter().find_map(|joint| Some((joint.body, joint.kink(at)?)));
+            found.map(|(body, kink)| (body, kink, at.time_s))
         };
-        if let Some(joint) = forces.joints().iter().find(reaches_limit) {
-            let place = self.machine().bodies[joint.body].joint.name.clone();
-            return Err(GradientError::NotCovered { part: "motors that reach their torque limit", place });
+        if let Some((body, kink, time_s)) = [start, ahead].into_iter().chain(stages).find_map(of_point) {
+            let joint = self.machine().bodies[body].joint.name.clone();
+            return Err(GradientError::Kink { joint, kink, time_s });
         }
+        let timers = Timer::due(&self.system, ahead.time_s);
         let mut ending = self.ending_in_air(tape, first)?;
-        if kink(self, self.system.state.ahead.time_s) {
-            ending = Ending::Given;
+        let time_s = self.system.state.ahead.time_s;
+        let knot = self.system.equations.forces.knot_at(time_s);
+        if knot || !timers.is_empty() {
+            let given = knot || self.ends_air_step(tape);
+            ending = if given { Ending::Given } else { Ending::Timed };
             if let Some(first) = first {
                 let first = self.joint_name(first.joint).to_owned();
-                let (second, time_s) = ("knot of a prescribed motion".into(), self.system.state.ahead.time_s);
+                let second = match timers.first() {
+                    Some(timer) if !knot => timer.name(&self.system),
+                    Some(_) | None => "knot of a prescribed motion".into(),
+                };
                 return Err(GradientError::Simultaneous { first, second, time_s });
             }
         }
@@ -277,6 +274,9 @@ impl Plant {
             last: None,
             ending: first.map_or(ending, Ending::Crossing),
             joints,
+            failures,
+            episode,
+            timers,
             renewed,
             piece,
             attitudes: self.attitudes(),

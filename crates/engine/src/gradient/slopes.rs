@@ -15,6 +15,9 @@ use crate::system::System;
 use crate::system::equations::Equations;
 use nalgebra::Vector3;
 
+/// Largest jump of the torque of a generator at the first row of its table, relative to this torque, that is round-off.
+const GENERATOR_JUMP: f64 = 1e-6;
+
 /// Loads that act.
 fn stations(equations: &Equations) -> &[Wrench] {
     if equations.loaded { &equations.stations } else { &[] }
@@ -181,8 +184,11 @@ impl System {
         if let Some((part, place)) = self.air_without_slopes() {
             return refuse(part, place);
         }
-        if let Some(failure) = machine.failures.first() {
-            return refuse("failures", &failure.name);
+        if let Some(failure) = machine.failures.iter().find(|failure| failure.lasts_after_a_bound(&machine.failures)) {
+            return refuse(
+                "failures with a delay, a ramp or a runaway after a bound of a joint's motion",
+                &failure.name,
+            );
         }
         if machine.solver.most_iterations.is_some() {
             return refuse("real-time mode, whose stages may end without convergence", "solver.most_iterations");
@@ -222,19 +228,24 @@ impl System {
         for joint in self.equations.forces.joints() {
             let name = &machine.bodies[joint.body].joint.name;
             let law = |part| refuse(part, name);
-            if joint.generator().is_some() {
-                return law("generators");
-            }
             if self.equations.model.bodies[joint.body].joint.drive_carried != 0.0 {
                 return law("rotors of geared motors that turn with their carrier");
             }
-            let slews =
-                |joint: &JointForces| joint.motor().is_some_and(|motor| motor.next_kink_s(self.time_s()).is_finite());
-            if slews(joint) {
-                return law("commands subject to a rate limit");
-            }
         }
         Ok(())
+    }
+
+    /// Returns an error for a generator whose torque jumps, by the name of its joint. Torques of neighbouring machines may jump by their change.
+    pub(crate) fn refuse_jumps(&self) -> Result<(), GradientError> {
+        let jumps =
+            |joint: &&JointForces| joint.generator().is_some_and(|own| own.law.relative_jump() > GENERATOR_JUMP);
+        match self.equations.forces.joints().iter().find(jumps) {
+            Some(joint) => Err(GradientError::NotCovered {
+                part: "generators whose torque jumps at the first row of the table",
+                place: self.machine.bodies[joint.body].joint.name.clone(),
+            }),
+            None => Ok(()),
+        }
     }
 
     /// A body with shear in a machine with a part that is then not covered, with the name of the part.

@@ -212,14 +212,28 @@ impl Gradient<'_> {
     /// Adopts the states of the joints in a step.
     pub(super) fn adopt(&mut self, step: &Step) {
         let inputs = &self.tape.inputs;
-        self.piece = step.piece;
-        super::parameter::adopt(self.system, step, inputs, None);
+        (self.piece, self.middle_s) = (step.piece, step.middle_s());
+        super::parameter::adopt(self.system, step, inputs);
         self.neighbours.iter_mut().for_each(|neighbours| neighbours.adopt(step, inputs));
     }
 
-    /// Whether inputs move in time in the present step.
+    /// Whether inputs or forces change with time itself in the present step.
     pub(super) fn inputs_move(&self) -> bool {
-        self.system.equations.course.moves
+        let equations = &self.system.equations;
+        equations.course.moves || equations.forces.move_at(self.middle_s)
+    }
+
+    /// Keeps the smooth pieces of all forces at a point of the present step, in the perturbed machines too, eq. (X34), until [`Self::let_go`].
+    pub(super) fn hold(&mut self, at: &Point) {
+        let Self { system, neighbours, middle_s, .. } = self;
+        let forces = &mut system.equations.forces;
+        forces.hold([at.time_s, *middle_s], &at.q, &at.v);
+        neighbours.iter_mut().for_each(|beside| beside.hold_as(forces));
+    }
+
+    /// Ends [`Self::hold`]; the perturbed machines are held again before their next use.
+    pub(super) fn let_go(&mut self) {
+        self.system.equations.forces.let_go();
     }
 
     /// Slope of the residual by time at a point, by inputs that move in time; `None` if none does. The point has to be prepared afterwards.
@@ -227,6 +241,7 @@ impl Gradient<'_> {
         if !self.inputs_move() {
             return None;
         }
+        self.hold(at);
         let equations = &mut self.system.equations;
         let step_s = time_step_s(length_s);
         let mut slope = vec![0.0; at.q.len()];
@@ -235,18 +250,22 @@ impl Gradient<'_> {
             equations.residual(at.time_s + steps * step_s, &at.q, &at.v, &at.a, &mut residual);
             add(&mut slope, weight / step_s, &residual);
         }
+        self.let_go();
         Some(slope)
     }
 
     /// Slopes of the residual with respect to the numbers of all perturbed models at a point.
     pub(super) fn residual_slopes(&mut self, at: &Point) -> Vec<Vec<f64>> {
         let n = self.system.coordinates();
+        self.hold(at);
         let each = self.neighbours.iter_mut().map(|neighbours| {
             let mut slope = vec![0.0; n];
             neighbours.residual_slope(&self.system.equations, at, &mut slope);
             slope
         });
-        each.collect()
+        let slopes = each.collect();
+        self.let_go();
+        slopes
     }
 
     /// Slopes of the residual at a linearised point in all directions by `causes`, with the shifts of the point's time; `by_time` is the

@@ -4,8 +4,10 @@ use crate::force::memory::JointMemory;
 use crate::force::set::Indicator;
 use crate::gradient::GradientError;
 use crate::gradient::inputs::{InputRows, Piece};
+use crate::gradient::timer::Timer;
 use crate::solve::point::Point;
 use crate::system::air::AirHistory;
+use crate::system::failure_memory::FailureMemory;
 use nalgebra::UnitQuaternion;
 use std::ops::Range;
 use std::sync::Arc;
@@ -23,6 +25,8 @@ pub(crate) enum Ending {
     Chosen,
     /// A given time: requested, of a row of the inputs, or of a knot of a prescribed motion.
     Given,
+    /// The time of its timers, which may depend on the parameters: the end of a slew or of a ramp, a failure.
+    Timed,
     /// An indicator falls through zero.
     Crossing(Indicator),
 }
@@ -40,6 +44,12 @@ pub(crate) struct Step {
     pub last: Option<Box<Point>>,
     /// States of the joints in it.
     pub joints: Vec<JointMemory>,
+    /// States of the failures in it; empty without failures.
+    pub failures: Vec<FailureMemory>,
+    /// Number of changes of slews and failures before it.
+    pub episode: usize,
+    /// The timers that end it.
+    pub timers: Vec<Timer>,
     /// The accelerations at its start follow from the equations there: at the start of the run and behind an event.
     pub renewed: bool,
     /// Rule for its end.
@@ -101,7 +111,7 @@ pub struct Tape {
     pub(crate) steps: Vec<Step>,
     /// The requested times.
     pub(crate) marks: Vec<Mark>,
-    /// Times in s of the knots of prescribed motions, at which accelerations may jump.
+    /// Times in s of the knots of prescribed motions, at which accelerations may jump, and of failures.
     pub(crate) knots_s: Vec<f64>,
     /// Per joint the largest rate so far.
     largest: Vec<f64>,
@@ -178,7 +188,11 @@ impl Tape {
             .chain(branches)
             .map(|step| {
                 let attitudes: usize = step.attitudes.iter().map(|own| size_of_val(&own[..])).sum();
-                point(&step.start) + step.later().map(point).sum::<usize>() + size_of_val(&step.joints[..]) + attitudes
+                point(&step.start)
+                    + step.later().map(point).sum::<usize>()
+                    + size_of_val(&step.joints[..])
+                    + size_of_val(&step.failures[..])
+                    + attitudes
             })
             .sum::<usize>()
             + self.spans().len() * self.air.as_ref().map_or(0, |air| air.bytes())

@@ -91,6 +91,40 @@ pub enum Effect {
     },
 }
 
+impl Failure {
+    /// Whether the motion of a joint triggers the failure, directly or through others.
+    fn follows_a_bound(&self, all: &[Self]) -> bool {
+        // chains are at most as long as the list
+        let mut failure = Some(self);
+        for _ in 0..=all.len() {
+            let Some(own) = failure else { return false };
+            if own.when.is_some() {
+                return true;
+            }
+            failure = own.after.map(|other| &all[other]);
+        }
+        false
+    }
+
+    /// Whether the failure remembers an instant that depends on the motion: it follows a bound of a joint's motion, with a delay, a ramp or
+    /// a runaway.
+    pub(crate) fn lasts_after_a_bound(&self, all: &[Self]) -> bool {
+        let lasts = match self.effect {
+            Effect::MotorRunaway { .. } => true,
+            Effect::BrakeApplied { brake, .. } => brake.ramp_s > 0.0,
+            Effect::MotorLoss { .. }
+            | Effect::MotorJam { .. }
+            | Effect::LatchBreak { .. }
+            | Effect::LatchNoCapture { .. }
+            | Effect::LockRelease { .. }
+            | Effect::SpringBreak { .. }
+            | Effect::LoopBreak { .. }
+            | Effect::StiffnessLoss { .. } => false,
+        };
+        (lasts || self.delay_s > 0.0) && self.follows_a_bound(all)
+    }
+}
+
 impl Effect {
     /// Body of the joint whose forces the failure changes, if any.
     pub fn joint_of(&self) -> Option<usize> {

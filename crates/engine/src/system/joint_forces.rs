@@ -52,7 +52,12 @@ fn of_joint(own: &OneFreedom) -> Vec<Force> {
         JointMotion::Locked => vec![Force::Lock],
     };
     if let (Some(law), JointMotion::Free) = (&own.generator, &own.motion) {
-        forces.push(Force::Generator(Generator { law: law.clone(), connected: law.connected, about_rad_s: None }));
+        forces.push(Force::Generator(Generator {
+            law: law.clone(),
+            connected: law.connected,
+            about_rad_s: None,
+            held: None,
+        }));
     }
     // before the latch, which a joint resting on a stop might not reach
     if let Some(stops) = own.end_stops {

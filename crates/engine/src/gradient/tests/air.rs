@@ -37,6 +37,8 @@ struct Kind {
     full: bool,
     /// With a gust and a control surface, from an equilibrium.
     gusty: bool,
+    /// With a motor that loses its torque within an aerodynamic step.
+    fails: bool,
 }
 
 impl InAir {
@@ -81,6 +83,11 @@ impl InAir {
             {
                 let knots = vec![(0.0, 0.0), (0.016, 0.3 * self.wing.stop), (0.05, -0.04), (0.132, 0.08), (0.3, 0.0)];
                 flap.motion = JointMotion::Prescribed(Motion::Table(knots));
+            }
+            if kind.fails {
+                let (effect, at_time_s) = (Effect::MotorLoss { body: 1 }, Some(self.wing.fail_s));
+                let name = "dies".to_owned();
+                machine.failures.push(Failure { name, effect, at_time_s, after: None, when: None, delay_s: 0.0 });
             }
             return Ok(if kind.rigid { rigid::hardened(machine) } else { machine });
         }
@@ -296,7 +303,16 @@ fn simulated(times_s: &[f64], machine: Machine, results: &[RunResult]) -> Vec<f6
 #[test]
 fn gradients_in_air_are_those_of_simulations() {
     for (unsteady, established, full) in [(false, true, false), (true, true, true), (true, false, false)] {
-        let kind = Kind { latched: true, rigid: false, driven: false, unsteady, established, full, gusty: false };
+        let kind = Kind {
+            latched: true,
+            rigid: false,
+            driven: false,
+            unsteady,
+            established,
+            full,
+            gusty: false,
+            fails: false,
+        };
         let times_s = [0.032, 0.064];
         let places = if full { &AIR_PLACES[..] } else { &AIR_PLACES[..4] };
         let (both, differences, events) =
@@ -311,8 +327,16 @@ fn gradients_in_air_are_those_of_simulations() {
 /// structure: both ways, and by fourth-order differences of simulations.
 #[test]
 fn gradients_in_air_by_a_prescribed_motion() {
-    let kind =
-        Kind { latched: true, rigid: false, driven: true, unsteady: true, established: true, full: true, gusty: false };
+    let kind = Kind {
+        latched: true,
+        rigid: false,
+        driven: true,
+        unsteady: true,
+        established: true,
+        full: true,
+        gusty: false,
+        fails: false,
+    };
     let times_s = [0.032, 0.064];
     let knot: AirPlace = ("knot", |n| &mut n.wing.stop);
     let places = [&AIR_PLACES[..4], &AIR_PLACES[9..11], &[knot]].concat();
@@ -335,6 +359,7 @@ fn gradients_in_a_gust_start_in_an_equilibrium() {
         established: true,
         full: true,
         gusty: true,
+        fails: false,
     };
     let times_s = [0.032, 0.064];
     let own: [AirPlace; 2] = [("gust", |n| &mut n.gust), ("flap", |n| &mut n.flap)];
@@ -351,7 +376,16 @@ fn gradients_in_a_gust_start_in_an_equilibrium() {
 #[test]
 fn gradients_in_air_pass_through_events() {
     for (latched, rigid) in [(true, false), (true, true), (false, false)] {
-        let kind = Kind { latched, rigid, driven: rigid, unsteady: true, established: true, full: true, gusty: false };
+        let kind = Kind {
+            latched,
+            rigid,
+            driven: rigid,
+            unsteady: true,
+            established: true,
+            full: true,
+            gusty: false,
+            fails: false,
+        };
         let times_s = [0.1213, 0.159];
         let knot: AirPlace = ("knot", |n| &mut n.wing.stop);
         let mut places = [0, 2, 5, 7, 9, 11].map(|place| AIR_PLACES[place]).to_vec();
@@ -363,4 +397,21 @@ fn gradients_in_air_pass_through_events() {
         assert!(both < 1e-10, "{latched} {rigid}: {both:.1e}");
         assert!(differences < 1e-6, "{latched} {rigid}: {differences:.1e}");
     }
+}
+
+/// GR-81: the same through a failure within an aerodynamic step, by its time and numbers of air and structure.
+#[test]
+fn gradients_in_air_pass_through_a_failure() {
+    let (unsteady, established, full) = (true, true, true);
+    let kind =
+        Kind { latched: false, rigid: false, driven: false, unsteady, established, full, gusty: false, fails: true };
+    let times_s = [0.1213, 0.159];
+    let time: AirPlace = ("fail_s", |n| &mut n.wing.fail_s);
+    let places = [&[0, 2, 5, 7, 9].map(|place| AIR_PLACES[place])[..], &[time]].concat();
+    let (both, differences, _) = compare_in_air(kind, (&times_s, &places), |tape, machine, results| {
+        retraced_in_air(tape, &times_s, machine, results)
+    });
+    println!("GR-81 {both:.1e} {differences:.1e}");
+    assert!(both < 1e-10, "{both:.1e}");
+    assert!(differences < 1e-6, "{differences:.1e}");
 }

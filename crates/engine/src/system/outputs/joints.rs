@@ -64,7 +64,7 @@ pub(crate) fn fill(outputs: &mut [JointOutputs], present: &Present) {
         *output = JointOutputs {
             angle_rad: angle,
             rate_rad_s: rate,
-            neutral_angle_rad: joint.motor().map_or(0.0, |motor| motor.slew.at(time_s).0),
+            neutral_angle_rad: joint.motor().map_or(0.0, |motor| motor.neutral(time_s).0),
             torque_applied_n_m: motor + spring + external,
             motor_torque_n_m: motor,
             spring_torque_n_m: spring,
