@@ -1,9 +1,11 @@
 //! A machine in code: the contents of a model file, with the same defaults and the same errors.
 
 mod air;
+mod air_parts;
 mod body;
 mod failure;
 mod flap;
+mod gust;
 mod joint;
 mod latch;
 mod no_slip;
@@ -11,10 +13,11 @@ mod rotor;
 mod surfaces;
 mod tree;
 
-pub use air::{AirBuilder, GustBuilder};
+pub use air::AirBuilder;
 pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, InternalLoadBuilder};
 pub use failure::FailureBuilder;
 pub use flap::FlapBuilder;
+pub use gust::GustBuilder;
 pub use joint::JointBuilder;
 pub use latch::LatchBuilder;
 pub use no_slip::NoSlipBuilder;
