@@ -7,6 +7,8 @@
 
 mod air;
 mod air_file;
+mod air_part_file;
+mod air_parts;
 mod attachments;
 mod base64;
 mod beamdyn_file;
