@@ -1,7 +1,7 @@
 //! Aerodynamics of the machine: the tables `[aerodynamics]`, `[surface.<name>]`, `[control_surface.<name>]` and `[gust.<name>]` of the
 //! model file.
 
-use crate::air_part_file::AirPartFile;
+use crate::air_part_file::{AirPartFile, IndicialFile, TipLossFile};
 use crate::function::FunctionFile;
 use crate::rotor_file::{EndRuleFile, PitchRateFile, SpreadFile, TurnsFile};
 use indexmap::IndexMap;
@@ -189,26 +189,6 @@ pub(super) enum CouplingFile {
     Iterated,
     /// Prediction and one correction.
     Staggered,
-}
-
-/// Approximation of the functions of Wagner and Küssner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum IndicialFile {
-    /// R. T. Jones: two and three terms, lift within 1.5 % and 4 % of the exact frequency response.
-    Jones,
-    /// Five terms each, within 0.06 % and 0.7 %: for flutter of slender wings; slightly slower.
-    Fine,
-}
-
-/// Loss of lift towards the tips of a wing in strip theory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum TipLossFile {
-    /// None: every strip is two-dimensional.
-    None,
-    /// Lifting line through all strips in their current positions.
-    LiftingLine,
 }
 
 /// Lifting surface of a body.

@@ -1,13 +1,12 @@
 //! One of several aerodynamic models: the tables `[aerodynamics.<name>]` of the model file.
 
-use crate::air_file::{AirFile, AirModelFile, IndicialFile, TipLossFile};
 use crate::rotor_file::{EndRuleFile, PitchRateFile, SpreadFile, TurnsFile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One of several aerodynamic models in one flow: any number of rotors, and strips on all other surfaces. No model induces velocities at
 /// the surfaces of another: the slipstream of a propeller does not reach the wing. Co-simulation only; linear models, modes, periodic
-/// motions and derivatives are refused. Outputs of a rotor: `rotor.<name>.thrust` and others.
+/// motions and derivatives are errors. Outputs of a rotor: `rotor.<name>.thrust` and others.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AirPartFile {
@@ -121,37 +120,22 @@ fn straight() -> SpreadFile {
     SpreadFile::Linear
 }
 
-impl AirPartFile {
-    /// The same as the only model of a machine, with the wind of all.
-    pub fn alone(&self, common: &AirFile) -> AirFile {
-        AirFile {
-            model: match self.model {
-                AirPartModelFile::Strip => AirModelFile::Strip,
-                AirPartModelFile::Bem => AirModelFile::Bem,
-            },
-            wind_m_s: common.wind_m_s,
-            quasi_steady: self.quasi_steady,
-            apparent_mass: self.apparent_mass,
-            indicial: self.indicial,
-            tip_loss: self.tip_loss,
-            mirror_normal: self.mirror_normal,
-            core_radius_m: self.core_radius_m,
-            leading_edge_suction: self.leading_edge_suction,
-            speed_of_sound_m_s: self.speed_of_sound_m_s,
-            hub: self.hub.clone(),
-            hub_radius_m: self.hub_radius_m,
-            shaft_axis: self.shaft_axis,
-            rotation_direction: self.rotation_direction,
-            end_loads: self.end_loads,
-            skewed_wake: self.skewed_wake,
-            dynamic_inflow: self.dynamic_inflow,
-            inflow_lag_s: self.inflow_lag_s,
-            blades: self.blades,
-            pitch_rate: self.pitch_rate,
-            load_interpolation: self.load_interpolation,
-            dynamic_stall: self.dynamic_stall,
-            aerodyn_compatible: self.aerodyn_compatible,
-            ..AirFile::default()
-        }
-    }
+/// Approximation of the functions of Wagner and Küssner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum IndicialFile {
+    /// R. T. Jones: two and three terms, lift within 1.5 % and 4 % of the exact frequency response.
+    Jones,
+    /// Five terms each, within 0.06 % and 0.7 %: for flutter of slender wings; slightly slower.
+    Fine,
+}
+
+/// Loss of lift towards the tips of a wing in strip theory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum TipLossFile {
+    /// None: every strip is two-dimensional.
+    None,
+    /// Lifting line through all strips in their current positions.
+    LiftingLine,
 }

@@ -1,8 +1,8 @@
 //! Several aerodynamic models in the model file: the tables `[aerodynamics.<name>]`.
 
-use crate::air::{self, LATTICE_KEYS, LATTICE_SURFACE_KEYS, PROFILE_KEYS, SPAN_KEYS, STRIP_KEYS};
-use crate::air_file::{AirFile, AirModelFile, TipLossFile};
-use crate::air_part_file::AirPartModelFile;
+use crate::air_file::{AirFile, AirModelFile, CouplingFile};
+use crate::air_keys::{self, LATTICE_KEYS, LATTICE_SURFACE_KEYS, PROFILE_KEYS, SPAN_KEYS, STRIP_KEYS};
+use crate::air_part_file::{AirPartFile, AirPartModelFile, TipLossFile};
 use crate::checker::Checker;
 use crate::file::ModelFile;
 use crate::rotor::{self, air_path};
@@ -21,9 +21,9 @@ pub(super) fn build(common: &AirFile, file: &ModelFile, checker: &mut Checker) -
     let mut built = Air::parts();
     let mut whole = true;
     for (name, part) in &common.parts {
-        let own = part.alone(common);
+        let own = alone(part, common);
         let base = match part.model {
-            AirPartModelFile::Strip => Some(air::build(Air::strips(), &AirFile { wind_m_s: [0.0; 3], ..own })),
+            AirPartModelFile::Strip => Some(air_keys::build(Air::strips(), &AirFile { wind_m_s: [0.0; 3], ..own })),
             AirPartModelFile::Bem => rotor::build(name, &own, file, checker),
         };
         match base {
@@ -32,6 +32,39 @@ pub(super) fn build(common: &AirFile, file: &ModelFile, checker: &mut Checker) -
         }
     }
     whole.then_some(built)
+}
+
+/// The part as the only model of a machine, with the wind of all.
+fn alone(part: &AirPartFile, common: &AirFile) -> AirFile {
+    AirFile {
+        model: match part.model {
+            AirPartModelFile::Strip => AirModelFile::Strip,
+            AirPartModelFile::Bem => AirModelFile::Bem,
+        },
+        wind_m_s: common.wind_m_s,
+        quasi_steady: part.quasi_steady,
+        apparent_mass: part.apparent_mass,
+        indicial: part.indicial,
+        tip_loss: part.tip_loss,
+        mirror_normal: part.mirror_normal,
+        core_radius_m: part.core_radius_m,
+        leading_edge_suction: part.leading_edge_suction,
+        speed_of_sound_m_s: part.speed_of_sound_m_s,
+        hub: part.hub.clone(),
+        hub_radius_m: part.hub_radius_m,
+        shaft_axis: part.shaft_axis,
+        rotation_direction: part.rotation_direction,
+        end_loads: part.end_loads,
+        skewed_wake: part.skewed_wake,
+        dynamic_inflow: part.dynamic_inflow,
+        inflow_lag_s: part.inflow_lag_s,
+        blades: part.blades,
+        pitch_rate: part.pitch_rate,
+        load_interpolation: part.load_interpolation,
+        dynamic_stall: part.dynamic_stall,
+        aerodyn_compatible: part.aerodyn_compatible,
+        ..AirFile::default()
+    }
 }
 
 /// Reports keys without effect: in `[aerodynamics]` those of a single model, in the parts those of other models, in surfaces those of the
@@ -93,7 +126,7 @@ fn refuse_keys(common: &AirFile, file: &ModelFile, checker: &mut Checker) {
             checker.refuse_as(&[key], found, "this table only with model = \"bem\"");
         }
     }
-    if common.coupling == crate::air_file::CouplingFile::Staggered {
+    if common.coupling == CouplingFile::Staggered {
         for key in ["coupling_tolerance", "coupling_iterations"] {
             if checker.states(&["aerodynamics", key]) {
                 checker.refuse(&["aerodynamics", key], "this key only with coupling = \"iterated\"");

@@ -7,6 +7,7 @@
 
 mod air;
 mod air_file;
+mod air_keys;
 mod air_part_file;
 mod air_parts;
 mod attachments;

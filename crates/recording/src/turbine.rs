@@ -50,9 +50,12 @@ fn tower_of(machine: &Machine) -> Option<&Tower> {
 
 impl Turbine {
     /// The turbine of a model: at least two blades across the shaft on a rigid hub, the outermost one that rotates on a revolute
-    /// joint.
+    /// joint. `None` with several aerodynamic models: a wing with a propeller is no tower.
     pub fn of(plant: &Plant) -> Option<Self> {
         let machine = plant.machine();
+        if machine.air.as_ref().is_some_and(|air| air.parts.len() > 1) {
+            return None;
+        }
         (0..machine.bodies.len()).rev().find_map(|hub| Self::with_hub(plant, hub))
     }
 

@@ -1,22 +1,14 @@
 //! Aerodynamics in code: equivalent of the table `[aerodynamics]` of the model file.
 
-use crate::aero::AirOptions;
-use crate::aero::flow::Gust;
 use crate::aero::images::Plane;
 use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
 use crate::aero::strip::StripOptions;
 use crate::aero::strip::indicial::Fit;
 use crate::aero::strip::lifting_line::LiftingLineOptions;
-use crate::machine::builder::air_parts::{self, air_place};
-use crate::machine::builder::flap::{self, FlapBuilder};
-use crate::machine::builder::gust::GustBuilder;
+use crate::machine::builder::place::air_place;
 use crate::machine::builder::rotor::RotorSettings;
-use crate::machine::builder::surfaces::{SurfaceBuilder, draft, place_all};
-use crate::machine::edges::fastest_m_s;
 use crate::machine::fault::{Checker, Range, array_text};
-use crate::machine::units::shortest;
-use crate::machine::validate::air::lattice_size;
-use crate::machine::{Air, AirPart, Body, Coupling, LiftingSurface};
+use crate::machine::{Air, Coupling, LiftingSurface};
 use nalgebra::Vector3;
 
 /// Cosine of the angle between the normals of mirror and ground below which they count as perpendicular.
@@ -39,22 +31,22 @@ pub(super) enum Model {
 #[derive(Debug, Clone, PartialEq)]
 pub struct AirBuilder {
     pub(super) model: Model,
-    density_kg_m3: f64,
-    wind_m_s: Vector3<f64>,
-    step_s: Option<f64>,
-    coupling: Coupling,
-    established: bool,
-    reports_circulation: bool,
+    pub(super) density_kg_m3: f64,
+    pub(super) wind_m_s: Vector3<f64>,
+    pub(super) step_s: Option<f64>,
+    pub(super) coupling: Coupling,
+    pub(super) established: bool,
+    pub(super) reports_circulation: bool,
     unsteady: bool,
     apparent_mass: bool,
     fit: Fit,
-    tip_loss: bool,
+    pub(super) tip_loss: bool,
     leading_edge_suction: Option<bool>,
     mirror_normal: Option<Vector3<f64>>,
     ground: Option<(Vector3<f64>, f64)>,
     speed_of_sound_m_s: Option<f64>,
     wake: WakeModel,
-    wake_rows: usize,
+    pub(super) wake_rows: usize,
     core_radius_m: Option<f64>,
     threads: usize,
     pub(super) rotor: Option<RotorSettings>,
@@ -208,7 +200,7 @@ impl AirBuilder {
 
 impl AirBuilder {
     /// Names and builders of the models: a single one has no name.
-    fn named(&self) -> Vec<(&str, &Self)> {
+    pub(super) fn named(&self) -> Vec<(&str, &Self)> {
         match self.model {
             Model::Parts => self.parts.iter().map(|(name, part)| (name.as_str(), part)).collect(),
             Model::Lattice | Model::Strips | Model::Rotor | Model::None => vec![("", self)],
@@ -224,7 +216,7 @@ impl AirBuilder {
     }
 
     /// Normal of the mirror plane; `None` if it is invalid.
-    fn mirror(&self, name: &str, checker: &mut Checker) -> Option<Option<Vector3<f64>>> {
+    pub(super) fn mirror(&self, name: &str, checker: &mut Checker) -> Option<Option<Vector3<f64>>> {
         let place = air_place(name, "mirror_normal");
         let Some(normal) = self.mirror_normal else { return Some(None) };
         if self.model != Model::Lattice && !self.tip_loss {
@@ -242,7 +234,7 @@ impl AirBuilder {
         unit.map(Some)
     }
 
-    fn lattice_options(
+    pub(super) fn lattice_options(
         &self,
         smallest_m: f64,
         (mirror, ground): (Option<Vector3<f64>>, Option<Plane>),
@@ -263,7 +255,7 @@ impl AirBuilder {
         }
     }
 
-    fn strip_options(&self, surfaces: &[LiftingSurface], mirror: Option<Vector3<f64>>) -> StripOptions {
+    pub(super) fn strip_options(&self, surfaces: &[LiftingSurface], mirror: Option<Vector3<f64>>) -> StripOptions {
         let chords = surfaces.iter().flat_map(|surface| &surface.chords);
         let shortest_m = chords.map(|chord| chord.length_m()).fold(f64::INFINITY, f64::min);
         StripOptions {
@@ -280,7 +272,7 @@ impl AirBuilder {
     }
 
     /// The ground as a plane; `None` if it is invalid.
-    fn ground_plane(&self, mirror: Option<Vector3<f64>>, checker: &mut Checker) -> Option<Option<Plane>> {
+    pub(super) fn ground_plane(&self, mirror: Option<Vector3<f64>>, checker: &mut Checker) -> Option<Option<Plane>> {
         let Some((normal, distance_m)) = self.ground else { return Some(None) };
         if self.model != Model::Lattice {
             let allowed = "a ground only with a vortex lattice";
@@ -301,125 +293,4 @@ impl AirBuilder {
             .number(&["air", "ground_distance_m"], distance_m, Range::Finite)
             .then_some(Some(Plane { normal: unit, distance_m }))
     }
-}
-
-/// Builds the aerodynamics around valid bodies; `None` without aerodynamics, or after errors that leave nothing to build. Bodies with
-/// errors (not in `stand`) are only looked up by name.
-pub(super) fn build(
-    air: Option<&AirBuilder>,
-    (surfaces, flaps): (&[SurfaceBuilder], &[FlapBuilder]),
-    gusts: &[GustBuilder],
-    bodies: &[Body],
-    stand: bool,
-    start_time_s: f64,
-    checker: &mut Checker,
-) -> Option<Air> {
-    let Some(air) = air else {
-        let stray = surfaces.first().map(|surface| ["surface", surface.body.as_str()]);
-        let stray = stray.or(gusts.first().map(|gust| ["gust", gust.name.as_str()]));
-        let stray = stray.or(flaps.first().map(|flap| ["control_surface", flap.name.as_str()]));
-        if let Some(place) = stray {
-            checker.refuse_state(
-                &place,
-                "a surface, gust or control surface without aerodynamics",
-                "a model with aerodynamics",
-            );
-        }
-        return None;
-    };
-    let drafts: Option<Vec<_>> = {
-        let drafts: Vec<Option<_>> =
-            surfaces.iter().enumerate().map(|(index, _)| draft(index, surfaces, bodies, checker)).collect();
-        drafts.into_iter().collect()
-    };
-    let gusts: Vec<Option<Gust>> = gusts.iter().map(|gust| gust.build(&air.wind_m_s, checker)).collect();
-    let whole = air.model == Model::Rotor || flap::check(flaps, surfaces, bodies, air.model == Model::Lattice, checker);
-    if air.model == Model::None {
-        return None;
-    }
-    if let (Model::Rotor, Some(flap)) = (air.model, flaps.first()) {
-        let allowed = "no control surfaces on a rotor; they need strips or a lattice";
-        checker.refuse_state(&["control_surface", flap.name.as_str()], "a control surface on a rotor's blade", allowed);
-        return None;
-    }
-    if surfaces.is_empty() {
-        let allowed = "at least one surface";
-        checker.refuse_state(&["air", "model"], "aerodynamics without a surface", allowed);
-        return None;
-    }
-    let named = air.named();
-    if air.model == Model::Parts && !air_parts::check(air, checker) {
-        return None;
-    }
-    let mirrors: Vec<_> = named.iter().map(|(name, part)| part.mirror(name, checker)).collect::<Option<_>>()?;
-    let ground = air.ground_plane(mirrors.first().copied().flatten(), checker)?;
-    let drafts = drafts?;
-    if !whole {
-        return None;
-    }
-    let gusts = gusts.into_iter().collect::<Option<Vec<_>>>()?;
-    if !stand {
-        return None;
-    }
-    let lattice = air.model == Model::Lattice;
-    if lattice {
-        let sizes = drafts.iter().map(|draft| (draft.surface.strips, draft.surface.chord_panels));
-        if !lattice_size(sizes, air.wake_rows, checker) {
-            return None;
-        }
-    }
-    let builders = surfaces;
-    let shares = air_parts::share(&named, drafts, flaps, bodies, checker)?;
-    let mut placed = Vec::new();
-    for (((_, part), drafts), mirror) in named.iter().zip(&shares).zip(&mirrors) {
-        placed.push(place_all(drafts, flaps, (lattice, lattice || part.tip_loss), bodies, *mirror, checker)?);
-    }
-    let mut surfaces: Vec<LiftingSurface> = placed.iter().flatten().cloned().collect();
-    surfaces.sort_by_key(|surface| surface.body);
-    let smallest_m = surfaces
-        .iter()
-        .flat_map(|surface| surface.chords.iter().map(|chord| chord.length_m() / surface.chord_panels as f64))
-        .fold(f64::INFINITY, f64::min);
-    let step_s = match air.step_s {
-        Some(step_s) => step_s,
-        None => match fastest_m_s(&surfaces, bodies, air.wind_m_s, start_time_s) {
-            Some(speed_m_s) => smallest_m / speed_m_s,
-            None => {
-                let allowed =
-                    "a finite time > 0 s: it has no default if the wing does not move relative to the air at the start";
-                checker.refuse(&["air", "step_s"], "none", allowed);
-                return None;
-            }
-        },
-    };
-    let mut parts = Vec::new();
-    for (((name, part), own), mirror) in named.iter().zip(&placed).zip(mirrors) {
-        let options = if lattice {
-            AirOptions::Lattice(part.lattice_options(smallest_m, (mirror, ground)))
-        } else if let Some(rotor) = &part.rotor {
-            if let Some(lag_s) = rotor.features.inflow_lag_s.filter(|lag_s| *lag_s < step_s) {
-                let allowed = format!("a finite time >= {} s, the aerodynamic step", shortest(step_s));
-                checker.refuse(&air_place(name, "inflow_lag_s"), shortest(lag_s), allowed);
-                return None;
-            }
-            AirOptions::Rotor(Box::new(rotor.options(name, builders, own, bodies, checker)?))
-        } else {
-            AirOptions::Strips(part.strip_options(own, mirror))
-        };
-        let is_own = |index: &usize| own.iter().any(|surface| surface.body == surfaces[*index].body);
-        let indices = (0..surfaces.len()).filter(is_own).collect();
-        parts.push(AirPart { name: (*name).to_owned(), options, surfaces: indices });
-    }
-    Some(Air {
-        parts,
-        density_kg_m3: air.density_kg_m3,
-        wind_m_s: air.wind_m_s,
-        step_s,
-        coupling: air.coupling,
-        established: air.established,
-        reports_circulation: air.reports_circulation,
-        flaps: flap::build(flaps, builders, &surfaces, bodies),
-        surfaces,
-        gusts,
-    })
 }

@@ -2,19 +2,12 @@
 
 use crate::machine::builder::air::{AirBuilder, Model};
 use crate::machine::builder::flap::FlapBuilder;
+use crate::machine::builder::place::air_place;
 use crate::machine::builder::surfaces::Draft;
 use crate::machine::fault::Checker;
 use crate::machine::units::quoted;
 use crate::machine::validate::names;
 use crate::machine::{Air, Body, Parent};
-
-/// Place of a setting of an aerodynamic model in error messages; a single model has no name.
-pub(super) fn air_place<'a>(part: &'a str, key: &'a str) -> Vec<&'a str> {
-    match part {
-        "" => vec!["air", key],
-        part => vec!["air", part, key],
-    }
-}
 
 impl Air {
     /// Several aerodynamic models in one flow, each on its own bodies: [`AirBuilder::part`] adds them. Density, wind, step, coupling,

@@ -1,6 +1,7 @@
 //! A machine in code: the contents of a model file, with the same defaults and the same errors.
 
 mod air;
+mod air_build;
 mod air_parts;
 mod body;
 mod failure;
@@ -9,6 +10,7 @@ mod gust;
 mod joint;
 mod latch;
 mod no_slip;
+mod place;
 mod rotor;
 mod surfaces;
 mod tree;
@@ -255,7 +257,7 @@ impl MachineBuilder {
         names("control_surface", self.flaps.iter().map(|flap| flap.name.as_str()), checker);
         let on_wing = (self.surfaces.as_slice(), self.flaps.as_slice());
         let air = self.air.as_ref();
-        machine.air = air::build(air, on_wing, &self.gusts, &machine.bodies, stand, start_time_s, checker);
+        machine.air = air_build::build(air, on_wing, &self.gusts, &machine.bodies, stand, start_time_s, checker);
         validate::surroundings(&machine, checker);
         machine
     }

@@ -3,7 +3,7 @@
 use crate::aero::polar::Polar;
 use crate::aero::rotor::bem::{RotorFeatures, RotorOptions};
 use crate::aero::rotor::viterna::is_full_circle;
-use crate::machine::builder::air_parts::air_place;
+use crate::machine::builder::place::air_place;
 use crate::machine::builder::surfaces::SurfaceBuilder;
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
