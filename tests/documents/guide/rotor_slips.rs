@@ -182,7 +182,7 @@ fn airs() -> Vec<String> {
     vec![
         TWIN.replace("[aerodynamics]\n", "[aerodynamics]\nmodel = \"strip\"\nhub = \"port_hub\"\n"),
         TWIN.replace("hub = \"starboard_hub\"", "hub = \"port_hub\""),
-        TWIN.to_owned() + part,
+        TWIN.replace("[wind]\nreference_height_m = 20.0\nshear_exponent = 0.14\n", "") + part,
         PROPELLERS.to_owned() + part,
         PROPELLERS.to_owned() + field,
         PROPELLERS.replace("[aerodynamics.wing]\nmodel = \"strip\"\n", ""),
