@@ -235,8 +235,9 @@ impl System {
 
     /// Error: the momentum balance of an annulus is discontinuous, so that there is no linear model.
     fn no_slope(&self, section: usize) -> PlantError {
-        let blades = self.machine.air.iter().flat_map(|air| &air.parts).flat_map(|part| self.stations_of_blades(part));
-        let place = blades.skip(section).next().unwrap_or_default();
+        let mut blades =
+            self.machine.air.iter().flat_map(|air| &air.parts).flat_map(|part| self.stations_of_blades(part));
+        let place = blades.nth(section).unwrap_or_default();
         let cause = format!(
             "the momentum balance of {place} is discontinuous at this operating point, between two states of the \
              annulus; choose another wind, pitch or rotor speed, or write inflow_lag_s, with which it is continuous"
