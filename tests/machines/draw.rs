@@ -1,5 +1,6 @@
 //! Machines of ordinary dimensions: bodies in a tree, their joints, attachments and failures.
 
+use crate::machines::airs::{self, AIRS};
 use crate::machines::course::{Action, Doing};
 use crate::machines::model::{Form, Model, Table, Value};
 use crate::machines::no_slip::{self, NO_SLIP};
@@ -107,8 +108,11 @@ impl Draft {
 }
 
 /// A machine from a seed, reproducible; seeds from [`SLIDING`] on give machines with sliding joints, those from [`RIGID`] on machines with rigid
-/// loops, those from [`NO_SLIP`] on machines with skates and wheels.
+/// loops, those from [`NO_SLIP`] on machines with skates and wheels, those from [`AIRS`] on machines with several aerodynamic models.
 pub fn draw(seed: u64) -> Model {
+    if seed >= AIRS {
+        return airs::draw(seed);
+    }
     if seed >= NO_SLIP {
         return no_slip::draw(seed);
     }

@@ -6,6 +6,7 @@
 #![allow(dead_code, unused_imports, reason = "each test program uses a part of it")]
 
 mod air;
+mod airs;
 mod course;
 mod draw;
 mod model;
@@ -17,6 +18,7 @@ mod shrink;
 mod sliding;
 mod view;
 
+pub use airs::AIRS;
 pub use course::Doing;
 pub use draw::{STEPS, draw};
 pub use model::{Model, Value};

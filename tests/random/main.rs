@@ -18,7 +18,7 @@ mod rows;
 mod share;
 
 use crate::dependencies::Outcome;
-use crate::machines::{Model, NO_SLIP, RIGID, SLIDING, View, draw, rigid_seeds, seeds, shrink, sliding_seeds};
+use crate::machines::{AIRS, Model, NO_SLIP, RIGID, SLIDING, View, draw, rigid_seeds, seeds, shrink, sliding_seeds};
 use crate::share::share;
 use foldwing::config;
 use foldwing::machine::{ElementKind, Machine, Parent};
@@ -87,10 +87,15 @@ pub fn run_on(plant: &mut Plant, model: &Model, view: &View, parts: u32) -> Resu
 /// Generates machines, checks one invariant, and reduces the first machine that violates it.
 fn hold(name: &str, usual: u64, invariant: impl Fn(&Model) -> Verdict) {
     let usual = usual.div_ceil(share() as u64);
+    hold_for(name, seeds(usual).into_iter().chain(sliding_seeds(usual)).chain(rigid_seeds(usual)), invariant);
+}
+
+/// The same for the machines of these seeds.
+fn hold_for(name: &str, seeds: impl Iterator<Item = u64>, invariant: impl Fn(&Model) -> Verdict) {
     let (mut held, mut silent) = (0, 0);
     let mut broken = Vec::new();
     let all = std::env::var_os("FOLDWING_ALL").is_some();
-    for seed in seeds(usual).into_iter().chain(sliding_seeds(usual)).chain(rigid_seeds(usual)) {
+    for seed in seeds {
         match invariant(&draw(seed)) {
             Verdict::Holds => held += 1,
             Verdict::Silent => silent += 1,
@@ -377,6 +382,46 @@ fn x16_skates_and_wheels_do_not_slip() {
     assert!(silent <= 15 && 2 * loaded > machines, "{loaded} of {machines}, {silent} do not run");
 }
 
+/// Machines with several aerodynamic models: they run, all but a few; rotated and mirrored as a whole they have the same motion; their
+/// energy accounts close; states are whole; communication steps do not matter; file and tables give the same machine; what has no form
+/// for several models is refused by name.
+#[test]
+fn x17_machines_with_several_airs() {
+    let seeds = || AIRS..AIRS + 30_u64.div_ceil(share() as u64);
+    let (mut lost, mut refused) = (0, 0);
+    for seed in seeds() {
+        let model = draw(seed);
+        let mut plant = match machine(&model, &View::plain()).and_then(start) {
+            Ok(plant) => plant,
+            Err(error) => {
+                println!("X-17 seed {seed}: {error}");
+                lost += 1;
+                continue;
+            }
+        };
+        let parts = plant.machine().air.as_ref().map_or(0, |air| air.parts.len());
+        assert!(parts > 1, "seed {seed}: {parts} parts");
+        assert!(plant.hybrid().is_err(), "seed {seed}");
+        let text = plant.study().modes(2).expect_err("no linear model").to_string();
+        assert!(text.contains("rotor0") && text.contains("rotor1"), "seed {seed}: {text}");
+        refused += 1;
+        if let Err(error) = run(plant, &model, &View::plain(), 1) {
+            println!("X-17 seed {seed}: {error}");
+            lost += 1;
+        }
+    }
+    println!("X-17: {lost} machines do not run, {refused} refuse linear models");
+    assert!(lost <= 3, "{lost} machines do not run");
+    hold_for("X-17 rotated", seeds(), |model| {
+        invariants::seen_otherwise(model, &View::turned([0.7, -1.1, 0.5].into()))
+    });
+    hold_for("X-17 mirrored", seeds(), |model| invariants::seen_otherwise(model, &View::mirrored()));
+    hold_for("X-17 energy", seeds(), invariants::energy);
+    hold_for("X-17 states", seeds(), invariants::states);
+    hold_for("X-17 communication", seeds(), invariants::communication);
+    hold_for("X-17 files", seeds(), invariants::files);
+}
+
 /// Parts of the format that the generator omits, with reasons.
 const NOT_DRAWN: [(&str, &str); 12] = [
     ("section.*.shape = \"angle\"", "its mirror image has no words: its legs point to +y and +z"),
@@ -400,7 +445,12 @@ fn x10_the_generator_draws_the_whole_format() {
     const SEEDS: u64 = 2000;
     let schema: serde_json::Value = serde_json::from_str(&config::schema()).expect("JSON");
     let mut drawn = std::collections::BTreeSet::new();
-    for seed in (0..SEEDS).chain(SLIDING..SLIDING + 200).chain(RIGID..RIGID + 20).chain(NO_SLIP..NO_SLIP + 20) {
+    for seed in (0..SEEDS)
+        .chain(SLIDING..SLIDING + 200)
+        .chain(RIGID..RIGID + 20)
+        .chain(NO_SLIP..NO_SLIP + 20)
+        .chain(AIRS..AIRS + 200)
+    {
         let file: toml::Table = draw(seed).text(&View::plain()).parse().expect("TOML");
         drawn.extend(keys::said(&schema, Some(&serde_json::to_value(&file).expect("JSON"))));
     }

@@ -26,7 +26,7 @@ fn defaults_of_air() {
     assert_eq!((air.density_kg_m3, air.established), (1.225, true));
     approx::assert_relative_eq!(air.step_s, 0.05 / 4.0 / 10.0, max_relative = 1e-12);
     assert!(matches!(air.coupling, Coupling::Iterated { .. }));
-    let AirOptions::Lattice(lattice) = &air.options else { panic!("a lattice") };
+    let AirOptions::Lattice(lattice) = &air.parts[0].options else { panic!("a lattice") };
     assert_eq!((lattice.wake, lattice.wake_rows, lattice.threads), (WakeModel::Prescribed, 100, 1));
     approx::assert_relative_eq!(lattice.core_radius_m, 1e-2 * 0.05 / 4.0, max_relative = 1e-12);
     let surface = &air.surfaces[0];
@@ -323,7 +323,7 @@ fn tip_loss_of_strips() {
     let air = |key: &str, surface: &str| {
         format!("[aerodynamics]\nmodel = \"strip\"\nwind_m_s = [0, -10, 0]\n{key}\n{SURFACE}{surface}\n")
     };
-    let strips = |text: &str| match machine(text).air.expect("air").options {
+    let strips = |text: &str| match machine(text).air.expect("air").parts[0].options.clone() {
         AirOptions::Strips(strips) => strips,
         AirOptions::Lattice(_) | AirOptions::Rotor(_) => panic!("a lattice or a rotor"),
     };

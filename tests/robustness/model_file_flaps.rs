@@ -98,7 +98,7 @@ fn grounds_and_speeds_of_sound_that_cannot_be() {
         AIR.replace("strip", "uvlm")
     ));
     let air = air.air.expect("air");
-    let foldwing::machine::AirOptions::Lattice(options) = &air.options else { panic!("a lattice") };
+    let foldwing::machine::AirOptions::Lattice(options) = &air.parts[0].options else { panic!("a lattice") };
     assert_eq!(options.ground.map(|ground| (ground.normal.z, ground.distance_m)), Some((1.0, 1.0)));
     assert_eq!(options.speed_of_sound_m_s, Some(340.0));
 }

@@ -218,7 +218,9 @@ fn plies_are_read_in_radians() {
 #[test]
 fn angle_of_the_pressure_shift_is_read_in_radians() {
     let machine = read(STALLED);
-    let Some(AirOptions::Rotor(rotor)) = machine.air.as_ref().map(|air| &air.options) else { panic!("a rotor") };
+    let Some(AirOptions::Rotor(rotor)) = machine.air.as_ref().map(|air| &air.parts[0].options) else {
+        panic!("a rotor")
+    };
     let beyond = rotor.polars[0].rows.iter().map(|row| row.angle_rad);
     let nearest = beyond.min_by(|a, b| (a - 22f64.to_radians()).abs().total_cmp(&(b - 22f64.to_radians()).abs()));
     close("pressure_shift_deg", nearest.expect("rows"), 22.0);

@@ -164,7 +164,7 @@ fn is_large(machine: &Machine) -> bool {
     let elements: usize = machine.bodies.iter().map(|body| body.elements).sum();
     let air = machine.air.as_ref().is_some_and(|air| {
         let panels = air.surfaces.iter().map(|surface| (surface.positions_m.len() - 1) * surface.chord_panels);
-        let rows = match &air.options {
+        let rows = match &air.parts[0].options {
             AirOptions::Lattice(options) => options.wake_rows,
             AirOptions::Strips(_) | AirOptions::Rotor(_) => 0,
         };

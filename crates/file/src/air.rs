@@ -1,18 +1,19 @@
 //! Aerodynamics of the model file: the tables `[aerodynamics]`, `[surface.<name>]`, `[control_surface.<name>]` and
 //! `[gust.<name>]`.
 
-use crate::air_file::{AirFile, AirModelFile, CouplingFile, IndicialFile, LeadingEdgeFile, SurfaceFile, TipLossFile};
+use crate::air_file::{AirFile, AirModelFile, CouplingFile, LeadingEdgeFile, SurfaceFile};
+use crate::air_keys::{LATTICE_KEYS, LATTICE_SURFACE_KEYS, PROFILE_KEYS, SPAN_KEYS, STRIP_KEYS, build};
+use crate::air_part_file::TipLossFile;
+use crate::air_parts;
 use crate::checker::Checker;
 use crate::file::ModelFile;
 use crate::function::along_body;
 use crate::gust;
 use crate::rotor;
-use foldwing_engine::aero::lattice::WakeModel;
 use foldwing_engine::aero::polar::{Polar, PolarRow};
-use foldwing_engine::aero::strip::indicial::Fit;
 use foldwing_engine::aero::surface::Profile;
-use foldwing_engine::machine::builder::{AirBuilder, FlapBuilder, MachineBuilder, SurfaceBuilder};
-use foldwing_engine::machine::{Air, Coupling, LiftingSurface};
+use foldwing_engine::machine::builder::{FlapBuilder, MachineBuilder, SurfaceBuilder};
+use foldwing_engine::machine::{Air, LiftingSurface};
 
 /// Adds aerodynamics, surfaces and gusts to a machine. Surfaces on bodies with an invalid section are omitted.
 pub(super) fn add(
@@ -22,13 +23,20 @@ pub(super) fn add(
     checker: &mut Checker,
 ) -> MachineBuilder {
     match &file.aerodynamics {
+        Some(air) if !air.parts.is_empty() => {
+            let built = air_parts::build(air, file, checker).unwrap_or_else(|| {
+                checker.stands_in(&["air"]);
+                Air::none()
+            });
+            machine = machine.air(build(built, air));
+        }
         Some(air) => {
             refuse_keys_without_effect(air, file, checker);
             let base = match air.model {
                 AirModelFile::Uvlm => Air::lattice(),
                 AirModelFile::Strip => Air::strips(),
                 AirModelFile::None => Air::none(),
-                AirModelFile::Bem => rotor::build(air, file, checker).unwrap_or_else(|| {
+                AirModelFile::Bem => rotor::build("", air, file, checker).unwrap_or_else(|| {
                     checker.stands_in(&["air"]);
                     Air::none()
                 }),
@@ -45,7 +53,8 @@ pub(super) fn add(
             machine = machine.air(Air::none()); // so that the tables are checked nevertheless
         }
     }
-    let air_model = file.aerodynamics.as_ref().map_or(AirModelFile::None, |air| air.model);
+    let parts = file.aerodynamics.as_ref().is_some_and(|air| !air.parts.is_empty());
+    let bem = file.aerodynamics.as_ref().is_some_and(|air| air.model == AirModelFile::Bem);
     for (index, (name, surface)) in file.surface.iter().enumerate() {
         let path = ["surface", name, "body"];
         let earlier = file.surface.iter().take(index).find(|(_, other)| other.body == surface.body);
@@ -55,7 +64,11 @@ pub(super) fn add(
                 None
             }
             None if lawless.contains(&surface.body.as_str()) => None,
-            None => build_surface(name, surface, air_model, checker),
+            // with several models, a blade is a surface with keys of a blade
+            None => {
+                let blade = if parts { surface.stations_m.is_some() || surface.polars.is_some() } else { bem };
+                build_surface(name, surface, blade, checker)
+            }
         };
         match built {
             Some(built) => machine = machine.surface(built),
@@ -173,67 +186,8 @@ fn refuse_rotor_keys(air: &AirFile, file: &ModelFile, checker: &mut Checker) {
     }
 }
 
-/// Keys of `[aerodynamics]` and of `[surface.<name>]` that only the lattice uses, and those that only strip theory uses.
-const LATTICE_KEYS: &[&str] = &["free_wake", "wake_rows", "threads", "ground_normal", "ground_distance_m"];
-/// Keys of `[aerodynamics]` used by the lattice and by a lifting line.
-const SPAN_KEYS: &[&str] = &["mirror_normal", "core_radius_m"];
-const LATTICE_SURFACE_KEYS: &[&str] = &["chord_panels"];
-const STRIP_KEYS: &[&str] = &["quasi_steady", "apparent_mass", "indicial", "tip_loss"];
-/// Keys of `[surface.<name>]` that describe the profile, used by strip theory and the lattice.
-const PROFILE_KEYS: &[&str] =
-    &["lift_slope_1_rad", "zero_lift_angle_deg", "moment_coefficient", "drag_coefficient", "polar"];
-
-fn build(base: AirBuilder, air: &AirFile) -> AirBuilder {
-    let mut built = base
-        .density_kg_m3(air.density_kg_m3)
-        .wind_m_s(air.wind_m_s)
-        .established(air.steady_initial_flow)
-        .reports_circulation(air.report_circulation)
-        .unsteady(!air.quasi_steady)
-        .apparent_mass(air.apparent_mass)
-        .fit(match air.indicial {
-            IndicialFile::Jones => Fit::Jones,
-            IndicialFile::Fine => Fit::Fine,
-        })
-        .tip_loss(air.tip_loss == TipLossFile::LiftingLine)
-        .wake(if air.free_wake { WakeModel::Free } else { WakeModel::Prescribed })
-        .wake_rows(air.wake_rows)
-        .threads(air.threads)
-        .coupling(match air.coupling {
-            CouplingFile::Staggered => Coupling::Staggered,
-            CouplingFile::Iterated => {
-                Coupling::Iterated { tolerance: air.coupling_tolerance, most_iterations: air.coupling_iterations }
-            }
-        });
-    if let Some(step_s) = air.step_s {
-        built = built.step_s(step_s);
-    }
-    if let Some(suction) = air.leading_edge_suction {
-        built = built.leading_edge_suction(suction);
-    }
-    if let Some(normal) = air.mirror_normal {
-        built = built.mirror_normal(normal);
-    }
-    if let (Some(normal), Some(distance_m)) = (air.ground_normal, air.ground_distance_m) {
-        built = built.ground(normal, distance_m);
-    }
-    if let Some(speed_m_s) = air.speed_of_sound_m_s {
-        built = built.speed_of_sound_m_s(speed_m_s);
-    }
-    if let Some(radius_m) = air.core_radius_m {
-        built = built.core_radius_m(radius_m);
-    }
-    built
-}
-
-/// Builds a surface; `None` after an error.
-fn build_surface(
-    name: &str,
-    surface: &SurfaceFile,
-    model: AirModelFile,
-    checker: &mut Checker,
-) -> Option<SurfaceBuilder> {
-    let blade = model == AirModelFile::Bem;
+/// Builds a surface, of a rotor's `blade` or of a wing; `None` after an error.
+fn build_surface(name: &str, surface: &SurfaceFile, blade: bool, checker: &mut Checker) -> Option<SurfaceBuilder> {
     let strips = match surface.strips {
         Some(strips) => strips,
         None if blade => 1,

@@ -1,15 +1,18 @@
 //! Aerodynamics of the machine: the tables `[aerodynamics]`, `[surface.<name>]`, `[control_surface.<name>]` and `[gust.<name>]` of the
 //! model file.
 
+use crate::air_part_file::{AirPartFile, IndicialFile, TipLossFile};
 use crate::function::FunctionFile;
 use crate::rotor_file::{EndRuleFile, PitchRateFile, SpreadFile, TurnsFile};
+use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Aerodynamics. Aerodynamic loads act on the lifting surfaces.
+/// Aerodynamics. Aerodynamic loads act on the lifting surfaces. One model has its keys in this table; several models in one flow have
+/// tables `[aerodynamics.<name>]`, and this table has density, wind, step, coupling and initial flow, which are common to all.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 pub(super) struct AirFile {
     /// Aerodynamic model; `none`: no aerodynamic loads except external ones, applied as inputs.
     pub model: AirModelFile,
@@ -116,6 +119,9 @@ pub(super) struct AirFile {
     /// Use AeroDyn's angle of attack for blades that bend in and out of plane, and its state of heavily loaded annuli;
     /// for comparison. `bem` only.
     pub aerodyn_compatible: bool,
+    /// Several aerodynamic models in one flow, by name, in place of `model`.
+    #[serde(flatten)]
+    pub parts: IndexMap<String, AirPartFile>,
 }
 
 impl Default for AirFile {
@@ -156,6 +162,7 @@ impl Default for AirFile {
             load_interpolation: SpreadFile::Linear,
             dynamic_stall: false,
             aerodyn_compatible: false,
+            parts: IndexMap::new(),
         }
     }
 }
@@ -182,26 +189,6 @@ pub(super) enum CouplingFile {
     Iterated,
     /// Prediction and one correction.
     Staggered,
-}
-
-/// Approximation of the functions of Wagner and Küssner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum IndicialFile {
-    /// R. T. Jones: two and three terms, lift within 1.5 % and 4 % of the exact frequency response.
-    Jones,
-    /// Five terms each, within 0.06 % and 0.7 %: for flutter of slender wings; slightly slower.
-    Fine,
-}
-
-/// Loss of lift towards the tips of a wing in strip theory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum TipLossFile {
-    /// None: every strip is two-dimensional.
-    None,
-    /// Lifting line through all strips in their current positions.
-    LiftingLine,
 }
 
 /// Lifting surface of a body.

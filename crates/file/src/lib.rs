@@ -7,6 +7,9 @@
 
 mod air;
 mod air_file;
+mod air_keys;
+mod air_part_file;
+mod air_parts;
 mod attachments;
 mod base64;
 mod beamdyn_file;

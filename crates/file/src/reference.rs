@@ -95,7 +95,12 @@ pub fn reference() -> String {
         if items.is_table() {
             group(&mut page, &format!("[{key}.<name>]"), items.resolve());
         } else if property.resolve()["type"] == "object" {
-            group(&mut page, &format!("[{key}]"), property.resolve());
+            let table = property.resolve();
+            group(&mut page, &format!("[{key}]"), table);
+            let named = table.child("additionalProperties");
+            if named.is_table() {
+                group(&mut page, &format!("[{key}.<name>]"), named.resolve());
+            }
         }
     }
     page

@@ -38,12 +38,20 @@ pub(super) const KEYS: &[&str] = &[
 ];
 pub(super) const SURFACE_KEYS: &[&str] = &["stations_m", "polars", "length_m"];
 
-/// Builds the aerodynamics of the rotor; `None` after an error.
-pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> Option<AirBuilder> {
-    let hub = needed(&air.hub, &["aerodynamics", "hub"], "the body that rotates with the blades", checker);
+/// Path of a key of an aerodynamic model; a single model has no name.
+pub(super) fn air_path<'p>(part: &'p str, key: &'p str) -> Vec<&'p str> {
+    match part {
+        "" => vec!["aerodynamics", key],
+        part => vec!["aerodynamics", part, key],
+    }
+}
+
+/// Builds the aerodynamics of the rotor; `part`: its name, empty for the single model of a machine. `None` after an error.
+pub(super) fn build(part: &str, air: &AirFile, file: &ModelFile, checker: &mut Checker) -> Option<AirBuilder> {
+    let hub = needed(&air.hub, &air_path(part, "hub"), "the body that rotates with the blades", checker);
     let radius = needed(
         &air.hub_radius_m,
-        &["aerodynamics", "hub_radius_m"],
+        &air_path(part, "hub_radius_m"),
         "a finite length > 0 m: from the apex to the blades",
         checker,
     );
@@ -67,7 +75,7 @@ pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> O
         SpreadFile::Linear => Spread::Linear,
         SpreadFile::PiecewiseConstant => Spread::Cells,
     };
-    refuse_rivals(air, checker);
+    refuse_rivals(part, air, checker);
     settings.features.dynamic_stall = air.dynamic_stall;
     settings.features.aerodyn_compatible = air.aerodyn_compatible;
     for (name, polar) in &file.polar {
@@ -83,7 +91,7 @@ pub(super) fn build(air: &AirFile, file: &ModelFile, checker: &mut Checker) -> O
 }
 
 /// Reports keys that exclude each other.
-fn refuse_rivals(air: &AirFile, checker: &mut Checker) {
+fn refuse_rivals(part: &str, air: &AirFile, checker: &mut Checker) {
     let stated = [
         ("dynamic_inflow", air.dynamic_inflow),
         ("skewed_wake", air.skewed_wake),
@@ -92,15 +100,13 @@ fn refuse_rivals(air: &AirFile, checker: &mut Checker) {
     ];
     for (key, _) in stated.into_iter().filter(|(_, stated)| *stated && air.inflow_lag_s.is_some()) {
         checker.refuse(
-            &["aerodynamics", key],
+            &air_path(part, key),
             "this setting only without inflow_lag_s, which replaces the momentum balance",
         );
     }
     if air.dynamic_stall && air.pitch_rate != PitchRateFile::None {
-        checker.refuse(
-            &["aerodynamics", "pitch_rate"],
-            "\"none\" with dynamic_stall, whose states include the pitch rate",
-        );
+        checker
+            .refuse(&air_path(part, "pitch_rate"), "\"none\" with dynamic_stall, whose states include the pitch rate");
     }
 }
 

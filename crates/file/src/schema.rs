@@ -238,7 +238,14 @@ pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
     for (name, property) in properties(top) {
         match property.child("additionalProperties").resolve() {
             inner if inner.is_table() => visit(&format!("[{name}.<name>]"), inner, &mut look),
-            _ => visit(&format!("[{name}]"), property.resolve(), &mut look),
+            _ => {
+                let table = property.resolve();
+                visit(&format!("[{name}]"), table, &mut look);
+                let named = table.child("additionalProperties").resolve();
+                if named.is_table() {
+                    visit(&format!("[{name}.<name>]"), named, &mut look);
+                }
+            }
         }
     }
     if found.len() > MAXIMUM_HOMES { Vec::new() } else { found }

@@ -108,7 +108,10 @@ impl<'a> Check<'_, 'a> {
             self.path.push(name.to_string());
             match properties(schema).find(|(known, _)| known == name) {
                 Some((known, schema)) => self.value(known, schema, value, key.span().start),
-                None if schema["additionalProperties"].is_table() => {
+                // a table with keys and named tables: any other table is one of the latter
+                None if schema["additionalProperties"].is_table()
+                    && (value.get_ref().is_table() || properties(schema).next().is_none()) =>
+                {
                     self.named(schema.child("additionalProperties"), name, value, key.span().start);
                 }
                 None => match renamed(schema, &self.path) {

@@ -31,8 +31,7 @@ impl LinearModel {
     ) -> PyResult<Self> {
         let (plant, shared) = simulation.parts();
         let failed = |failure: cli::Failure| refusal::command(&failure);
-        if !gusts.is_empty() && !lattice && !shared.machine.air.as_ref().is_some_and(|air| air.options.is_linearised())
-        {
+        if !gusts.is_empty() && !lattice && !shared.machine.air.as_ref().is_some_and(|air| air.is_linearised()) {
             return Err(refusal::usage(
                 "inputs: only linear models with strips (aerodynamics.model = \"strip\"), with a rotor, or with a vortex lattice and \
                  lattice=True have gusts as inputs",

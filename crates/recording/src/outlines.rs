@@ -54,8 +54,14 @@ pub(crate) fn note(machine: &Machine, aerofoils: &[Option<AerofoilScene>]) -> Op
         AerofoilSource::Outline => None,
         AerofoilSource::Thickness => Some("Aerofoils: symmetric, with the thickness of the sections.".to_owned()),
         AerofoilSource::Assumed => {
-            let percent = 100.0 * ASSUMED[usize::from(machine.air.as_ref()?.options.is_rotor())];
-            Some(format!("Aerofoils: symmetric, {percent} % thick where the model has no outline or thickness."))
+            let air = machine.air.as_ref()?;
+            let [wing, blade] = ASSUMED.map(|assumed| 100.0 * assumed);
+            let assumed = match (air.is_rotor(), air.rotors().next()) {
+                (true, _) => format!("{blade} %"),
+                (false, None) => format!("{wing} %"),
+                (false, Some(_)) => format!("{wing} % (blades {blade} %)"),
+            };
+            Some(format!("Aerofoils: symmetric, {assumed} thick where the model has no outline or thickness."))
         }
     }
 }
@@ -71,7 +77,8 @@ fn aerofoil(machine: &Machine, surface: &LiftingSurface, index: usize) -> Option
         return Some(AerofoilScene { stations, heights, source: AerofoilSource::Outline, hides_spar: false });
     }
     let [wing, blade] = ASSUMED;
-    let assumed = if machine.air.as_ref()?.options.is_rotor() { blade } else { wing };
+    let (part, _) = machine.air.as_ref()?.part_of(index)?;
+    let assumed = if part.options.is_rotor() { blade } else { wing };
     let (mut source, mut hides_spar) = (AerofoilSource::Assumed, false);
     let mut found = Vec::with_capacity(surface.positions_m.len());
     for (column, place_m) in surface.positions_m.iter().enumerate() {
@@ -114,8 +121,11 @@ fn symmetric(x: f64, thickness: f64) -> f64 {
 
 /// Returns whether the polar of a blade has no lift near a position: its sections are cylinders.
 fn is_round(machine: &Machine, surface: usize, place_m: f64) -> bool {
-    let Some(rotor) = machine.air.as_ref().and_then(|air| air.options.rotor()) else { return false };
-    let (Some(places_m), Some(sections)) = (rotor.positions_m.get(surface), rotor.sections.get(surface)) else {
+    let part = machine.air.as_ref().and_then(|air| air.part_of(surface));
+    let Some((rotor, blade)) = part.and_then(|(part, blade)| Some((part.options.rotor()?, blade))) else {
+        return false;
+    };
+    let (Some(places_m), Some(sections)) = (rotor.positions_m.get(blade), rotor.sections.get(blade)) else {
         return false;
     };
     let near = places_m.iter().zip(sections).min_by(|a, b| (a.0 - place_m).abs().total_cmp(&(b.0 - place_m).abs()));

@@ -307,7 +307,7 @@ impl Scene {
             name: machine.name.clone(),
             description: machine.description.clone(),
             load_places: bodies.iter().enumerate().map(|(i, body)| plant.load_places(i, &body.places_m)).collect(),
-            is_rotor: machine.air.as_ref().is_some_and(|air| air.options.is_rotor()),
+            is_rotor: machine.air.as_ref().is_some_and(|air| air.is_rotor()),
             bodies,
             joints: plant.revolute_joints().iter().map(|&i| (machine.bodies[i].joint.name.clone(), i)).collect(),
             travels: machine.bodies.iter().filter_map(|body| Some(body.joint.kind.one_freedom()?.0)).collect(),

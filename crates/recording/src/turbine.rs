@@ -1,5 +1,6 @@
 //! Tower, nacelle and hub of a turbine as solids, for pictures: dimensions of the model as far as it has them, otherwise proportions.
 
+use foldwing_engine::aero::rotor::tower::Tower;
 use foldwing_engine::machine::{Machine, Parent, Travel};
 use foldwing_engine::plant::Plant;
 use nalgebra::Vector3;
@@ -42,11 +43,19 @@ pub struct Turbine {
     pub has_diameters: bool,
 }
 
+/// The tower that disturbs the wind of the rotors, with its diameters.
+fn tower_of(machine: &Machine) -> Option<&Tower> {
+    machine.air.iter().flat_map(|air| air.rotors()).find_map(|(_, rotor)| rotor.features.tower.as_ref())
+}
+
 impl Turbine {
     /// The turbine of a model: at least two blades across the shaft on a rigid hub, the outermost one that rotates on a revolute
-    /// joint.
+    /// joint. `None` with several aerodynamic models: a wing with a propeller is no tower.
     pub fn of(plant: &Plant) -> Option<Self> {
         let machine = plant.machine();
+        if machine.air.as_ref().is_some_and(|air| air.parts.len() > 1) {
+            return None;
+        }
         (0..machine.bodies.len()).rev().find_map(|hub| Self::with_hub(plant, hub))
     }
 
@@ -92,15 +101,13 @@ impl Turbine {
         while let Some(body) = tower.filter(|body| machine.bodies[*body].is_rigid()) {
             tower = carrier(machine, body);
         }
-        let features = machine.air.as_ref().and_then(|air| air.options.rotor()).map(|rotor| &rotor.features);
-        let has_diameters = features.is_some_and(|features| features.tower.is_some());
+        let has_diameters = tower_of(machine).is_some();
         Some(Self { tower, nacelle, hub, blades, has_diameters })
     }
 
     /// Half of the tower's diameter in m at a distance from its foot.
     pub fn tower_radius_m(&self, machine: &Machine, place_m: f64) -> f64 {
-        let rotor = machine.air.as_ref().and_then(|air| air.options.rotor());
-        if let Some(tower) = rotor.and_then(|rotor| rotor.features.tower.as_ref()) {
+        if let Some(tower) = tower_of(machine) {
             let rows: Vec<[f64; 2]> =
                 tower.rows.iter().map(|[height_m, diameter_m, _]| [*height_m, *diameter_m]).collect();
             return 0.5 * linear(&rows, place_m);

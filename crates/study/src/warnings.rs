@@ -151,10 +151,11 @@ struct FlowAngles {
 
 impl FlowAngles {
     fn over(plant: &Plant) -> Option<Self> {
-        let air = plant.machine().air.as_ref().filter(|air| !air.options.is_rotor())?;
+        let air = plant.machine().air.as_ref()?;
         let wind = plant.inputs().wind_m_s().try_normalize(0.0)?;
         let mut worst: Option<Self> = None;
-        for surface in &air.surfaces {
+        let of_wings = air.parts.iter().filter(|part| !part.options.is_rotor()).flat_map(|part| &part.surfaces);
+        for surface in of_wings.map(|surface| &air.surfaces[*surface]) {
             let sections = plant.sections(surface.body, &surface.positions_m);
             for (section, chord) in sections.iter().zip(&surface.chords) {
                 let line = section.rotation * (chord.trailing_m - chord.leading_m);
@@ -189,10 +190,8 @@ pub fn stall_at(plant: &Plant) -> Option<Warning> {
 /// from their start angle. Rotor shafts are excluded, as they rotate without limit.
 pub fn joints_at(plant: &Plant) -> Vec<Warning> {
     let machine = plant.machine();
-    let hub = machine.air.as_ref().and_then(|air| match &air.options {
-        AirOptions::Rotor(rotor) => Some(rotor.hub_body),
-        AirOptions::Strips(_) | AirOptions::Lattice(_) => None,
-    });
+    let rotors = machine.air.iter().flat_map(|air| air.rotors());
+    let hubs: Vec<usize> = rotors.map(|(_, rotor)| rotor.hub_body).collect();
     let states = plant.outputs().joints().iter().zip(plant.outputs().latches()).zip(plant.inputs().joints());
     let mut warnings = Vec::new();
     for ((body, joint), ((output, latch), input)) in machine.one_freedoms().zip(states) {
@@ -210,7 +209,7 @@ pub fn joints_at(plant: &Plant) -> Vec<Warning> {
             });
         }
         let turn_rad = angle_rad - joint.start_angle_rad;
-        let is_hinge = travel == Travel::Rotation && joint.end_stops.is_none() && hub != Some(body);
+        let is_hinge = travel == Travel::Rotation && joint.end_stops.is_none() && !hubs.contains(&body);
         if is_free && is_hinge && turn_rad.abs() > std::f64::consts::PI {
             warnings.push(Warning::Turned { joint: named.name.clone(), turn_rad });
         }
@@ -226,7 +225,7 @@ pub fn balance_at(plant: &Plant) -> Vec<Warning> {
 
 /// Returns whether the aerodynamic model is a lattice without leading-edge suction.
 fn lacks_suction(machine: &Machine) -> bool {
-    machine.air.as_ref().is_some_and(|air| match &air.options {
+    machine.air.iter().flat_map(|air| &air.parts).any(|part| match &part.options {
         AirOptions::Lattice(lattice) => lattice.load_rule == LoadRule::Bernoulli,
         AirOptions::Strips(_) | AirOptions::Rotor(_) => false,
     })

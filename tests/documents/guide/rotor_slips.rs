@@ -168,5 +168,56 @@ pub fn refused() -> Vec<String> {
         power,
         alone,
     ];
-    texts.iter().map(|text| foldwing::config::parse(text, "rotor.toml").expect_err(text).to_string()).collect()
+    let said = |text: &String| foldwing::config::parse(text, "rotor.toml").expect_err(text).to_string();
+    texts.iter().chain(&airs()).map(said).chain(studies_of_airs()).collect()
+}
+
+const TWIN: &str = include_str!("../../../examples/airs/twin_rotor.toml");
+const PROPELLERS: &str = include_str!("../../../examples/airs/wing_with_propellers.toml");
+
+/// Invalid files with several aerodynamic models.
+fn airs() -> Vec<String> {
+    let part = "[aerodynamics.other]\nmodel = \"strip\"\n";
+    let field = "[wind]\nreference_height_m = 10.0\nshear_exponent = 0.1\n";
+    vec![
+        TWIN.replace("[aerodynamics]\n", "[aerodynamics]\nmodel = \"strip\"\nhub = \"port_hub\"\n"),
+        TWIN.replace("hub = \"starboard_hub\"", "hub = \"port_hub\""),
+        TWIN.replace("[wind]\nreference_height_m = 20.0\nshear_exponent = 0.14\n", "") + part,
+        PROPELLERS.to_owned() + part,
+        PROPELLERS.to_owned() + field,
+        PROPELLERS.replace("[aerodynamics.wing]\nmodel = \"strip\"\n", ""),
+        PROPELLERS.replace(
+            "[aerodynamics.left]\nmodel = \"bem\"\nhub = \"left_hub\"",
+            "[aerodynamics.left]\nmodel = \"bem\"\nhub = \"left_blade1\"",
+        ),
+        PROPELLERS.replacen("length_m = 0.48", "length_m = 0.48\nstrips = 3", 1),
+        PROPELLERS.replacen("strips = 8", "strips = 8\nlength_m = 4.0", 1),
+    ]
+}
+
+/// Refusals of studies, and of machines described in code, with several aerodynamic models.
+fn studies_of_airs() -> Vec<String> {
+    use foldwing::machine::Air;
+    let twin = foldwing::config::parse(TWIN, "twin.toml").expect("a machine");
+    let turn = foldwing::plant::Turn::of(&twin, Some("port_shaft"), Some(8.0), 64).expect_err("several models");
+    let mut divided = twin.clone();
+    divided.air.as_mut().expect("air").parts[0].surfaces = vec![1, 0];
+    let mut plant = foldwing::plant::Plant::new(std::sync::Arc::new(twin));
+    plant.initialize(0.0).expect("it runs");
+    let modes = plant.study().modes(2).err().expect("several models").to_string();
+    let faults = divided.validate().into_iter().map(|fault| format!("{}; allowed: {}", fault.value, fault.allowed));
+    let part = |air: foldwing::machine::builder::AirBuilder| {
+        let material =
+            foldwing::beam::section::Material { youngs_modulus_pa: 7e9, shear_modulus_pa: 3e9, density_kg_m3: 1400.0 };
+        let body =
+            foldwing::machine::Body::beam("wing", 1.0, foldwing::beam::section::Solid::rectangle(0.2, 0.01, material));
+        let machine =
+            foldwing::machine::Machine::builder("Parts").body(body, foldwing::machine::Joint::clamped("root"));
+        let surface = foldwing::machine::LiftingSurface::on("wing", 2);
+        machine.air(air).surface(surface).build().expect_err("a faulty part").to_string()
+    };
+    let built =
+        [Air::parts(), Air::parts().part("a", Air::lattice()), Air::parts().part("a", Air::strips().step_s(0.1))]
+            .map(part);
+    faults.chain([turn, modes]).chain(built).collect()
 }

@@ -361,7 +361,7 @@ fn page() -> String {
         (
             Causality::Output,
             "Outputs",
-            "`energy.total - energy.work + energy.dissipated` is constant up to the integration error.",
+            "`energy.total - energy.work + energy.dissipated` is constant up to the integration error. A rotor of a table `[aerodynamics.<name>]` has outputs `rotor.<name>.thrust` and so on.",
         ),
         (Causality::Parameter, "Parameters", "Start values come from the model file."),
         (

@@ -523,7 +523,7 @@ impl Compared<'_> {
         let present = at(plant, Beside::Nothing);
         let grain = self.grain(&present, plant.machine());
         // lattices have constant loads and no lags; blades without corners permit the closer steps
-        let is_rotor = plant.machine().air.as_ref().is_some_and(|air| air.options.is_rotor());
+        let is_rotor = plant.machine().air.as_ref().is_some_and(|air| air.is_rotor());
         let steps: &[f64] = if is_rotor { &ROTOR_STEPS } else { &STEPS };
         let difference = |steps: &[f64], at: &mut dyn FnMut(f64) -> DVector<f64>| match is_rotor {
             true => derivative_off_corners(steps, &grain, at),

@@ -467,7 +467,7 @@ fn lr09_moving_in_heavy_air() {
         let mut machine = shipped("models/goland_wing.toml");
         let air = machine.air.as_mut().expect("air");
         air.density_kg_m3 *= 100.0;
-        let AirOptions::Strips(strips) = &mut air.options else { panic!("strips") };
+        let AirOptions::Strips(strips) = &mut air.parts[0].options else { panic!("strips") };
         strips.apparent_mass = apparent_mass;
         let mut plant = Plant::new(Arc::new(machine));
         plant.inputs_mut().wind_m_s_mut().z = 3.0;

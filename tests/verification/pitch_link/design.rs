@@ -73,7 +73,7 @@ fn pl09_what_the_papers_figure_shows() {
 /// Replaces the polar by that of attached flow.
 fn without_stall(machine: &mut Machine) {
     let air = machine.air.as_mut().expect("air");
-    let AirOptions::Rotor(rotor) = &mut air.options else { panic!("a rotor") };
+    let AirOptions::Rotor(rotor) = &mut air.parts[0].options else { panic!("a rotor") };
     for polar in &mut rotor.polars {
         for row in &mut polar.rows {
             let angle_rad = row.angle_rad.clamp(-1.0, 1.0);

@@ -180,7 +180,7 @@ fn pl16_limits() {
     joint_of(&mut turning, "flap").motion = JointMotion::Locked;
     let hold = |machine: &Machine| start(machine.clone()).outputs().joints()[2].holding_torque_n_m;
     let hub = hold(&turning);
-    let AirOptions::Rotor(rotor) = &mut turning.air.as_mut().expect("air").options else { panic!("a rotor") };
+    let AirOptions::Rotor(rotor) = &mut turning.air.as_mut().expect("air").parts[0].options else { panic!("a rotor") };
     assert_eq!((rotor.features.pitch_rate, rotor.features.spread), (PitchRate::Hub, Spread::Cells));
     rotor.features.pitch_rate = PitchRate::Air;
     let air = hold(&turning);

@@ -71,7 +71,7 @@ pub fn roots(mut machine: Machine, speed_rad_s: f64, balanced: bool) -> Vec<(f64
 
 /// Gives the blade the reference's polar with a number of rows per degree.
 fn with_fine_polar(mut machine: Machine, per_degree: i32) -> Machine {
-    let AirOptions::Rotor(rotor) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
+    let AirOptions::Rotor(rotor) = &mut machine.air.as_mut().expect("air").parts[0].options else { panic!("a rotor") };
     let row = |i: i32| {
         let angle_rad = (f64::from(i) / f64::from(per_degree)).to_radians();
         let [lift, drag, moment] = polar(angle_rad);

@@ -20,7 +20,7 @@ fn read(path: &str) -> Machine {
 fn with_air(mut machine: Machine, dynamic_stall: bool, step_s: f64) -> Machine {
     let air = machine.air.as_mut().expect("air");
     air.step_s = step_s;
-    let AirOptions::Rotor(rotor) = &mut air.options else { panic!("a rotor") };
+    let AirOptions::Rotor(rotor) = &mut air.parts[0].options else { panic!("a rotor") };
     if dynamic_stall {
         (rotor.features.dynamic_stall, rotor.features.pitch_rate) = (true, PitchRate::None);
     }

@@ -120,7 +120,9 @@ step_s = 0.01
             step_s = self.step_s,
         );
         let mut machine = config::parse(&text, "hover").unwrap_or_else(|error| panic!("{error}\n{text}"));
-        let AirOptions::Rotor(rotor) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
+        let AirOptions::Rotor(rotor) = &mut machine.air.as_mut().expect("air").parts[0].options else {
+            panic!("a rotor")
+        };
         rotor.features.losses = [false; 2];
         machine
     }

@@ -3,6 +3,7 @@
 mod hover;
 mod linear;
 mod order;
+mod several;
 mod steady;
 mod turning;
 mod unsteady;

@@ -414,7 +414,7 @@ fn rotor_with_a_blade_missing_is_refused() {
     let text = foldwing::config::with_files(text, folder.as_ref(), "rotor.toml").unwrap();
     let told = foldwing::config::parse(&text, "rotor.toml").expect_err("a wing that does not turn").to_string();
     assert!(
-        told.contains("wing, which is not attached to the hub hub") && told.contains("a model has one rotor"),
+        told.contains("wing, which is not attached to the hub hub") && told.contains("[aerodynamics.<name>]"),
         "{told}"
     );
 }

@@ -48,7 +48,9 @@ fn wt60_steady_states_are_those_of_the_map() {
     let (names, rows) = table(include_str!("../../reference/turbine/openfast_aeromap_flexible.csv"));
     let of = |row: &[f64], name: &str| row[names.iter().position(|known| *known == name).expect("a column")];
     let mut machine = windy(&on_a_stand(WIND_TEXT));
-    let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
+    let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").parts[0].options else {
+        panic!("a rotor")
+    };
     (options.features.end_loads, options.features.aerodyn_compatible) = (EndRule::Stopped, true);
     let mut worst = [0.0f64; 4];
     for row in &rows {
@@ -92,7 +94,9 @@ fn wt61_steady_states_stay() {
     let modal = windy(&on_a_stand(WIND_TEXT));
     let beams = windy(&on_a_stand(STRAIN_TEXT));
     let mut lagging = windy(&on_a_stand(WIND_TEXT));
-    let AirOptions::Rotor(options) = &mut lagging.air.as_mut().expect("air").options else { panic!("a rotor") };
+    let AirOptions::Rotor(options) = &mut lagging.air.as_mut().expect("air").parts[0].options else {
+        panic!("a rotor")
+    };
     options.features.dynamic_inflow = true;
     let mut falling = modal.clone();
     falling.gravity_m_s2 = Vector3::new(9.81, 0.0, 0.0);

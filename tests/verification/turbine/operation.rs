@@ -18,7 +18,7 @@ fn at_point(wind_m_s: f64, speed_rpm: f64, pitch_deg: f64) -> Plant {
     let mut machine = windy(&on_a_stand(WIND_TEXT));
     let air = machine.air.as_mut().expect("air");
     air.wind_m_s = Vector3::new(wind_m_s, 0.0, 0.0);
-    let AirOptions::Rotor(options) = &mut air.options else { panic!("a rotor") };
+    let AirOptions::Rotor(options) = &mut air.parts[0].options else { panic!("a rotor") };
     (options.features.end_loads, options.features.aerodyn_compatible) = (EndRule::Stopped, true);
     for blade in 1..=3 {
         let pitch = hinge_mut(&mut machine, &format!("pitch{blade}"));

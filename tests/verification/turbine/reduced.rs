@@ -320,7 +320,9 @@ fn wt57_places_keep_what_the_body_keeps() {
 fn wt58_air_knows_which_sections_turn() {
     for (text, turn) in [(TEXT, false), (WIND_TEXT, true)] {
         let mut machine = windy(text);
-        let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
+        let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").parts[0].options else {
+            panic!("a rotor")
+        };
         assert_eq!(options.sections_turn, [turn; 3]);
         options.sections_turn[1] = !turn;
         let told = format!("{:?}", machine.validate());
@@ -411,7 +413,9 @@ fn reduced_example_is_the_same_turbine() {
     for (one, other) in whole.surfaces.iter().zip(&reduced.surfaces) {
         assert_eq!((&one.positions_m, &one.chords), (&other.positions_m, &other.chords));
     }
-    let [AirOptions::Rotor(one), AirOptions::Rotor(other)] = [whole.options, reduced.options] else {
+    let [AirOptions::Rotor(one), AirOptions::Rotor(other)] =
+        [whole.parts[0].options.clone(), reduced.parts[0].options.clone()]
+    else {
         panic!("two rotors")
     };
     assert_eq!((one.polars, one.sections, one.features), (other.polars, other.sections, other.features));
@@ -421,7 +425,9 @@ fn reduced_example_is_the_same_turbine() {
 /// start.
 fn in_the_benchmark(text: &str, aside_m: f64) -> Plant {
     let mut machine = windy(text);
-    let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
+    let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").parts[0].options else {
+        panic!("a rotor")
+    };
     (options.features.end_loads, options.features.aerodyn_compatible) = (EndRule::Stopped, true);
     for body in &mut machine.bodies {
         if let JointKind::Revolute(hinge) = &mut body.joint.kind

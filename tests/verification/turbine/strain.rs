@@ -44,7 +44,7 @@ fn wt35_rotor_of_beams_beside_beamdyn() {
     let mut machine = windy(STRAIN_TEXT);
     let air = machine.air.as_mut().expect("air");
     air.wind_m_s = Vector3::new(8.0, 0.0, 0.0);
-    let AirOptions::Rotor(options) = &mut air.options else { panic!("a rotor") };
+    let AirOptions::Rotor(options) = &mut air.parts[0].options else { panic!("a rotor") };
     options.features.end_loads = EndRule::Stopped;
     options.features.aerodyn_compatible = true;
     options.features.dynamic_inflow = true;

@@ -22,7 +22,7 @@ fn as_openfast(wind_m_s: f64) -> Machine {
     let mut machine = in_wind();
     let air = machine.air.as_mut().expect("air");
     air.wind_m_s = Vector3::new(wind_m_s, 0.0, 0.0);
-    let AirOptions::Rotor(options) = &mut air.options else { panic!("a rotor") };
+    let AirOptions::Rotor(options) = &mut air.parts[0].options else { panic!("a rotor") };
     options.features.end_loads = EndRule::Stopped;
     options.features.aerodyn_compatible = true;
     for blade in 1..=3 {
@@ -264,7 +264,9 @@ fn failure(case: &str, feather: impl Fn(&mut OneFreedom, Motor)) {
 #[test]
 fn wt15_dynamic_inflow() {
     let mut machine = as_openfast(11.4);
-    let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
+    let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").parts[0].options else {
+        panic!("a rotor")
+    };
     options.features.dynamic_inflow = true;
     let text = include_str!("../../reference/turbine/openfast_u11p4_16dof_dynamic_inflow.csv");
     let end_s = if is_whole() { 60.0 } else { 4.0 };
@@ -277,7 +279,9 @@ fn wt15_dynamic_inflow() {
 #[test]
 fn wt16_steps_do_not_allocate_and_snapshots_hold_all() {
     let mut machine = in_wind();
-    let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").options else { panic!("a rotor") };
+    let AirOptions::Rotor(options) = &mut machine.air.as_mut().expect("air").parts[0].options else {
+        panic!("a rotor")
+    };
     (options.features.dynamic_inflow, options.features.dynamic_stall) = (true, true);
     let machine = Arc::new(machine);
     let mut plant = Plant::new(machine.clone());

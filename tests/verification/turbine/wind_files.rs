@@ -16,7 +16,7 @@ fn read(wind: &str, folder: &Path) -> Result<(Machine, String), String> {
 }
 
 fn source(machine: &Machine) -> Source {
-    let AirOptions::Rotor(options) = &machine.air.as_ref().expect("air").options else { panic!("a rotor") };
+    let AirOptions::Rotor(options) = &machine.air.as_ref().expect("air").parts[0].options else { panic!("a rotor") };
     options.features.field.clone().expect("a field").source
 }
 

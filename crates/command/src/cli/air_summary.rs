@@ -1,7 +1,7 @@
 //! Aerodynamics in the summary of `foldwing check`.
 
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::{AirOptions, Coupling, LoadRule, Parent, PitchRate, WakeModel};
+use foldwing_engine::machine::{Air, AirOptions, Coupling, LoadRule, Parent, PitchRate, WakeModel};
 use foldwing_engine::plant::{CLOSED_PANELS, SurfaceGap};
 use serde::Serialize;
 use std::fmt::Write;
@@ -57,7 +57,7 @@ impl AirSummary {
             }
         };
         Some(Self {
-            model: describe(&air.options),
+            model: describe_all(air),
             density_kg_m3: air.density_kg_m3,
             wind_m_s: air.wind_m_s.into(),
             step_s: air.step_s,
@@ -130,7 +130,16 @@ impl GapSummary {
     }
 }
 
-/// Describes the aerodynamic model.
+/// Describes the aerodynamic models.
+fn describe_all(air: &Air) -> String {
+    let each = air.parts.iter().map(|part| match part.name.as_str() {
+        "" => describe(&part.options),
+        name => format!("{name}: {}", describe(&part.options)),
+    });
+    each.collect::<Vec<_>>().join("; ")
+}
+
+/// Describes an aerodynamic model.
 fn describe(options: &AirOptions) -> String {
     match options {
         AirOptions::Lattice(lattice) => {

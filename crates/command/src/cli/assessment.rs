@@ -95,7 +95,7 @@ pub(super) enum Reach {
 /// Returns whether the model has a wind velocity at the start, or gusts.
 fn blown(machine: &Machine) -> bool {
     let Some(air) = &machine.air else { return false };
-    air.options.is_rotor()
+    air.rotors().next().is_some()
         || !air.gusts.is_empty()
         || Plant::new(Arc::new(machine.clone())).inputs().wind_m_s().norm() > 0.0
 }

@@ -150,7 +150,7 @@ fn gusts_of(names: &[String], machine: &Machine, lattice: bool) -> Result<(Vec<u
     for name in names {
         let all = if name == "gust." || name == "gust.*" { vec![0, 1, 2] } else { named(name).into_iter().collect() };
         gusts.extend(all);
-        if gusts.is_empty() || lattice || machine.air.as_ref().is_some_and(|air| air.options.is_linearised()) {
+        if gusts.is_empty() || lattice || machine.air.as_ref().is_some_and(|air| air.is_linearised()) {
             continue;
         }
         return Err(Failure::Usage(format!(

@@ -1,7 +1,7 @@
 //! Notes on a valid model.
 
 use foldwing_engine::machine::{
-    DEFAULT_CAPTURE_RAD, JointMotion, Latch, LatchKind, Machine, Motion, OneFreedom, Travel,
+    Air, DEFAULT_CAPTURE_RAD, JointMotion, Latch, LatchKind, Machine, Motion, OneFreedom, Travel,
 };
 
 /// Ratio of the rate in the last interval to the fastest one, above which the table was not meant to slow down.
@@ -41,7 +41,25 @@ pub fn notes(machine: &Machine, stop_s: f64) -> Vec<String> {
             });
         }
     }
+    notes.extend(machine.air.as_ref().and_then(apart));
     notes
+}
+
+/// Note on several aerodynamic models: none reaches the surfaces of another.
+fn apart(air: &Air) -> Option<String> {
+    let names: Vec<&str> = air.parts.iter().map(|part| part.name.as_str()).collect();
+    let mixed = air.rotors().next().is_some() && !air.is_rotor();
+    let effect = if mixed {
+        "the slipstream of a rotor does not reach the wing"
+    } else {
+        "the wake of a rotor does not reach the others"
+    };
+    (names.len() > 1).then(|| {
+        format!(
+            "aerodynamics {}: each model is in the undisturbed wind; {effect}; linear models, modes and Model Exchange are refused",
+            names.join(", ")
+        )
+    })
 }
 
 /// Note on a table of times in s and angles in rad (or positions in m) that is a spin sampled up to the end of the run: its motion stops

@@ -2,14 +2,54 @@
 
 use crate::packaging::html::{number, table, vector};
 use foldwing_engine::machine::Machine;
-use foldwing_engine::machine::{AirOptions, Coupling, EndRule, LoadRule, PitchRate, WakeModel};
+use foldwing_engine::machine::{AirOptions, AirPart, Coupling, EndRule, LoadRule, PitchRate, WakeModel};
 use quick_xml::escape::escape;
 
 /// Writes the section; empty without aerodynamics.
 pub(super) fn write(html: &mut String, machine: &Machine) {
     let Some(air) = &machine.air else { return };
     html.push_str("<h2>Air</h2>\n<p>");
-    html.push_str(&match &air.options {
+    for part in &air.parts {
+        if !part.name.is_empty() {
+            html.push_str(&format!("{}: ", escape(&part.name)));
+        }
+        html.push_str(&describe(part));
+        html.push(' ');
+    }
+    html.push_str(&format!(
+        "Density {} kg/m³, wind {} m/s at the start, aerodynamic steps of {} s, {}. The aerodynamic loads of a step are \
+         constant and rotate with the sections; wind and other inputs act from the end of the current aerodynamic step \
+         on.</p>\n",
+        number(air.density_kg_m3),
+        vector(air.wind_m_s.as_slice()),
+        number(air.step_s),
+        match air.coupling {
+            Coupling::Staggered => "one correction per step",
+            Coupling::Iterated { .. } => "iterated with the structure",
+        }
+    ));
+    let head = ["surface on", "strips", "panels along the chord", "from (m)", "to (m)", "chord (m)"];
+    table(
+        html,
+        &head,
+        air.surfaces.iter().map(|surface| {
+            let last = surface.positions_m.len() - 1;
+            let chords = [&surface.chords[0], &surface.chords[last]].map(|chord| number(chord.length_m()));
+            vec![
+                escape(&machine.bodies[surface.body].name).into_owned(),
+                last.to_string(),
+                surface.chord_panels.to_string(),
+                number(surface.positions_m[0]),
+                number(surface.positions_m[last]),
+                if chords[0] == chords[1] { chords[0].clone() } else { chords.join(" … ") },
+            ]
+        }),
+    );
+}
+
+/// Describes an aerodynamic model.
+fn describe(part: &AirPart) -> String {
+    match &part.options {
         AirOptions::Lattice(lattice) => format!(
             "Unsteady vortex lattice, {} wake of {} rows, core radius {} m, loads by {}{}.",
             match lattice.wake {
@@ -28,7 +68,7 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
         ),
         AirOptions::Rotor(rotor) => format!(
             "Blade-element momentum theory on {} blades{}{}{}{}{}; {}.",
-            rotor.features.blades.unwrap_or(air.surfaces.len()),
+            rotor.features.blades.unwrap_or(part.surfaces.len()),
             rotor
                 .features
                 .inflow_lag_s
@@ -58,34 +98,5 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
                 format!(", tip loss by a lifting line, core radius {} m{mirror}", number(line.core_radius_m))
             })
         ),
-    });
-    html.push_str(&format!(
-        " Density {} kg/m³, wind {} m/s at the start, aerodynamic steps of {} s, {}. The aerodynamic loads of a step are \
-         constant and rotate with the sections; wind and other inputs act from the end of the current aerodynamic step \
-         on.</p>\n",
-        number(air.density_kg_m3),
-        vector(air.wind_m_s.as_slice()),
-        number(air.step_s),
-        match air.coupling {
-            Coupling::Staggered => "one correction per step",
-            Coupling::Iterated { .. } => "iterated with the structure",
-        }
-    ));
-    let head = ["surface on", "strips", "panels along the chord", "from (m)", "to (m)", "chord (m)"];
-    table(
-        html,
-        &head,
-        air.surfaces.iter().map(|surface| {
-            let last = surface.positions_m.len() - 1;
-            let chords = [&surface.chords[0], &surface.chords[last]].map(|chord| number(chord.length_m()));
-            vec![
-                escape(&machine.bodies[surface.body].name).into_owned(),
-                last.to_string(),
-                surface.chord_panels.to_string(),
-                number(surface.positions_m[0]),
-                number(surface.positions_m[last]),
-                if chords[0] == chords[1] { chords[0].clone() } else { chords.join(" … ") },
-            ]
-        }),
-    );
+    }
 }

@@ -52,7 +52,7 @@ impl fmt::Display for Kinds {
 impl Kinds {
     /// Returns an error for Model Exchange if an importer cannot integrate all states of the machine.
     pub fn check(self, machine: &Machine) -> Result<(), NotHybrid> {
-        let sampled = machine.air.as_ref().is_some_and(|air| !air.options.is_continuous());
+        let sampled = machine.air.as_ref().is_some_and(|air| !air.is_continuous());
         match self.model_exchange {
             true if sampled => Err(NotHybrid::Air),
             true if machine.sliding_joint().is_some() => Err(NotHybrid::Sliding),

@@ -30,6 +30,7 @@ pub(crate) mod memory;
 mod model;
 pub mod near_sheets;
 mod panel_forces;
+pub(crate) mod parts;
 pub mod polar;
 mod profile_circulation;
 pub mod random;
@@ -42,6 +43,7 @@ mod vortex_segments;
 mod wake;
 
 pub use model::{AirModel, AirOptions, AirState};
+pub use parts::{AirModels, AirPart, AirStates};
 pub use rotor::induction::EndRule;
 pub use rotor::loads::RotorLoads;
 pub use rotor::options::PitchRate;

@@ -85,6 +85,19 @@ pub enum NoCirculation {
     Profile(usize),
 }
 
+impl NoCirculation {
+    /// The same reason with other indices of the surfaces.
+    pub fn with_surfaces(self, index: impl Fn(usize) -> usize) -> Self {
+        match self {
+            Self::Singular(_) => self,
+            Self::Closed(closed) => Self::Closed(ClosedSheets { surfaces: closed.surfaces.map(index), ..closed }),
+            Self::Sonic(sonic) => Self::Sonic(Sonic { surface: index(sonic.surface), ..sonic }),
+            Self::BelowGround(surface) => Self::BelowGround(index(surface)),
+            Self::Profile(surface) => Self::Profile(index(surface)),
+        }
+    }
+}
+
 /// A point that is close to another sheet, whose velocity is interpolated from above its control points.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Facing {

@@ -3,6 +3,7 @@
 //! Complete description of the model. A [`Machine`] is built by [`Machine::builder`], in code or from a model file; [`Machine::validate`]
 //! reports the errors of a machine whose fields were set directly.
 
+mod air_parts;
 mod body_kind;
 pub mod builder;
 mod closure;
@@ -27,7 +28,7 @@ use crate::aero::flap::Flap;
 use crate::aero::flow::Gust;
 pub use crate::aero::lattice::{LoadRule, WakeModel};
 use crate::aero::surface::{ChordLine, Profile};
-pub use crate::aero::{AirOptions, EndRule, PitchRate};
+pub use crate::aero::{AirOptions, AirPart, EndRule, PitchRate};
 pub use crate::beam::axis::{Axis, AxisEnds};
 pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw, SectionStation};
@@ -352,8 +353,8 @@ pub enum SectionSide {
 /// Aerodynamics of the machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Air {
-    /// Aerodynamic model with its settings.
-    pub options: AirOptions,
+    /// Aerodynamic models, each of some of the surfaces; the rest of the settings is common to all.
+    pub parts: Vec<AirPart>,
     /// Air density in kg/m³.
     pub density_kg_m3: f64,
     /// Wind velocity relative to the root's origin, root frame, m/s: start value of the input.

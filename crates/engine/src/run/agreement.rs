@@ -134,7 +134,7 @@ impl Plant {
             let change = change_n / state.air.as_ref().map_or(1.0, |history| history.scale_n);
             let mut cause =
                 format!("the loads still change by {change:.1e} of the largest load after {most_trials} iterations");
-            if air.model.sees_instants() {
+            if air.settings.rotors().next().is_some() {
                 cause += JUMPS;
             }
             if let Some(surface) =
@@ -209,9 +209,10 @@ impl Plant {
         let System { air: Some(air), state, machine, .. } = &mut self.system else { return Ok(None) };
         let air = &mut **air;
         let Some(history) = &mut state.air else { return Ok(None) };
-        let (step_s, instants) = (air.settings.step_s, air.model.sees_instants());
-        for (motion, (begin, end)) in air.motions.iter_mut().zip(history.begin.iter().zip(&mut history.end)) {
-            *end = if instants { Sample::steady(motion) } else { begin.next(motion, step_s, gain) };
+        let step_s = air.settings.step_s;
+        let ends = history.begin.iter().zip(&mut history.end).zip(air.model.instants());
+        for (motion, ((begin, end), &instant)) in air.motions.iter_mut().zip(ends) {
+            *end = if instant { Sample::steady(motion) } else { begin.next(motion, step_s, gain) };
             *motion = end.motion;
         }
         if first && machine.solver.fixed_step_s.is_none() {

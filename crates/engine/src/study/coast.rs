@@ -125,7 +125,7 @@ impl Study<'_> {
     /// differences.
     fn hinge_slopes(&mut self, hinges: &[usize]) -> Option<DMatrix<f64>> {
         let air = self.system.machine.air.as_ref()?;
-        if self.system.has_linear_lattice() || air.options.is_rotor() || !air.established {
+        if self.system.has_linear_lattice() || air.rotors().next().is_some() || !air.established {
             return None;
         }
         // static equations, for any rates at the start

@@ -116,6 +116,9 @@ impl Study<'_> {
                 Err(error) => Err(error),
             };
         }
+        if self.system.has_several_airs() {
+            return Ok(Stability::not_judged(self.system.several_airs().to_string()));
+        }
         let now = &self.system.state.now;
         let mut unused = vec![0.0; self.system.coordinates()];
         self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut unused);
@@ -158,7 +161,10 @@ impl Study<'_> {
     /// the loads of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice, whose loads are
     /// constant in a continuous-time model.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
-        if self.system.coordinates() > MAXIMUM_COORDINATES || self.system.has_linear_lattice() {
+        if self.system.coordinates() > MAXIMUM_COORDINATES
+            || self.system.has_linear_lattice()
+            || self.system.has_several_airs()
+        {
             return Ok(None);
         }
         Ok(Some(self.growing()?.iter().map(|growth| growth.eigenvalue_1_s).collect()))

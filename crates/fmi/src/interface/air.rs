@@ -82,7 +82,11 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
         let at = (layout.air_stations.place(station, 0), OutputSet::AIR);
         wrench(table, at, &depends, texts);
     }
-    if air.options.is_rotor() {
+    for (index, (part, _)) in air.rotors().enumerate() {
+        let rotor = match part.name.as_str() {
+            "" => "rotor".to_owned(),
+            name => format!("rotor.{name}"),
+        };
         let rows: [(&str, usize, &str, &str); 8] = [
             (
                 "thrust",
@@ -132,8 +136,8 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
             ),
         ];
         for (name, offset, kind, meaning) in rows {
-            let at = (layout.rotor.place(0, offset), OutputSet::AIR);
-            table.output(at, Shape::Scalar, kind, depends.clone(), Text::new(format!("rotor.{name}"), meaning));
+            let at = (layout.rotor.place(index, offset), OutputSet::AIR);
+            table.output(at, Shape::Scalar, kind, depends.clone(), Text::new(format!("{rotor}.{name}"), meaning));
         }
     }
     for (index, flap) in air.flaps.iter().enumerate() {

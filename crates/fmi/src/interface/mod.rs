@@ -108,7 +108,7 @@ impl Interface {
         let nominals = variables.iter().filter_map(|row| row.nominal).collect();
         let slots = variables.iter().zip(&bounds).map(|(variable, bound)| Slot::new(variable, bound)).collect();
         let references = variables.iter().map(|row| (row.name.clone(), row.value_reference)).collect();
-        let linear_air = machine.air.as_ref().is_some_and(|air| air.options.is_linearised());
+        let linear_air = machine.air.as_ref().is_some_and(|air| air.is_linearised());
         let arrays = arrays::Arrays::new(&signals);
         Self { variables, slots, bounds, depends, signals, references, nominals, coordinates, arrays, linear_air }
     }

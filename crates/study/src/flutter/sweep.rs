@@ -320,7 +320,7 @@ fn unexplained(
 fn direction(machine: &Machine, plant: &Plant) -> Result<Vector3<f64>, FlutterError> {
     let name = || machine.name.clone();
     let Some(air) = &machine.air else { return Err(FlutterError::NoAir { machine: name() }) };
-    if air.options.is_rotor() {
+    if air.rotors().next().is_some() {
         return Err(FlutterError::Rotor { machine: name() });
     }
     if !air.established {

@@ -109,7 +109,7 @@ impl Attitude {
         Self {
             given,
             moving: moving.iter().any(|vector| *vector != Vector3::zeros()),
-            no_turn: plant.machine().air.as_ref().and_then(|air| match &air.options {
+            no_turn: plant.machine().air.iter().flat_map(|air| &air.parts).find_map(|part| match &part.options {
                 AirOptions::Strips(_) => None,
                 AirOptions::Lattice(lattice) => (lattice.wake == WakeModel::Free).then_some(TurnError::FreeWake),
                 AirOptions::Rotor(_) => Some(TurnError::Rotor),

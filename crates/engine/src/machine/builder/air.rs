@@ -1,21 +1,14 @@
-//! Aerodynamics in code: equivalents of the tables `[aerodynamics]`, `[surface.<name>]`, `[flap.<name>]` and `[gust.<name>]` of the model
-//! file.
+//! Aerodynamics in code: equivalent of the table `[aerodynamics]` of the model file.
 
-use crate::aero::AirOptions;
-use crate::aero::flow::{Gust, GustShape};
 use crate::aero::images::Plane;
 use crate::aero::lattice::{LatticeOptions, LoadRule, WakeModel};
 use crate::aero::strip::StripOptions;
 use crate::aero::strip::indicial::Fit;
 use crate::aero::strip::lifting_line::LiftingLineOptions;
-use crate::machine::builder::flap::{self, FlapBuilder};
+use crate::machine::builder::place::air_place;
 use crate::machine::builder::rotor::RotorSettings;
-use crate::machine::builder::surfaces::{SurfaceBuilder, draft, place_all};
-use crate::machine::edges::fastest_m_s;
 use crate::machine::fault::{Checker, Range, array_text};
-use crate::machine::units::shortest;
-use crate::machine::validate::air::lattice_size;
-use crate::machine::{Air, Body, Coupling};
+use crate::machine::{Air, Coupling, LiftingSurface};
 use nalgebra::Vector3;
 
 /// Cosine of the angle between the normals of mirror and ground below which they count as perpendicular.
@@ -25,40 +18,43 @@ const CORE_SHARE: f64 = 1e-2;
 
 /// Aerodynamic model in the builder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Model {
+pub(super) enum Model {
     Lattice,
     Strips,
     Rotor,
+    /// Several of the others.
+    Parts,
     None,
 }
 
 /// Aerodynamics under construction: [`Air::lattice`], [`Air::strips`], [`Air::none`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct AirBuilder {
-    model: Model,
-    density_kg_m3: f64,
-    wind_m_s: Vector3<f64>,
-    step_s: Option<f64>,
-    coupling: Coupling,
-    established: bool,
-    reports_circulation: bool,
+    pub(super) model: Model,
+    pub(super) density_kg_m3: f64,
+    pub(super) wind_m_s: Vector3<f64>,
+    pub(super) step_s: Option<f64>,
+    pub(super) coupling: Coupling,
+    pub(super) established: bool,
+    pub(super) reports_circulation: bool,
     unsteady: bool,
     apparent_mass: bool,
     fit: Fit,
-    tip_loss: bool,
+    pub(super) tip_loss: bool,
     leading_edge_suction: Option<bool>,
     mirror_normal: Option<Vector3<f64>>,
     ground: Option<(Vector3<f64>, f64)>,
     speed_of_sound_m_s: Option<f64>,
     wake: WakeModel,
-    wake_rows: usize,
+    pub(super) wake_rows: usize,
     core_radius_m: Option<f64>,
     threads: usize,
-    rotor: Option<RotorSettings>,
+    pub(super) rotor: Option<RotorSettings>,
+    pub(super) parts: Vec<(String, AirBuilder)>,
 }
 
 impl Air {
-    fn builder(model: Model) -> AirBuilder {
+    pub(super) fn builder(model: Model) -> AirBuilder {
         AirBuilder {
             model,
             density_kg_m3: 1.225,
@@ -80,6 +76,7 @@ impl Air {
             core_radius_m: None,
             threads: 1,
             rotor: None,
+            parts: Vec::new(),
         }
     }
 
@@ -93,7 +90,7 @@ impl Air {
         Self::builder(Model::Strips)
     }
 
-    /// Blade-element momentum theory for the blades of one rotor.
+    /// Blade-element momentum theory for the blades of one rotor; several rotors are [`Air::parts`].
     pub fn rotor(settings: RotorSettings) -> AirBuilder {
         AirBuilder { rotor: Some(settings), ..Self::builder(Model::Rotor) }
     }
@@ -202,8 +199,80 @@ impl AirBuilder {
 }
 
 impl AirBuilder {
+    /// Names and builders of the models: a single one has no name.
+    pub(super) fn named(&self) -> Vec<(&str, &Self)> {
+        match self.model {
+            Model::Parts => self.parts.iter().map(|(name, part)| (name.as_str(), part)).collect(),
+            Model::Lattice | Model::Strips | Model::Rotor | Model::None => vec![("", self)],
+        }
+    }
+
+    /// Whether settings that are common to all parts differ from their defaults.
+    pub(super) fn states_common_settings(&self) -> bool {
+        let Self { density_kg_m3, wind_m_s, step_s, coupling, established, reports_circulation, .. } =
+            Air::builder(self.model);
+        let own = self.clone();
+        *self != Self { density_kg_m3, wind_m_s, step_s, coupling, established, reports_circulation, ..own }
+    }
+
+    /// Normal of the mirror plane; `None` if it is invalid.
+    pub(super) fn mirror(&self, name: &str, checker: &mut Checker) -> Option<Option<Vector3<f64>>> {
+        let place = air_place(name, "mirror_normal");
+        let Some(normal) = self.mirror_normal else { return Some(None) };
+        if self.model != Model::Lattice && !self.tip_loss {
+            checker.refuse_state(
+                &place,
+                "a mirror plane with strips",
+                "a mirror plane with a lattice, or with strips that have a tip loss",
+            );
+            return None;
+        }
+        let unit = normal.try_normalize(0.0).filter(|unit| unit.norm() > 0.5);
+        if unit.is_none() {
+            checker.refuse(&place, array_text(normal.as_slice()), "an array of 3 finite numbers, not all 0");
+        }
+        unit.map(Some)
+    }
+
+    pub(super) fn lattice_options(
+        &self,
+        smallest_m: f64,
+        (mirror, ground): (Option<Vector3<f64>>, Option<Plane>),
+    ) -> LatticeOptions {
+        LatticeOptions {
+            wake: self.wake,
+            wake_rows: self.wake_rows,
+            core_radius_m: self.core_radius_m.unwrap_or(CORE_SHARE * smallest_m),
+            load_rule: if self.leading_edge_suction.unwrap_or(false) {
+                LoadRule::KuttaJoukowski
+            } else {
+                LoadRule::Bernoulli
+            },
+            mirror_normal: mirror,
+            ground,
+            speed_of_sound_m_s: self.speed_of_sound_m_s,
+            threads: self.threads,
+        }
+    }
+
+    pub(super) fn strip_options(&self, surfaces: &[LiftingSurface], mirror: Option<Vector3<f64>>) -> StripOptions {
+        let chords = surfaces.iter().flat_map(|surface| &surface.chords);
+        let shortest_m = chords.map(|chord| chord.length_m()).fold(f64::INFINITY, f64::min);
+        StripOptions {
+            unsteady: self.unsteady,
+            apparent_mass: self.apparent_mass,
+            fit: self.fit,
+            leading_edge_suction: self.leading_edge_suction.unwrap_or(true),
+            tip_loss: self.tip_loss.then(|| LiftingLineOptions {
+                core_radius_m: self.core_radius_m.unwrap_or(CORE_SHARE * shortest_m),
+                mirror_normal: mirror,
+            }),
+            speed_of_sound_m_s: self.speed_of_sound_m_s,
+        }
+    }
+
     /// The ground as a plane; `None` if it is invalid.
-    fn ground_plane(&self, mirror: Option<Vector3<f64>>, checker: &mut Checker) -> Option<Option<Plane>> {
+    pub(super) fn ground_plane(&self, mirror: Option<Vector3<f64>>, checker: &mut Checker) -> Option<Option<Plane>> {
         let Some((normal, distance_m)) = self.ground else { return Some(None) };
         if self.model != Model::Lattice {
             let allowed = "a ground only with a vortex lattice";
@@ -224,225 +293,4 @@ impl AirBuilder {
             .number(&["air", "ground_distance_m"], distance_m, Range::Finite)
             .then_some(Some(Plane { normal: unit, distance_m }))
     }
-}
-
-/// A gust under construction, see [`GustBuilder::new`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct GustBuilder {
-    name: String,
-    shape: GustShape,
-    velocity_m_s: Vector3<f64>,
-    direction: Option<Vector3<f64>>,
-    speed_m_s: Option<f64>,
-    origin_m: Vector3<f64>,
-    start_s: f64,
-}
-
-impl GustBuilder {
-    /// A gust with its shape and its largest added velocity in m/s, root frame; for turbulence, its standard deviation. By default it
-    /// travels with the wind and passes the root's origin at 0 s.
-    pub fn new(name: impl Into<String>, shape: GustShape, velocity_m_s: impl Into<Vector3<f64>>) -> Self {
-        Self {
-            name: name.into(),
-            shape,
-            velocity_m_s: velocity_m_s.into(),
-            direction: None,
-            speed_m_s: None,
-            origin_m: Vector3::zeros(),
-            start_s: 0.0,
-        }
-    }
-
-    /// Direction in which the gust travels, root frame, of any nonzero length.
-    pub fn direction(self, direction: impl Into<Vector3<f64>>) -> Self {
-        Self { direction: Some(direction.into()), ..self }
-    }
-
-    /// Speed at which the gust travels in m/s.
-    pub fn speed_m_s(self, speed_m_s: f64) -> Self {
-        Self { speed_m_s: Some(speed_m_s), ..self }
-    }
-
-    /// Position in m that its front passes at [`GustBuilder::start_s`].
-    pub fn origin_m(self, origin_m: impl Into<Vector3<f64>>) -> Self {
-        Self { origin_m: origin_m.into(), ..self }
-    }
-
-    /// Time in s at which the gust's front passes [`GustBuilder::origin_m`].
-    pub fn start_s(self, start_s: f64) -> Self {
-        Self { start_s, ..self }
-    }
-
-    fn build(&self, wind_m_s: &Vector3<f64>, checker: &mut Checker) -> Option<Gust> {
-        let place = |key| ["gust", self.name.as_str(), key];
-        let direction = self.direction.unwrap_or(*wind_m_s);
-        let Some(unit) = direction.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) else {
-            let allowed = "an array of 3 finite numbers, not all 0; its default is the direction of wind_m_s";
-            checker.refuse(&place("direction"), array_text(direction.as_slice()), allowed);
-            return None;
-        };
-        let speed_m_s = self.speed_m_s.unwrap_or(wind_m_s.norm());
-        if speed_m_s <= 0.0 {
-            let allowed = "a finite speed > 0 m/s; its default is the magnitude of wind_m_s";
-            checker.refuse(&place("speed_m_s"), shortest(speed_m_s), allowed);
-            return None;
-        }
-        Some(Gust {
-            name: self.name.clone(),
-            shape: self.shape.clone(),
-            velocity_m_s: self.velocity_m_s,
-            direction: unit,
-            speed_m_s,
-            origin_m: self.origin_m,
-            start_s: self.start_s,
-        })
-    }
-}
-
-/// Builds the aerodynamics around valid bodies; `None` without aerodynamics, or after errors that leave nothing to build. Bodies with
-/// errors (not in `stand`) are only looked up by name.
-pub(super) fn build(
-    air: Option<&AirBuilder>,
-    (surfaces, flaps): (&[SurfaceBuilder], &[FlapBuilder]),
-    gusts: &[GustBuilder],
-    bodies: &[Body],
-    stand: bool,
-    start_time_s: f64,
-    checker: &mut Checker,
-) -> Option<Air> {
-    let Some(air) = air else {
-        let stray = surfaces.first().map(|surface| ["surface", surface.body.as_str()]);
-        let stray = stray.or(gusts.first().map(|gust| ["gust", gust.name.as_str()]));
-        let stray = stray.or(flaps.first().map(|flap| ["control_surface", flap.name.as_str()]));
-        if let Some(place) = stray {
-            checker.refuse_state(
-                &place,
-                "a surface, gust or control surface without aerodynamics",
-                "a model with aerodynamics",
-            );
-        }
-        return None;
-    };
-    let drafts: Option<Vec<_>> = {
-        let drafts: Vec<Option<_>> =
-            surfaces.iter().enumerate().map(|(index, _)| draft(index, surfaces, bodies, checker)).collect();
-        drafts.into_iter().collect()
-    };
-    let gusts: Vec<Option<Gust>> = gusts.iter().map(|gust| gust.build(&air.wind_m_s, checker)).collect();
-    let whole = air.model == Model::Rotor || flap::check(flaps, surfaces, bodies, air.model == Model::Lattice, checker);
-    if air.model == Model::None {
-        return None;
-    }
-    if let (Model::Rotor, Some(flap)) = (air.model, flaps.first()) {
-        let allowed = "no control surfaces on a rotor; they need strips or a lattice";
-        checker.refuse_state(&["control_surface", flap.name.as_str()], "a control surface on a rotor's blade", allowed);
-        return None;
-    }
-    if surfaces.is_empty() {
-        let allowed = "at least one surface";
-        checker.refuse_state(&["air", "model"], "aerodynamics without a surface", allowed);
-        return None;
-    }
-    let mirror = match air.mirror_normal {
-        None => None,
-        Some(_) if air.model != Model::Lattice && !air.tip_loss => {
-            checker.refuse_state(
-                &["air", "mirror_normal"],
-                "a mirror plane with strips",
-                "a mirror plane with a lattice, or with strips that have a tip loss",
-            );
-            return None;
-        }
-        Some(normal) => match normal.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) {
-            Some(unit) => Some(unit),
-            None => {
-                let found = array_text(normal.as_slice());
-                checker.refuse(&["air", "mirror_normal"], found, "an array of 3 finite numbers, not all 0");
-                return None;
-            }
-        },
-    };
-    let ground = air.ground_plane(mirror, checker)?;
-    let drafts = drafts?;
-    if !whole {
-        return None;
-    }
-    let gusts = gusts.into_iter().collect::<Option<Vec<_>>>()?;
-    if !stand {
-        return None;
-    }
-    let lattice = air.model == Model::Lattice;
-    if lattice {
-        let sizes = drafts.iter().map(|draft| (draft.surface.strips, draft.surface.chord_panels));
-        if !lattice_size(sizes, air.wake_rows, checker) {
-            return None;
-        }
-    }
-    let builders = surfaces;
-    let surfaces = place_all(&drafts, flaps, (lattice, lattice || air.tip_loss), bodies, mirror, checker)?;
-    let smallest_m = surfaces
-        .iter()
-        .flat_map(|surface| surface.chords.iter().map(|chord| chord.length_m() / surface.chord_panels as f64))
-        .fold(f64::INFINITY, f64::min);
-    let chords = surfaces.iter().flat_map(|surface| &surface.chords);
-    let shortest_m = chords.map(|chord| chord.length_m()).fold(f64::INFINITY, f64::min);
-    let step_s = match air.step_s {
-        Some(step_s) => step_s,
-        None => match fastest_m_s(&surfaces, bodies, air.wind_m_s, start_time_s) {
-            Some(speed_m_s) => smallest_m / speed_m_s,
-            None => {
-                let allowed =
-                    "a finite time > 0 s: it has no default if the wing does not move relative to the air at the start";
-                checker.refuse(&["air", "step_s"], "none", allowed);
-                return None;
-            }
-        },
-    };
-    let options = if lattice {
-        AirOptions::Lattice(LatticeOptions {
-            wake: air.wake,
-            wake_rows: air.wake_rows,
-            core_radius_m: air.core_radius_m.unwrap_or(CORE_SHARE * smallest_m),
-            load_rule: if air.leading_edge_suction.unwrap_or(false) {
-                LoadRule::KuttaJoukowski
-            } else {
-                LoadRule::Bernoulli
-            },
-            mirror_normal: mirror,
-            ground,
-            speed_of_sound_m_s: air.speed_of_sound_m_s,
-            threads: air.threads,
-        })
-    } else if let Some(rotor) = &air.rotor {
-        if let Some(lag_s) = rotor.features.inflow_lag_s.filter(|lag_s| *lag_s < step_s) {
-            let allowed = format!("a finite time >= {} s, the aerodynamic step", shortest(step_s));
-            checker.refuse(&["air", "inflow_lag_s"], shortest(lag_s), allowed);
-            return None;
-        }
-        AirOptions::Rotor(Box::new(rotor.options(builders, &surfaces, bodies, checker)?))
-    } else {
-        AirOptions::Strips(StripOptions {
-            unsteady: air.unsteady,
-            apparent_mass: air.apparent_mass,
-            fit: air.fit,
-            leading_edge_suction: air.leading_edge_suction.unwrap_or(true),
-            tip_loss: air.tip_loss.then(|| LiftingLineOptions {
-                core_radius_m: air.core_radius_m.unwrap_or(CORE_SHARE * shortest_m),
-                mirror_normal: mirror,
-            }),
-            speed_of_sound_m_s: air.speed_of_sound_m_s,
-        })
-    };
-    Some(Air {
-        options,
-        density_kg_m3: air.density_kg_m3,
-        wind_m_s: air.wind_m_s,
-        step_s,
-        coupling: air.coupling,
-        established: air.established,
-        reports_circulation: air.reports_circulation,
-        flaps: flap::build(flaps, builders, &surfaces, bodies),
-        surfaces,
-        gusts,
-    })
 }

@@ -1,20 +1,25 @@
 //! A machine in code: the contents of a model file, with the same defaults and the same errors.
 
 mod air;
+mod air_build;
+mod air_parts;
 mod body;
 mod failure;
 mod flap;
+mod gust;
 mod joint;
 mod latch;
 mod no_slip;
+mod place;
 mod rotor;
 mod surfaces;
 mod tree;
 
-pub use air::{AirBuilder, GustBuilder};
+pub use air::AirBuilder;
 pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, InternalLoadBuilder};
 pub use failure::FailureBuilder;
 pub use flap::FlapBuilder;
+pub use gust::GustBuilder;
 pub use joint::{Attitude, JointBuilder};
 pub use latch::LatchBuilder;
 pub use no_slip::NoSlipBuilder;
@@ -253,7 +258,7 @@ impl MachineBuilder {
         names("control_surface", self.flaps.iter().map(|flap| flap.name.as_str()), checker);
         let on_wing = (self.surfaces.as_slice(), self.flaps.as_slice());
         let air = self.air.as_ref();
-        machine.air = air::build(air, on_wing, &self.gusts, &machine.bodies, stand, start_time_s, checker);
+        machine.air = air_build::build(air, on_wing, &self.gusts, &machine.bodies, stand, start_time_s, checker);
         validate::surroundings(&machine, checker);
         machine
     }

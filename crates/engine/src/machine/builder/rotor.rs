@@ -3,14 +3,15 @@
 use crate::aero::polar::Polar;
 use crate::aero::rotor::bem::{RotorFeatures, RotorOptions};
 use crate::aero::rotor::viterna::is_full_circle;
+use crate::machine::builder::place::air_place;
 use crate::machine::builder::surfaces::SurfaceBuilder;
 use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::shortest;
 use crate::machine::{Body, LiftingSurface};
 use nalgebra::Vector3;
 
-/// Settings of rotor aerodynamics, for [`Air::rotor`](crate::machine::Air::rotor). Every surface of the machine is a blade of one rotor,
-/// with its stations and the polars of its sections ([`SurfaceBuilder::blade`]).
+/// Settings of rotor aerodynamics, for [`Air::rotor`](crate::machine::Air::rotor). Every surface of the machine, or with
+/// [`Air::parts`](crate::machine::Air::parts) every surface on bodies that the hub carries, is a blade of the rotor, with its stations and the polars of its sections ([`SurfaceBuilder::blade`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorSettings {
     /// Name of the body that rotates with the blades; its inner end is the apex, where their axes meet the shaft.
@@ -35,21 +36,28 @@ impl RotorSettings {
         }
     }
 
-    /// Options of the aerodynamic model, for surfaces in the order of their bodies. `None` after an error.
+    /// Options of the aerodynamic model, for surfaces in the order of their bodies; `part`: name of the rotor, empty without one. `None`
+    /// after an error.
     pub(super) fn options(
         &self,
+        part: &str,
         blades: &[SurfaceBuilder],
         surfaces: &[LiftingSurface],
         bodies: &[Body],
         checker: &mut Checker,
     ) -> Option<RotorOptions> {
         let Some(hub_body) = bodies.iter().position(|body| body.name == self.hub) else {
-            checker.unknown_name(&["air", "hub"], &self.hub, "a body", bodies.iter().map(|body| body.name.as_str()));
+            checker.unknown_name(
+                &air_place(part, "hub"),
+                &self.hub,
+                "a body",
+                bodies.iter().map(|body| body.name.as_str()),
+            );
             return None;
         };
         let Some(shaft_axis) = self.shaft_axis.try_normalize(0.0).filter(|unit| unit.norm() > 0.5) else {
             let found = array_text(self.shaft_axis.as_slice());
-            checker.refuse(&["air", "shaft_axis"], found, "an array of 3 finite numbers, not all 0");
+            checker.refuse(&air_place(part, "shaft_axis"), found, "an array of 3 finite numbers, not all 0");
             return None;
         };
         let machine = surfaces.len();
@@ -57,15 +65,19 @@ impl RotorSettings {
             self.features.blades.filter(|blades| *blades == 0 || blades % machine.max(1) != 0 || *blades > 100)
         {
             let allowed = format!("a multiple of {machine}, the number of blades of the model, up to 100");
-            checker.refuse(&["air", "blades"], blades.to_string(), allowed);
+            checker.refuse(&air_place(part, "blades"), blades.to_string(), allowed);
             return None;
         }
         if let Some(lag_s) = self.features.inflow_lag_s.filter(|lag_s| !(*lag_s > 0.0 && lag_s.is_finite())) {
-            checker.refuse(&["air", "inflow_lag_s"], shortest(lag_s), "a finite time > 0 s");
+            checker.refuse(&air_place(part, "inflow_lag_s"), shortest(lag_s), "a finite time > 0 s");
             return None;
         }
         if !(self.features.hub_radius_m > 0.0 && self.features.hub_radius_m.is_finite()) {
-            checker.refuse(&["air", "hub_radius_m"], shortest(self.features.hub_radius_m), "a finite length > 0 m");
+            checker.refuse(
+                &air_place(part, "hub_radius_m"),
+                shortest(self.features.hub_radius_m),
+                "a finite length > 0 m",
+            );
             return None;
         }
         for (name, polar) in &self.polars {

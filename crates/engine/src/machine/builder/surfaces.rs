@@ -115,7 +115,7 @@ impl SurfaceBuilder {
 /// A surface with the data from which its strips are built.
 pub(super) struct Draft<'b> {
     pub surface: &'b SurfaceBuilder,
-    body: usize,
+    pub body: usize,
     chord_m: Along,
     /// Whether the body has a single frame, to which all chords refer.
     rigid: bool,

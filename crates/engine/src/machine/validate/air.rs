@@ -9,7 +9,7 @@ use crate::aero::strip::StripOptions;
 use crate::aero::strip::lifting_line::LiftingLineOptions;
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::pose::first_frames;
-use crate::machine::validate::{names, unit_vector};
+use crate::machine::validate::{air_parts, names, unit_vector};
 use crate::machine::{Air, Body, Coupling, LiftingSurface, Parent};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
@@ -36,34 +36,40 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
     for (index, surface) in air.surfaces.iter().enumerate() {
         check_surface(index, surface, &air.surfaces, bodies, checker);
     }
-    match &air.options {
-        AirOptions::Lattice(options) => {
-            check_lattice(options, &air.surfaces, checker);
-            check_lattice_profiles(options, &air.surfaces, bodies, checker);
+    if air_parts::check(air, checker) {
+        for part in &air.parts {
+            let surfaces: Vec<LiftingSurface> =
+                part.surfaces.iter().map(|surface| air.surfaces[*surface].clone()).collect();
+            match &part.options {
+                AirOptions::Lattice(options) => {
+                    check_lattice(options, &surfaces, checker);
+                    check_lattice_profiles(options, &surfaces, bodies, checker);
+                }
+                AirOptions::Strips(StripOptions { tip_loss: Some(line), .. }) => {
+                    check_lifting_line(line, &surfaces, bodies, checker);
+                }
+                AirOptions::Strips(_) => {}
+                AirOptions::Rotor(options) => check_rotor(options, &surfaces, bodies, checker),
+            }
+            check_sound(&part.options, &surfaces, bodies, checker);
         }
-        AirOptions::Strips(StripOptions { tip_loss: Some(line), .. }) => {
-            check_lifting_line(line, &air.surfaces, bodies, checker);
-        }
-        AirOptions::Strips(_) => {}
-        AirOptions::Rotor(options) => check_rotor(options, &air.surfaces, bodies, checker),
     }
     check_flaps(air, checker);
-    check_sound(air, bodies, checker);
     names("gust", air.gusts.iter().map(|gust| gust.name.as_str()), checker);
     for gust in &air.gusts {
         check_gust(gust, checker);
     }
 }
 
-fn check_sound(air: &Air, bodies: &[Body], checker: &mut Checker) {
-    let sound_m_s = match &air.options {
+fn check_sound(options: &AirOptions, surfaces: &[LiftingSurface], bodies: &[Body], checker: &mut Checker) {
+    let sound_m_s = match options {
         AirOptions::Lattice(options) => options.speed_of_sound_m_s,
         AirOptions::Strips(options) => options.speed_of_sound_m_s,
         AirOptions::Rotor(_) => None,
     };
     let Some(sound_m_s) = sound_m_s else { return };
     checker.number(&["air", "speed_of_sound_m_s"], sound_m_s, Range::Above(0.0));
-    let polar = air.surfaces.iter().find(|surface| surface.profile.polar.is_some());
+    let polar = surfaces.iter().find(|surface| surface.profile.polar.is_some());
     if let Some(body) = polar.and_then(|surface| bodies.get(surface.body)) {
         let allowed =
             "either a polar measured at the actual Mach number without speed_of_sound_m_s, or lift_slope_1_rad with it";
@@ -199,8 +205,8 @@ fn check_blades(options: &RotorOptions, surfaces: &[LiftingSurface], bodies: &[B
     if let Some(other) = surfaces.iter().find(|surface| surface.body < bodies.len() && !turns(surface.body)) {
         let found =
             format!("{}, which is not attached to the hub {}", bodies[other.body].name, bodies[options.hub_body].name);
-        let allowed = "only surfaces on the blades of one hub: a model has one rotor; simulate a second rotor as a \
-                       separate model";
+        let allowed = "only surfaces on bodies that the hub carries; another rotor, or strips on a wing, is a part of its own, \
+                       [aerodynamics.<name>]";
         checker.refuse_state(&["surface"], found, allowed);
         return;
     }

@@ -1,6 +1,7 @@
 //! Checks of a whole machine: names, tree, numbers and their combinations.
 
 pub(crate) mod air;
+mod air_parts;
 mod attached;
 mod basics;
 pub(crate) mod body;

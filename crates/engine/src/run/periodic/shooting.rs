@@ -118,7 +118,7 @@ impl Steps {
         let mut machine = machine.clone();
         let air = match &mut machine.air {
             None => false,
-            Some(air) if air.options.is_rotor() => shorter(std::mem::replace(&mut air.step_s, step_s)),
+            Some(air) if air.is_rotor() => shorter(std::mem::replace(&mut air.step_s, step_s)),
             Some(_) => return None,
         };
         let structure = machine.solver.fixed_step_s.replace(step_s).is_some_and(shorter);

@@ -89,10 +89,11 @@ impl Turn {
         if let Some(air) = &mut machine.air {
             let sample_s = turn.period_s() / SAMPLES as f64;
             air.step_s = sample_s / (sample_s / air.step_s * (1.0 - 1e-9)).ceil().max(1.0);
+            let rotors = air.is_rotor();
             match &mut air.coupling {
                 Coupling::Iterated { tolerance, .. } => *tolerance = tolerance.min(COUPLING_TOLERANCE),
                 // strips store earlier positions of their sections, which would differ with a single correction
-                coupling if !air.options.is_rotor() => {
+                coupling if !rotors => {
                     *coupling =
                         Coupling::Iterated { tolerance: COUPLING_TOLERANCE, most_iterations: COUPLING_ITERATIONS };
                 }
@@ -151,12 +152,17 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
     if let Some(gust) = air.gusts.first() {
         return Err(format!("the gust {} is not periodic over a revolution; remove it from the model", gust.name));
     }
-    match &air.options {
-        AirOptions::Lattice(_) => {
+    match air.only() {
+        None => Err(format!(
+            "periodic motions have one aerodynamic model, and the model has {}: {}; keep one of them, or simulate the model",
+            air.parts.len(),
+            air.parts.iter().map(|part| part.name.as_str()).collect::<Vec<_>>().join(", ")
+        )),
+        Some(AirOptions::Lattice(_)) => {
             Err("the wake of a vortex lattice is not periodic; use model = \"bem\" or \"strip\"".to_owned())
         }
-        AirOptions::Strips(_) => Ok(()),
-        AirOptions::Rotor(options) => match options.features.field.as_ref().map(|field| &field.source) {
+        Some(AirOptions::Strips(_)) => Ok(()),
+        Some(AirOptions::Rotor(options)) => match options.features.field.as_ref().map(|field| &field.source) {
             Some(Source::Table(table)) if table.rows.len() > 1 => {
                 Err("a wind table over time is not periodic over a revolution; give one row, or a wind profile"
                     .to_owned())

@@ -5,7 +5,7 @@ use crate::aero::near_sheets::NoCirculation;
 use crate::aero::strip::Strips;
 use crate::aero::strip::continuous::LOAD_ROWS;
 use crate::aero::strip::instant::Instant;
-use crate::aero::{AirModel, AirState};
+use crate::aero::{AirModel, AirState, AirStates};
 use crate::load::Wrench;
 use crate::multibody::motion::Motion;
 use crate::multibody::station;
@@ -48,12 +48,11 @@ impl System {
     /// A lag state at the current time, in m/s, and its rate in m/s², from the internal integrator: linear over the aerodynamic step.
     pub(crate) fn own_lag(&self, lag: usize) -> [f64; 2] {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return [0.0; 2] };
-        let AirCoupling { model: AirModel::Strips(strips), continuous: Some(continuous), settings, .. } = &**air else {
-            return [0.0; 2];
-        };
-        let of = |state: &AirState| match state {
-            AirState::Strips(state) => strips.lag_m_s(state, continuous.gusts, lag),
-            AirState::Lattice(_) | AirState::Rotor(_) => 0.0,
+        let AirCoupling { model, continuous: Some(continuous), settings, .. } = &**air else { return [0.0; 2] };
+        let Some(AirModel::Strips(strips)) = model.only() else { return [0.0; 2] };
+        let of = |states: &AirStates| match states.only() {
+            Some(AirState::Strips(state)) => strips.lag_m_s(state, continuous.gusts, lag),
+            Some(AirState::Lattice(_) | AirState::Rotor(_)) | None => 0.0,
         };
         let [before, after] = [&history.before, &history.after].map(of);
         if history.steps == 0 {
@@ -91,10 +90,11 @@ impl System {
     /// Stores the lag states in the state.
     fn remember_lags(&mut self) {
         let Some(air) = &self.air else { return };
-        let AirCoupling { model: AirModel::Strips(strips), continuous: Some(own), .. } = &**air else { return };
+        let AirCoupling { model, continuous: Some(own), .. } = &**air else { return };
+        let Some(AirModel::Strips(strips)) = model.only() else { return };
         if let Some(history) = &mut self.state.air {
-            for state in [&mut history.before, &mut history.after] {
-                if let AirState::Strips(state) = state {
+            for states in [&mut history.before, &mut history.after] {
+                if let Some(AirState::Strips(state)) = states.only_mut() {
                     strips.set_lags(&own.lags_m_s, own.gusts, state);
                 }
             }
@@ -108,18 +108,11 @@ impl System {
         let (time_s, none) = (state.now.time_s, Ok(()));
         let Some(air) = air else { return none };
         air.deflect(state, time_s)?;
-        let AirCoupling {
-            model: AirModel::Strips(strips),
-            motions,
-            continuous: Some(own),
-            settings,
-            length_m,
-            deflections,
-            ..
-        } = &mut **air
+        let AirCoupling { model, motions, continuous: Some(own), settings, length_m, deflections, .. } = &mut **air
         else {
             return none;
         };
+        let Some(AirModel::Strips(strips)) = model.only_mut() else { return none };
         own.guess.fill(0.0);
         own.anderson.restart();
         let mut found = false;
@@ -207,8 +200,8 @@ impl System {
 
 /// Updates a history to the current time, so that the internal integrator can continue from it.
 fn remember(strips: &Strips, own: &ContinuousAir, history: &mut AirHistory) {
-    for state in [&mut history.before, &mut history.after] {
-        if let AirState::Strips(state) = state {
+    for states in [&mut history.before, &mut history.after] {
+        if let Some(AirState::Strips(state)) = states.only_mut() {
             strips.remember(&own.lags_m_s, own.gusts, &own.answer, state);
         }
     }

@@ -1,5 +1,6 @@
 //! Control surfaces of the model: their angles from the inputs, and their hinge moments for the outputs.
 
+use crate::aero::AirStates;
 use crate::aero::flap::{Deflection, Flap};
 use crate::machine::Air;
 use crate::signal::{FlapInputs, Inputs};
@@ -47,7 +48,7 @@ fn check(flap: &Flap, angle_rad: f64, time_s: f64) -> Result<(), PlantError> {
 }
 
 impl AirCoupling {
-    /// Passes the control surface angles at a time of the current communication step to the aerodynamic model.
+    /// Passes the control surface angles at a time of the current communication step to the aerodynamic models.
     ///
     /// # Errors
     /// If an angle exceeds its limits.
@@ -69,19 +70,19 @@ impl AirCoupling {
     pub(super) fn report_flaps(
         &self,
         equations: &Equations,
-        hinges: [&[crate::aero::flap::HingeMoment]; 2],
+        states: [&AirStates; 2],
         (time_s, share): (f64, f64),
         outputs: &mut Outputs,
     ) {
         let course = &equations.course;
         let inputs = course.base.flaps().iter().zip(course.rates.flaps());
-        let hinges = hinges[0].iter().zip(hinges[1]);
-        for ((output, (inputs, rates)), (before, after)) in outputs.flaps_mut().iter_mut().zip(inputs).zip(hinges) {
+        for (flap, (output, (inputs, rates))) in outputs.flaps_mut().iter_mut().zip(inputs).enumerate() {
             let now = later(inputs, rates, time_s - course.from_s);
+            let [before, after] = states.map(|states| self.model.hinge_moment(states, flap));
             *output = FlapOutputs {
                 angle_rad: now.angle_rad,
                 rate_rad_s: now.rate_rad_s,
-                hinge_moment_n_m: before.between(after, share),
+                hinge_moment_n_m: before.between(&after, share),
             };
         }
     }

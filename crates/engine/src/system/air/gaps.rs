@@ -2,9 +2,9 @@
 
 pub use crate::aero::near_sheets::CLOSED_PANELS;
 
-use crate::aero::AirModel;
 use crate::aero::flow::Flow;
 use crate::aero::near_sheets::NoCirculation;
+use crate::aero::{AirModel, AirModels};
 use crate::load::SectionMotion;
 use crate::machine::{self, Machine};
 use crate::solve::EquationsOfMotion;
@@ -63,8 +63,8 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
 }
 
 /// Error if the sheet of one lattice passes through another.
-pub(crate) fn crossing(machine: &Machine, air: &machine::Air, model: &AirModel, time_s: f64) -> Option<PlantError> {
-    let AirModel::Lattice(lattice) = model else { return None };
+pub(crate) fn crossing(machine: &Machine, air: &machine::Air, model: &AirModels, time_s: f64) -> Option<PlantError> {
+    let Some(AirModel::Lattice(lattice)) = model.only() else { return None };
     lattice.crossed_sheets().map(|crossed| PlantError::CrossedSheets {
         time_s,
         bodies: crossed.surfaces.map(|surface| machine.bodies[air.surfaces[surface].body].name.clone()),
@@ -99,7 +99,7 @@ impl System {
         self.equations.residual(0.0, &now.q, &now.v, &now.a, &mut self.scratch[0]);
         let Some(air) = &mut self.air else { return Vec::new() };
         air.observe(&self.equations, &self.state.now);
-        let AirModel::Lattice(lattice) = &mut air.model else { return Vec::new() };
+        let Some(AirModel::Lattice(lattice)) = air.model.only_mut() else { return Vec::new() };
         let (mut state, mut pairs) = (lattice.blank_state(), Vec::new());
         lattice.measure_gaps(&air.motions, &mut state);
         for other in 0..air.settings.surfaces.len() {

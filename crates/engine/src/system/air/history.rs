@@ -1,6 +1,6 @@
 //! State of the aerodynamics over an aerodynamic step, as part of the model's state.
 
-use crate::aero::AirState;
+use crate::aero::{AirState, AirStates};
 use crate::load::Wrench;
 use crate::system::air::{Gain, Sample, StepLoads};
 use nalgebra::Vector3;
@@ -13,10 +13,10 @@ pub(crate) struct AirHistory {
     pub start_s: f64,
     /// Number of aerodynamic steps since `start_s`.
     pub steps: u64,
-    /// Aerodynamic state at the start of the current step.
-    pub before: AirState,
-    /// Aerodynamic state at the end of the current step.
-    pub after: AirState,
+    /// Aerodynamic states at the start of the current step.
+    pub before: AirStates,
+    /// Aerodynamic states at the end of the current step.
+    pub after: AirStates,
     /// Motion of the sections at the start of the current step, with the averaged velocities of eq. (Q4).
     pub begin: Vec<Sample>,
     /// Motion of the sections at the end of the current step.
@@ -69,7 +69,7 @@ impl AirHistory {
 
     /// Size of the stored numbers in bytes.
     pub fn bytes(&self) -> usize {
-        let states = [&self.before, &self.after].into_iter().map(|state| match state {
+        let states = self.before.0.iter().chain(&self.after.0).map(|state| match state {
             AirState::Strips(state) => size_of_val(&state.strips[..]),
             AirState::Lattice(_) | AirState::Rotor(_) => 0,
         });

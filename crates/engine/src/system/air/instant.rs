@@ -54,8 +54,9 @@ impl System {
         equations.branch_s = if time_s > begun_s { 0.5 * (begun_s + time_s) } else { time_s };
         equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
         equations.project(&mut now.q, &mut now.v, &mut now.a);
-        let rates = match self.air.as_ref().map(|air| &air.model) {
-            Some(AirModel::Strips(_)) => {
+        let rates = match self.air.as_ref().map(|air| air.model.only()) {
+            Some(None) => return Err(self.several_airs()),
+            Some(Some(AirModel::Strips(_))) => {
                 self.hand_air_over();
                 let own = self.air.as_ref().and_then(|air| air.continuous.as_ref());
                 let own = own.map_or_else(Vec::new, |own| own.lags_m_s.clone());
@@ -64,8 +65,8 @@ impl System {
                 let own = self.air.as_ref().and_then(|air| air.continuous.as_ref());
                 return Ok(own.map_or_else(Vec::new, |own| own.lag_rates_m_s2().to_vec()));
             }
-            Some(AirModel::Rotor(_)) => self.load_rotor(lags),
-            Some(AirModel::Lattice(_)) | None => Vec::new(),
+            Some(Some(AirModel::Rotor(_))) => self.load_rotor(lags),
+            Some(Some(AirModel::Lattice(_))) | None => Vec::new(),
         };
         let Self { equations, state, scratch, .. } = self;
         let now = &mut state.now;
@@ -83,9 +84,8 @@ impl System {
         let now = &state.now;
         equations.residual(time_s, &now.q, &now.v, &now.a, &mut scratch[0]);
         let Some(air) = air else { return Vec::new() };
-        let AirCoupling { model: AirModel::Rotor(rotor), motions, settings, .. } = &mut **air else {
-            return Vec::new();
-        };
+        let AirCoupling { model, motions, settings, .. } = &mut **air;
+        let Some(AirModel::Rotor(rotor)) = model.only_mut() else { return Vec::new() };
         let motion = Motion { q: &now.q, v: &now.v, a: &now.a };
         for (observed, place) in motions.iter_mut().zip(&equations.model.stations[equations.load_stations..]) {
             *observed = station::accelerated(&equations.model, &equations.work, motion, place).motion;
@@ -108,7 +108,7 @@ impl System {
         from.copy_from_slice(to);
         impulsive.fill(Wrench::default());
         for side in [&mut history.before, &mut history.after] {
-            if let AirState::Rotor(side) = side {
+            if let Some(AirState::Rotor(side)) = side.only_mut() {
                 bytemuck::cast_slice_mut(std::slice::from_mut(&mut side.loads)).copy_from_slice(own);
             }
         }

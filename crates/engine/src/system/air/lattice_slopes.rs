@@ -23,7 +23,7 @@ fn over<'a>(air: &'a machine::Air, motions: &[SectionMotion], flow: &Flow) -> Op
 impl System {
     /// Whether the aerodynamic model is a lattice, which has a linear model in discrete time.
     pub fn has_linear_lattice(&self) -> bool {
-        self.air.as_ref().is_some_and(|air| matches!(air.settings.options, AirOptions::Lattice(_)))
+        self.air.as_ref().is_some_and(|air| matches!(air.settings.only(), Some(AirOptions::Lattice(_))))
     }
 
     /// Derivatives of the lattice about the steady flow around sections without motion; `None` without a lattice.
@@ -38,7 +38,7 @@ impl System {
         let time_s = self.state.now.time_s;
         let Some(air) = self.air.as_mut() else { return Ok(None) };
         air.deflect(&self.state, time_s)?;
-        let AirModel::Lattice(lattice) = &mut air.model else { return Ok(None) };
+        let Some(AirModel::Lattice(lattice)) = air.model.only_mut() else { return Ok(None) };
         let settings = &air.settings;
         let flow = flow(settings, &self.state, time_s);
         if let Some(gust) = over(settings, motions, &flow) {
@@ -49,7 +49,7 @@ impl System {
             return Err(PlantError::Linearization { time_s, cause });
         }
         let blank = lattice.blank_state();
-        let from = match self.state.air.as_ref().map(|history| &history.after) {
+        let from = match self.state.air.as_ref().and_then(|history| history.after.only()) {
             Some(AirState::Lattice(state)) => state,
             Some(AirState::Strips(_) | AirState::Rotor(_)) | None => &blank,
         };
@@ -72,7 +72,7 @@ impl System {
     /// Number of circulations of the lattice and its wake; 0 without a lattice.
     pub(crate) fn lattice_circulations(&self) -> usize {
         let Some(air) = &self.air else { return 0 };
-        let AirOptions::Lattice(options) = &air.settings.options else { return 0 };
+        let Some(AirOptions::Lattice(options)) = air.settings.only() else { return 0 };
         let strips = |surface: &machine::LiftingSurface| surface.positions_m.len() - 1;
         air.settings.surfaces.iter().map(|surface| strips(surface) * (surface.chord_panels + options.wake_rows)).sum()
     }

@@ -14,18 +14,22 @@ impl AirCoupling {
     pub fn memories<'h>(&self, history: &'h mut AirHistory) -> Vec<(Measure, &'h mut f64)> {
         let AirHistory { after, end, .. } = history;
         let mut list: Vec<(Measure, &'h mut f64)> = Vec::new();
-        match (&self.model, after) {
-            (AirModel::Rotor(rotor), AirState::Rotor(state)) => rotor.memories(state, &mut list),
-            (AirModel::Strips(strips), AirState::Strips(state)) => {
-                for Sample { motion, mean_m_s, mean_rad_s } in end {
-                    let velocities = motion.velocity_m_s.iter_mut().chain(mean_m_s.iter_mut());
-                    list.extend(velocities.map(|velocity| (Measure::Velocity, velocity)));
-                    let rates = motion.spin_rad_s.iter_mut().chain(mean_rad_s.iter_mut());
-                    list.extend(rates.map(|rate| (Measure::Rate, rate)));
+        let mut samples: Vec<Option<&'h mut Sample>> = end.iter_mut().map(Some).collect();
+        for ((model, sections), state) in self.model.each().zip(&mut after.0) {
+            match (model, state) {
+                (AirModel::Rotor(rotor), AirState::Rotor(state)) => rotor.memories(state, &mut list),
+                (AirModel::Strips(strips), AirState::Strips(state)) => {
+                    let own = sections.iter().filter_map(|section| samples[*section].take());
+                    for Sample { motion, mean_m_s, mean_rad_s } in own {
+                        let velocities = motion.velocity_m_s.iter_mut().chain(mean_m_s.iter_mut());
+                        list.extend(velocities.map(|velocity| (Measure::Velocity, velocity)));
+                        let rates = motion.spin_rad_s.iter_mut().chain(mean_rad_s.iter_mut());
+                        list.extend(rates.map(|rate| (Measure::Rate, rate)));
+                    }
+                    list.extend(strips.memories(state).map(|lag| (Measure::Velocity, lag)));
                 }
-                list.extend(strips.memories(state).map(|lag| (Measure::Velocity, lag)));
+                (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_), _) => {}
             }
-            (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_), _) => {}
         }
         list
     }
@@ -43,12 +47,11 @@ impl System {
         let air = &mut **air;
         air.observe(equations, &state.now);
         air.deflect(state, time_s)?;
-        let instants = air.model.sees_instants();
         let AirCoupling { model, settings, motions, loads, .. } = air;
         let flow = flow(settings, state, time_s);
         let Some(history) = &mut state.air else { return Ok(()) };
-        for (motion, end) in motions.iter_mut().zip(&mut history.end) {
-            if instants {
+        for ((motion, end), &instant) in motions.iter_mut().zip(&mut history.end).zip(model.instants()) {
+            if instant {
                 *end = Sample::steady(motion);
             } else {
                 (end.motion.position_m, end.motion.rotation) = (motion.position_m, motion.rotation);

@@ -23,14 +23,13 @@ pub use view::SurfaceLattice;
 
 use crate::aero::flap::Deflection;
 use crate::aero::surface::{Edge, Surface};
-use crate::aero::{AirLoads, AirModel};
+use crate::aero::{AirLoads, AirModels};
 use crate::load::{SectionMotion, Wrench};
 use crate::machine::{self, Parent};
 use crate::multibody::motion::Motion;
 use crate::multibody::station;
 use crate::solve::acceleration::Anderson;
 use crate::solve::point::Point;
-use crate::system::air::sections::hub;
 use crate::system::air::strip_workspace::ContinuousAir;
 use crate::system::equations::Equations;
 use crate::system::outputs::Outputs;
@@ -43,9 +42,9 @@ const NEAR: f64 = 1e-9;
 /// Round-off of a section's motion within a step, in chords: about fifty units in the last place.
 const ROUND_OFF: f64 = 1e-14;
 
-/// Aerodynamic model with its coupling to the structure; a workspace, except for the settings of the model.
+/// Aerodynamic models with their coupling to the structure; a workspace, except for the settings of the models.
 pub(crate) struct AirCoupling {
-    pub model: AirModel,
+    pub model: AirModels,
     pub settings: machine::Air,
     pub motions: Vec<SectionMotion>,
     /// Angles of the control surfaces.
@@ -85,7 +84,6 @@ impl AirCoupling {
                 }
             })
             .collect();
-        sections += hub(&settings).iter().count();
         let chords = surfaces.iter().flat_map(|surface| &surface.chords);
         let length_m = chords.map(|chord| chord.length_m()).fold(0.0, f64::max);
         let strips = settings.surfaces.iter().flat_map(|surface| surface.positions_m.windows(2));
@@ -96,9 +94,9 @@ impl AirCoupling {
             velocity_m_s: Vector3::zeros(),
             spin_rad_s: Vector3::zeros(),
         };
+        let mut model = AirModels::new(&surfaces, &settings.flaps, &settings.parts, still);
+        let sections = model.sections();
         let unknowns = 2 * ENTRIES * sections;
-        let mut model = AirModel::new(surfaces, &settings.options);
-        model.add_flaps(&settings.flaps);
         joined_edges(machine, &settings.surfaces).into_iter().for_each(|edges| model.join(edges));
         let none = vec![Wrench::default(); sections];
         let blank = AirHistory {
@@ -173,10 +171,9 @@ impl AirCoupling {
                 [&history.before, &history.after].map(|air| self.model.strip_circulation_m2_s(air, surface, strip));
             *circulation = before + (after - before) * share;
         }
-        let hinges = [history.before.hinge_moments(), history.after.hinge_moments()];
-        self.report_flaps(equations, hinges, (now.time_s, share), outputs);
-        let ends = (history.before.rotor_loads(), history.after.rotor_loads());
-        if let (Some(rotor), (Some(before), Some(after))) = (outputs.rotor_mut().first_mut(), ends) {
+        self.report_flaps(equations, [&history.before, &history.after], (now.time_s, share), outputs);
+        let ends = history.before.rotor_loads().zip(history.after.rotor_loads());
+        for (rotor, (before, after)) in outputs.rotor_mut().iter_mut().zip(ends) {
             *rotor = before.between(after, share);
         }
     }

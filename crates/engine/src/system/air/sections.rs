@@ -1,24 +1,16 @@
-//! Sections of the lifting surfaces in the equations.
+//! Sections of the lifting surfaces and hubs in the equations.
 
-use crate::aero::AirOptions;
 use crate::load::LoadFrame;
 use crate::machine;
 use crate::multibody::Model;
 
-/// Appends the sections of the surfaces to a model, after its load stations.
+/// Appends the sections of the surfaces and then those of the rotors' hubs to a model, after its load stations.
 pub(crate) fn add_sections(machine: &machine::Machine, model: &mut Model) {
     for surface in machine.air.iter().flat_map(|air| &air.surfaces) {
         model.add_stations(surface.body, &surface.positions_m, LoadFrame::Section);
     }
-    if let Some(body) = machine.air.as_ref().and_then(hub) {
-        model.add_stations(body, &[0.0], LoadFrame::Section);
-    }
-}
-
-/// Body whose inner end is the apex of a rotor, if there is one: its section is stored after those of the surfaces.
-pub(super) fn hub(air: &machine::Air) -> Option<usize> {
-    match &air.options {
-        AirOptions::Rotor(options) => Some(options.hub_body),
-        AirOptions::Lattice(_) | AirOptions::Strips(_) => None,
+    // the inner end of a hub is the apex of its rotor
+    for (_, rotor) in machine.air.iter().flat_map(|air| air.rotors()) {
+        model.add_stations(rotor.hub_body, &[0.0], LoadFrame::Section);
     }
 }

@@ -7,7 +7,7 @@ use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::strip::Strips;
 use crate::aero::strip::continuous::{AIR_VARIABLES, LOAD_ROWS, LagPlace, MOTION_VARIABLES, Variable};
 use crate::aero::strip::instant::{Instant, SectionAcceleration};
-use crate::aero::{AirModel, AirState};
+use crate::aero::{AirModel, AirModels, AirPart, AirState, AirStates};
 use crate::load::SectionMotion;
 use crate::machine;
 use crate::system::air::controls::deflections;
@@ -48,21 +48,22 @@ pub(super) enum Continuous<'a> {
 }
 
 impl<'a> Continuous<'a> {
-    fn of(model: &'a mut AirModel) -> Option<Self> {
-        match model {
+    fn of(model: &'a mut AirModels) -> Option<Self> {
+        match model.only_mut()? {
             AirModel::Strips(strips) => Some(Self::Strips(strips)),
             AirModel::Rotor(rotor) => Some(Self::Rotor(rotor)),
             AirModel::Lattice(_) => None,
         }
     }
 
-    /// Lag states of a state; `None` for an aerodynamic model without derivatives.
-    pub fn lags(model: &AirModel, state: &AirState, gusts: bool) -> Option<Vec<f64>> {
-        match (model, state) {
+    /// Lag states, part by part; `None` with an aerodynamic model without derivatives.
+    pub fn lags(model: &AirModels, states: &AirStates, gusts: bool) -> Option<Vec<f64>> {
+        let own = model.each().zip(&states.0).map(|((model, _), state)| match (model, state) {
             (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lags_m_s(state, gusts)),
             (AirModel::Rotor(rotor), AirState::Rotor(state)) => Some(rotor.lag_values(state)),
             (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_), _) => None,
-        }
+        });
+        Some(own.collect::<Option<Vec<Vec<f64>>>>()?.concat())
     }
 
     /// Number of rows of a response.
@@ -82,9 +83,26 @@ impl<'a> Continuous<'a> {
 }
 
 impl System {
-    /// Whether the aerodynamic model has a linear model in continuous time: strips and rotors.
+    /// Whether the aerodynamic models have linear models in continuous time: strips and rotors.
     pub fn air_is_linearised(&self) -> bool {
-        self.air.as_ref().is_some_and(|air| air.settings.options.is_linearised())
+        self.air.as_ref().is_some_and(|air| air.settings.is_linearised())
+    }
+
+    /// Whether the machine has several aerodynamic models, which have no linear form together.
+    pub(crate) fn has_several_airs(&self) -> bool {
+        self.machine.air.as_ref().is_some_and(|air| air.parts.len() > 1)
+    }
+
+    /// Error: there is no linear model of several aerodynamic parts.
+    pub(crate) fn several_airs(&self) -> PlantError {
+        let parts = self.machine.air.iter().flat_map(|air| &air.parts).map(|part| part.name.as_str());
+        let cause = format!(
+            "linear models, modes and accelerations at an instant have one aerodynamic model, and the machine has {}: \
+             [aerodynamics.<name>] {}; keep one of them, or simulate the machine",
+            self.machine.air.as_ref().map_or(0, |air| air.parts.len()),
+            parts.collect::<Vec<_>>().join(", ")
+        );
+        PlantError::Linearization { time_s: self.state.now.time_s, cause }
     }
 
     /// Derivatives of the aerodynamic response at the current state. `sections` holds motion and accelerations of all sections; `by` holds
@@ -111,6 +129,9 @@ impl System {
             flaps: deflections(&air.settings, &self.state.applied_inputs).collect::<Vec<_>>().into(),
             flap_rad_s2: vec![0.0; air.settings.flaps.len()].into(),
         };
+        if air.model.only().is_none() {
+            return Err(self.several_airs());
+        }
         let Some(mut model) = Continuous::of(&mut air.model) else { return Ok(None) };
         let rows = model.rows(&at, gusts);
         if let Continuous::Strips(strips) = &model
@@ -165,10 +186,11 @@ impl System {
     pub fn air_lags(&self, gusts: bool) -> Vec<(String, &'static str, f64)> {
         let Some(air) = &self.air else { return Vec::new() };
         let values = self.present_lags(gusts).unwrap_or_default();
-        let units = match &air.model {
+        let units = air.model.each().flat_map(|(model, _)| match model {
             AirModel::Rotor(rotor) => rotor.lags().iter().map(|(_, lag)| lag.unit()).collect(),
-            AirModel::Lattice(_) | AirModel::Strips(_) => vec!["m/s"; values.len()],
-        };
+            AirModel::Strips(strips) => vec!["m/s"; strips.lag_count(air.has_gust_lags(gusts))],
+            AirModel::Lattice(_) => Vec::new(),
+        });
         self.lag_names(gusts)
             .into_iter()
             .zip(units)
@@ -180,22 +202,30 @@ impl System {
     /// Names of the lag states, in the order of linear models.
     pub(crate) fn lag_names(&self, gusts: bool) -> Vec<String> {
         let Some(air) = &self.air else { return Vec::new() };
-        match &air.model {
+        let own = air.settings.parts.iter().zip(air.model.each());
+        own.flat_map(|(part, (model, _))| match model {
             AirModel::Strips(model) => {
                 let places = model.lags(air.has_gust_lags(gusts));
-                places.iter().map(|place| self.lag_name(place)).collect()
+                places.iter().map(|place| self.lag_name(part, place)).collect()
             }
             AirModel::Rotor(model) => {
-                let places: Vec<String> = self.stations_of_blades();
+                let places: Vec<String> = self.stations_of_blades(part);
                 model.lags().iter().map(|(section, lag)| format!("{}.{}", places[*section], lag.name())).collect()
             }
             AirModel::Lattice(_) => Vec::new(),
-        }
+        })
+        .collect()
+    }
+
+    /// Surfaces of an aerodynamic part.
+    fn surfaces_of<'s>(&'s self, part: &'s AirPart) -> impl Iterator<Item = &'s machine::LiftingSurface> {
+        let air = self.machine.air.iter();
+        air.flat_map(|air| part.surfaces.iter().map(|surface| &air.surfaces[*surface]))
     }
 
     /// Names of the sections of a rotor's blades: `blade1.station[3]`.
-    fn stations_of_blades(&self) -> Vec<String> {
-        let blades = self.machine.air.iter().flat_map(|air| &air.surfaces);
+    fn stations_of_blades(&self, part: &AirPart) -> Vec<String> {
+        let blades = self.surfaces_of(part);
         let of = |blade: &machine::LiftingSurface| {
             let body = self.machine.bodies[blade.body].name.clone();
             (1..=blade.positions_m.len()).map(move |station| format!("{body}.station[{station}]"))
@@ -205,7 +235,9 @@ impl System {
 
     /// Error: the momentum balance of an annulus is discontinuous, so that there is no linear model.
     fn no_slope(&self, section: usize) -> PlantError {
-        let place = &self.stations_of_blades()[section];
+        let mut blades =
+            self.machine.air.iter().flat_map(|air| &air.parts).flat_map(|part| self.stations_of_blades(part));
+        let place = blades.nth(section).unwrap_or_default();
         let cause = format!(
             "the momentum balance of {place} is discontinuous at this operating point, between two states of the \
              annulus; choose another wind, pitch or rotor speed, or write inflow_lag_s, with which it is continuous"
@@ -231,7 +263,9 @@ impl System {
                 load.moment_n_m += Vector3::from_column_slice(&entries[3..]) * amount;
             }
         }
-        if let [AirState::Rotor(before), AirState::Rotor(after)] = [&mut history.before, &mut history.after] {
+        if let [Some(AirState::Rotor(before)), Some(AirState::Rotor(after))] =
+            [&mut history.before, &mut history.after].map(AirStates::only_mut)
+        {
             // the last rows are the loads and coefficients of the rotor
             let own = &rest[rest.len() - size_of::<RotorLoads>() / size_of::<f64>()..];
             for state in [before, after] {
@@ -240,11 +274,12 @@ impl System {
             }
             return Some(kept);
         }
-        let (rest, hinges) = rest.split_at(rest.len() - history.after.hinge_moments().len());
+        let flaps = self.machine.air.as_ref().map_or(0, |air| air.flaps.len());
+        let (rest, hinges) = rest.split_at(rest.len() - flaps);
         let circulations = &rest[rest.len() - strips.sum::<usize>()..];
-        for state in [&mut history.before, &mut history.after] {
+        for state in [&mut history.before, &mut history.after].into_iter().filter_map(AirStates::only_mut) {
             if let (AirState::Lattice(state), Some(AirModel::Lattice(lattice))) =
-                (&mut *state, self.air.as_ref().map(|air| &air.model))
+                (&mut *state, self.air.as_ref().and_then(|air| air.model.only()))
             {
                 for (moment, hinge) in state.hinges.iter_mut().zip(hinges) {
                     moment.circulatory_n_m += hinge * amount;
@@ -270,10 +305,9 @@ impl System {
     }
 
     /// Name of a lag state, `wing.strip[3].lag[1]`, or for gusts `wing.strip[3].gust_lag[1]`.
-    fn lag_name(&self, place: &LagPlace) -> String {
+    fn lag_name(&self, part: &AirPart, place: &LagPlace) -> String {
         let mut strip = place.strip;
-        let surfaces = self.machine.air.iter().flat_map(|air| &air.surfaces);
-        for surface in surfaces {
+        for surface in self.surfaces_of(part) {
             let own = surface.positions_m.len() - 1;
             if strip < own {
                 let (body, kind) =

@@ -1,6 +1,5 @@
 //! Aerodynamics at the start of a run and when a step is cut.
 
-use crate::aero::AirModel;
 use crate::aero::established::Established;
 use crate::aero::flow::Flow;
 use crate::machine;
@@ -40,9 +39,7 @@ impl System {
             history.after.go_on_from(&earlier.after);
         }
         let AirCoupling { model, settings, motions, loads, .. } = &mut **air;
-        if let AirModel::Rotor(rotor) = model
-            && let Some(blade) = rotor.blade_along_shaft(motions)
-        {
+        if let Some(blade) = model.blade_along_shaft(motions) {
             let name = &self.machine.bodies[settings.surfaces[blade].body].name;
             let cause = format!(
                 "blade {name} is parallel to the shaft; x of a blade's body points from its root to its tip, across the shaft"

@@ -158,10 +158,11 @@ impl System {
     /// First aerodynamic feature whose steps have no derivatives, and its name; only smooth strips have them.
     pub(crate) fn air_without_slopes(&self) -> Option<(&'static str, &str)> {
         let air = self.machine.air.as_ref()?;
-        let strips = match &air.options {
-            AirOptions::Strips(strips) => strips,
-            AirOptions::Lattice(_) => return Some(("the vortex lattice", "aerodynamics")),
-            AirOptions::Rotor(_) => return Some(("rotor aerodynamics", "aerodynamics")),
+        let strips = match air.only() {
+            Some(AirOptions::Strips(strips)) => strips,
+            Some(AirOptions::Lattice(_)) => return Some(("the vortex lattice", "aerodynamics")),
+            Some(AirOptions::Rotor(_)) => return Some(("rotor aerodynamics", "aerodynamics")),
+            None => return Some(("several aerodynamic parts", "aerodynamics")),
         };
         if strips.tip_loss.is_some() {
             return Some(("the lifting line of strips", "aerodynamics.tip_loss"));
@@ -205,7 +206,8 @@ impl System {
         let mut after = before.after.clone();
         let solved = model.solve(&before.before, motions, &flow, step_s, &mut after, loads);
         solved.map_err(|error| NoSlopes::Step(gaps::failure(&self.machine, settings, before.loads.end_s, error)))?;
-        let (AirModel::Strips(strips), AirState::Strips(from)) = (&*model, &before.before) else {
+        let (Some(AirModel::Strips(strips)), Some(AirState::Strips(from))) = (model.only(), before.before.only())
+        else {
             return Err(no_air());
         };
         let slopes = strips.step_slopes(from, motions, &flow, step_s);
@@ -287,7 +289,7 @@ fn memory(history: &AirHistory, reference: &[Matrix3<f64>]) -> Vec<f64> {
             values.extend(vector);
         }
     }
-    if let AirState::Strips(state) = &history.after {
+    if let Some(AirState::Strips(state)) = history.after.only() {
         values.extend(state.strips.iter().flat_map(|strip| strip.clone().numbers().map(|number| *number)));
     }
     values.extend(entries(&history.loads.to));

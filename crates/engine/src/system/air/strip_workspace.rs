@@ -1,8 +1,8 @@
 //! Workspace for strip theory in a hybrid system.
 
-use crate::aero::AirModel;
 use crate::aero::strip::continuous::LOAD_ROWS;
 use crate::aero::strip::instant::SectionAcceleration;
+use crate::aero::{AirModel, AirModels};
 use crate::solve::acceleration::Anderson;
 use nalgebra::Vector3;
 
@@ -22,9 +22,9 @@ pub(crate) struct ContinuousAir {
 }
 
 impl ContinuousAir {
-    /// Workspace for an aerodynamic model with a continuous-time form; `None` for other models.
-    pub fn new(model: &AirModel, sections: usize, gusts: bool) -> Option<Self> {
-        let AirModel::Strips(strips) = model else { return None };
+    /// Workspace for strips on all surfaces, which have a continuous-time form; `None` for other models.
+    pub fn new(model: &AirModels, sections: usize, gusts: bool) -> Option<Self> {
+        let Some(AirModel::Strips(strips)) = model.only() else { return None };
         let loads = LOAD_ROWS * sections;
         Some(Self {
             gusts,

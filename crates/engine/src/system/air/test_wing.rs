@@ -48,8 +48,8 @@ pub(crate) fn wing() -> Machine {
 
 /// The lattice of a state at the end of its aerodynamic step.
 pub(crate) fn lattice(state: &mut State) -> &mut LatticeState {
-    match &mut state.air.as_mut().expect("air").after {
-        AirState::Lattice(state) => state,
-        AirState::Strips(_) | AirState::Rotor(_) => panic!("a lattice"),
+    match state.air.as_mut().expect("air").after.only_mut() {
+        Some(AirState::Lattice(state)) => state,
+        Some(AirState::Strips(_) | AirState::Rotor(_)) | None => panic!("a lattice"),
     }
 }

@@ -36,7 +36,11 @@ impl System {
     /// `None` without a lattice or before initialisation.
     pub fn lattice(&self) -> Option<(f64, Vec<SurfaceLattice>)> {
         let (air, history) = (self.air.as_ref()?, self.state.air.as_ref()?);
-        let (AirModel::Lattice(lattice), AirState::Lattice(state)) = (&air.model, &history.after) else { return None };
+        let (Some(AirModel::Lattice(lattice)), Some(AirState::Lattice(state))) =
+            (air.model.only(), history.after.only())
+        else {
+            return None;
+        };
         let view = |(index, surface): (usize, &crate::machine::LiftingSurface)| {
             let columns = surface.positions_m.len();
             SurfaceLattice {
@@ -71,7 +75,9 @@ impl System {
     /// these strips; neighbouring strips may then have several steady circulations, NOTATION eq. (U32). From the last aerodynamic solution.
     pub fn strips_beyond_stall(&self) -> Vec<(usize, usize)> {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return Vec::new() };
-        let (AirModel::Lattice(lattice), AirState::Lattice(state)) = (&air.model, &history.after) else {
+        let (Some(AirModel::Lattice(lattice)), Some(AirState::Lattice(state))) =
+            (air.model.only(), history.after.only())
+        else {
             return Vec::new();
         };
         let mut list: Vec<(usize, usize)> = Vec::new();

@@ -121,10 +121,7 @@ impl OutputLayout {
             air_total: Segment::append(&mut end, 1),
             air_stations: Segment::append(&mut end, if machine.air.is_some() { stations } else { 0 }),
             circulation_m2_s: Segment::append(&mut end, surfaces.map(|surface| surface.positions_m.len() - 1).sum()),
-            rotor: Segment::append(
-                &mut end,
-                usize::from(machine.air.as_ref().is_some_and(|air| air.options.is_rotor())),
-            ),
+            rotor: Segment::append(&mut end, machine.air.as_ref().map_or(0, |air| air.rotors().count())),
             flaps: Segment::append(&mut end, machine.air.as_ref().map_or(0, |air| air.flaps.len())),
             generators: Segment::append(&mut end, machine.generators().count()),
             modal: Segment::append(&mut end, machine.framed_bodies().count()),
@@ -175,7 +172,7 @@ impl Outputs {
         air_stations, air_stations_mut: [Wrench];
         /// Per strip, surfaces in the order of their bodies: circulation in m²/s.
         circulation_m2_s, circulation_m2_s_mut: [f64];
-        /// Loads of a rotor; empty without one.
+        /// Per rotor, in the order of [`crate::machine::Air::parts`]: its loads.
         rotor, rotor_mut: [RotorLoads];
         /// Per control surface, in the order of [`crate::machine::Air::flaps`].
         flaps, flaps_mut: [FlapOutputs];

@@ -1,0 +1,67 @@
+"""Machines with several aerodynamic models as FMUs of both versions: the motion of the command, rollback, refusal of Model Exchange."""
+
+import csv
+import subprocess
+
+import fmpy
+import fmpy.validation
+import numpy as np
+import pytest
+from conftest import ROOT
+from constraints import states_are_whole, states_of_fmi_3_are_whole
+
+CASES = {
+    "twin_rotor": (0.02, 0.6, ["rotor.port.thrust", "rotor.port.power", "rotor.starboard.thrust", "rotor.starboard.speed", "port_shaft.angle",
+                               "energy.dissipated", "energy.kinetic", "energy.work"]),
+    "wing_with_propellers": (0.002, 0.06, ["rotor.right.thrust", "rotor.right.torque", "rotor.left.thrust", "rotor.left.speed",
+                                           "right_shaft.angular_velocity", "energy.dissipated", "energy.elastic", "energy.work"]),
+}
+
+
+@pytest.fixture(scope="module", params=[(name, version) for name in CASES for version in ("2", "3")], ids=lambda case: "-".join(case))
+def packaged(request, foldwing, tmp_path_factory):
+    """Name of the case, version of FMI, its model and its FMU."""
+    name, version = request.param
+    model = ROOT / f"examples/airs/{name}.toml"
+    fmu = tmp_path_factory.mktemp("airs") / f"{name}{version}.fmu"
+    subprocess.run([foldwing, "package", model, "-o", fmu, "--fmi", version], check=True)
+    return name, version, model, fmu
+
+
+def test_rt30_the_fmu_moves_as_the_command(foldwing, packaged, tmp_path):
+    """RT-30. FMPy finds no problem in the FMU; loads of all rotors, shafts and energies are bit-identical to those of `foldwing simulate`."""
+    name, _, model, fmu = packaged
+    step_s, stop_s, names = CASES[name]
+    out = tmp_path / "out.csv"
+    named = [word for output in names for word in ("--variables", output)]
+    subprocess.run([foldwing, "simulate", model, "--csv", out, "-q", "--stop", str(stop_s), "--step", str(step_s), *named], check=True)
+    with open(out) as file:
+        rows = list(csv.DictReader(file))
+    assert fmpy.validation.validate_fmu(str(fmu)) == []
+    found = fmpy.simulate_fmu(str(fmu), fmi_type="CoSimulation", stop_time=stop_s, output_interval=step_s, output=names)
+    assert len(rows) == len(found) == round(stop_s / step_s) + 1
+    for output in names:
+        expected = np.array([float(row[output]) for row in rows])
+        assert np.array_equal(found[output], expected), output
+        assert np.ptp(expected) > 0, f"{output} does not change"
+
+
+def test_rt30_states_are_whole(packaged, tmp_path):
+    """RT-30. A saved state continues bit by bit, in the same instance and, as bytes, in another one, also within an aerodynamic step."""
+    name, version, _, fmu = packaged
+    step_s, _, names = CASES[name]
+    if version == "2":
+        states_are_whole(fmu, tmp_path, 0.37 * step_s)
+    else:
+        states_of_fmi_3_are_whole(fmu, tmp_path, names, len(names), 0.37 * step_s)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_rt30_model_exchange_is_refused(foldwing, tmp_path, name):
+    """RT-30. Model Exchange is refused with the reason; `check` says that no model reaches another, and names the parts."""
+    model = ROOT / f"examples/airs/{name}.toml"
+    run = subprocess.run([foldwing, "package", model, "-o", tmp_path / "no.fmu", "--interface", "me"], capture_output=True, text=True)
+    assert run.returncode != 0 and "fixed aerodynamic steps" in run.stderr, run.stderr
+    told = subprocess.run([foldwing, "check", model], check=True, capture_output=True, text=True).stdout
+    expected = {"twin_rotor": "the wake of a rotor does not reach the others", "wing_with_propellers": "slipstream of a rotor does not reach the wing"}
+    assert expected[name] in told and "bem" not in told, told
