@@ -1,6 +1,5 @@
 //! Tower, nacelle and hub of a turbine as solids, for pictures: dimensions of the model as far as it has them, otherwise proportions.
 
-use foldwing_engine::aero::rotor::tower::Tower;
 use foldwing_engine::machine::{Machine, Parent, Travel};
 use foldwing_engine::plant::Plant;
 use nalgebra::Vector3;
@@ -43,9 +42,10 @@ pub struct Turbine {
     pub has_diameters: bool,
 }
 
-/// The tower that disturbs the wind of the rotors, with its diameters.
-fn tower_of(machine: &Machine) -> Option<&Tower> {
-    machine.air.iter().flat_map(|air| air.rotors()).find_map(|(_, rotor)| rotor.features.tower.as_ref())
+/// Heights in m, diameters in m and drag coefficients of the tower that disturbs the wind of the rotors.
+fn tower_of(machine: &Machine) -> Option<&[[f64; 3]]> {
+    let mut rotors = machine.air.iter().flat_map(|air| air.rotors());
+    rotors.find_map(|(_, rotor)| rotor.features.tower.as_ref()).map(|tower| &tower.rows[..])
 }
 
 impl Turbine {
@@ -108,8 +108,7 @@ impl Turbine {
     /// Half of the tower's diameter in m at a distance from its foot.
     pub fn tower_radius_m(&self, machine: &Machine, place_m: f64) -> f64 {
         if let Some(tower) = tower_of(machine) {
-            let rows: Vec<[f64; 2]> =
-                tower.rows.iter().map(|[height_m, diameter_m, _]| [*height_m, *diameter_m]).collect();
+            let rows: Vec<[f64; 2]> = tower.iter().map(|[height_m, diameter_m, _]| [*height_m, *diameter_m]).collect();
             return 0.5 * linear(&rows, place_m);
         }
         let length_m = self.tower.map_or(0.0, |tower| machine.bodies[tower].length_m);
