@@ -86,7 +86,7 @@ impl Numbers {
         load: 0.3,
         limit: 0.31,
         rate_limit: 3.0,
-        fail_s: 0.053,
+        fail_s: 0.103,
         delay_s: 0.02,
         remaining: 0.3,
         brake: 0.2,
