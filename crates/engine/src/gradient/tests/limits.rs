@@ -229,7 +229,7 @@ fn gradients_with_a_rate_limit() {
     // by the row of 0.25 rad; 4.3e-6 found
     assert!(worst[1] < 1e-5, "{:.1e}", worst[1]);
     // the ramp to the sixth row is faster than the limit
-    for row in 1..rows - 2 {
-        assert!(known[row].iter().any(|slope| slope.abs() > 1e-6), "row {row} has no effect");
+    for (row, slopes) in known.iter().enumerate().take(rows - 2).skip(1) {
+        assert!(slopes.iter().any(|slope| slope.abs() > 1e-6), "row {row} has no effect");
     }
 }

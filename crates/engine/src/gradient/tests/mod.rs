@@ -364,15 +364,12 @@ fn compare_results(
             assert!(most <= NO_SLOPE * own[row].abs(), "{:?}: {most:.1e}", results[row]);
             continue;
         }
-        for column in 0..places.len() {
+        for (column, place) in places.iter().enumerate() {
             let [forward, adjoint, known] = [&forward, &adjoint, &known].map(|table| entry(table, column) / scale);
             compared.forward_and_adjoint = compared.forward_and_adjoint.max((forward - adjoint).abs());
             compared.differences = compared.differences.max((forward - known).abs());
             if (forward - known).abs() > 1e-5 {
-                println!(
-                    "{:?} of {:e} by {}: {forward} {adjoint} {known}, {scale:e}",
-                    results[row], own[row], places[column].0
-                );
+                println!("{:?} of {:e} by {}: {forward} {adjoint} {known}, {scale:e}", results[row], own[row], place.0);
             }
         }
     }
