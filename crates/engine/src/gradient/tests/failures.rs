@@ -43,14 +43,20 @@ fn check(words: &str, machine: impl Fn(Numbers) -> Result<Machine, String>, own:
     agree(&compared, 2e-6, words);
 }
 
-/// GR-76: motors that lose their torque or jam, springs that break, beams that lose stiffness, latches that do not catch.
+/// GR-76: a motor that loses its torque.
 #[test]
 fn gradients_pass_through_failures() {
     check("motor_loss", |n| wing(n, Effect::MotorLoss { body: 1 }), &[], false);
-    check("motor_jam", |n| wing(n, Effect::MotorJam { body: 1 }), &[], false);
+}
+
+/// GR-76: motors that jam, springs that break, beams that lose stiffness, latches that do not catch.
+#[test]
+#[ignore = "long; `make long` runs it"]
+fn gradients_pass_through_more_failures() {
     check("spring_break", broken_spring, &[REMAINING], true);
     check("stiffness_loss", |n| wing(n, Effect::StiffnessLoss { body: 0, remaining: n.remaining }), &[REMAINING], true);
     check("latch_no_capture", |n| wing(n, Effect::LatchNoCapture { body: 1 }), &[], false);
+    check("motor_jam", |n| wing(n, Effect::MotorJam { body: 1 }), &[], false);
 }
 
 /// GR-77: a brake with a ramp and a motor that runs away, by their torque, ramp, slip rate, end and rate.

@@ -86,7 +86,7 @@ impl Numbers {
         load: 0.3,
         limit: 0.31,
         rate_limit: 3.0,
-        fail_s: 0.053,
+        fail_s: 0.103,
         delay_s: 0.02,
         remaining: 0.3,
         brake: 0.2,
@@ -369,10 +369,7 @@ fn compare_results(
             compared.forward_and_adjoint = compared.forward_and_adjoint.max((forward - adjoint).abs());
             compared.differences = compared.differences.max((forward - known).abs());
             if (forward - known).abs() > 1e-5 {
-                println!(
-                    "{:?} of {:e} by {}: {forward} {adjoint} {known}, {scale:e}",
-                    results[row], own[row], place.0
-                );
+                println!("{:?} of {:e} by {}: {forward} {adjoint} {known}, {scale:e}", results[row], own[row], place.0);
             }
         }
     }
