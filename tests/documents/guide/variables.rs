@@ -361,7 +361,7 @@ fn page() -> String {
         (
             Causality::Output,
             "Outputs",
-            "`energy.total - energy.work + energy.dissipated` is constant up to the integration error. A rotor of a table `[aerodynamics.<name>]` has outputs `rotor.<name>.thrust` and so on.",
+            "`energy.total - energy.work + energy.dissipated` is constant up to the integration error. Outputs of a rotor in a table `[aerodynamics.<name>]` have this name in the second place, as in rotor.right.thrust.",
         ),
         (Causality::Parameter, "Parameters", "Start values come from the model file."),
         (
