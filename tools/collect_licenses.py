@@ -21,6 +21,7 @@ TARGET = ROOT / "licenses/THIRD_PARTY.txt"
 PACKAGE = ROOT / "licenses/PYTHON_PACKAGE.txt"
 # the member that is only part of the Python package
 PYTHON = "foldwing-python"
+NOT_SHIPPED = "foldwing-import"  # `make runner` alone builds with it
 # JavaScript in the page of `foldwing simulate --view`: `versions.txt` and one text per library.
 VENDORED = ROOT / "crates/command/src/report/viewer/vendor"
 PLATFORMS = ["x86_64-unknown-linux-gnu", "x86_64-pc-windows-gnu", "x86_64-pc-windows-msvc", "x86_64-apple-darwin",
@@ -91,7 +92,7 @@ def linked(resolved, python=False):
     packages = {package["id"]: package for package in resolved["packages"]}
     nodes = {node["id"]: node for node in resolved["resolve"]["nodes"]}
     own = set(resolved["workspace_members"])
-    found, waiting = set(), sorted(member for member in own if python or packages[member]["name"] != PYTHON)
+    found, waiting = set(), sorted(member for member in own if packages[member]["name"] not in ((NOT_SHIPPED,) if python else (NOT_SHIPPED, PYTHON)))
     while waiting:
         identity = waiting.pop()
         if identity in found:

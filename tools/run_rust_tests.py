@@ -24,6 +24,7 @@ LONG = re.compile(r"^ *#\[ignore = \"long; `make long` runs it\"\]\n *fn (\w+)\(
 # Tests over many similar cases: `make test` sets FOLDWING_SHARE, the tests take one case in that many (tests/verification/share.rs).
 SHARED = {
     "m01_mutated_models",
+    "me21_declared_dependencies_have_no_false_zero",
     "mutated_bytes_never_panic",
     "nasty_values_never_panic",
     "p94_forged_snapshots_give_no_nan",

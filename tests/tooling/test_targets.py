@@ -67,6 +67,7 @@ LONG = {
     "flutter_names_the_divergence_of_a_wing_under_load": "flutter_names_what_no_speed_stands_for",
     "gradients_of_a_body_with_shear_on_a_ball_joint": "gradients_of_a_body_with_shear_through_a_rigid_latch",
     "gradients_of_bodies_with_shear": "gradients_of_a_body_with_shear_through_a_rigid_latch",
+    "gradients_pass_through_more_failures": "gradients_pass_through_failures",
     "hy02_strips_tend_to_the_air_of_the_instant": "shipped_wing_unfolds_and_latches_under_an_integrator_from_outside",
     "lr01_rows_of_shipped_models": "lr02_rows_of_random_machines",
     "pl23_root_strain_over_the_gear_inertia": "pl18_a_blade_that_bends",
