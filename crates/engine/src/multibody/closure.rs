@@ -221,6 +221,7 @@ pub(crate) fn project_bias(model: &Model, work: &mut Workspace, out: &mut [f64])
                 work.bias[node].linear += p.linear;
                 work.bias[node].angular += p.angular;
             }
+            // the carriage passes the force of a sleeve on to the beam, eq. (J17)
             Base::Axis(index) => slide::reduce(model, work, index, &p, out),
         }
     }
