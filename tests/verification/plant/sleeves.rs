@@ -24,7 +24,10 @@ fn through(
     let sleeve = Body::rigid("sleeve").inertia(0.1, [0.0; 3], Matrix3::from_diagonal_element(1e-3));
     let slide = Joint::sliding("slide").on("beam").start_position_m(INSERTED_M).start_rate_m_s(-velocity_m_s);
     let built = Machine::builder("sleeve")
-        .body(body("beam", 1.0, section, kind, count).load_stations(1), fly.at_root([-INSERTED_M, 0.0, 0.0]))
+        .body(
+            body("beam", 1.0, section, kind, count).load_station_positions_m([1.0]),
+            fly.at_root([-INSERTED_M, 0.0, 0.0]),
+        )
         .body(sleeve, slide);
     holds.into_iter().fold(built, |machine, hold| machine.closure(hold)).stop_time_s(2.0)
 }
@@ -184,7 +187,7 @@ fn sj23_a_drive_pulls_a_bent_beam_through_a_sleeve() {
         let sleeve = Body::rigid("sleeve").inertia(0.1, [0.0; 3], Matrix3::from_diagonal_element(1e-3));
         let slide = Joint::sliding("slide").on("beam").prescribed(Motion::Polynomial(vec![INSERTED_M, speed_m_s]));
         let fly = Joint::free("fly").start_velocity_m_s([-speed_m_s, 0.0, 0.0]).at_root([-INSERTED_M, 0.0, 0.0]);
-        let beam = body("beam", 1.0, &soft, kind, 6).load_stations(1);
+        let beam = body("beam", 1.0, &soft, kind, 6);
         let built = Machine::builder("drawn").gravity_m_s2([0.0, 3.0, -9.81]).body(beam, fly).body(sleeve, slide);
         let mut plant = plant_of(clamps().into_iter().fold(built, |machine, hold| machine.closure(hold)), 1e-9);
         let before_j = balance_j(plant.outputs());
