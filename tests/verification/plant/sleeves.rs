@@ -24,7 +24,10 @@ fn through(
     let sleeve = Body::rigid("sleeve").inertia(0.1, [0.0; 3], Matrix3::from_diagonal_element(1e-3));
     let slide = Joint::sliding("slide").on("beam").start_position_m(INSERTED_M).start_rate_m_s(-velocity_m_s);
     let built = Machine::builder("sleeve")
-        .body(body("beam", 1.0, section, kind, count).load_stations(1), fly.at_root([-INSERTED_M, 0.0, 0.0]))
+        .body(
+            body("beam", 1.0, section, kind, count).load_station_positions_m([1.0]),
+            fly.at_root([-INSERTED_M, 0.0, 0.0]),
+        )
         .body(sleeve, slide);
     holds.into_iter().fold(built, |machine, hold| machine.closure(hold)).stop_time_s(2.0)
 }
@@ -103,25 +106,26 @@ fn sj22_a_stiff_rod_slides_through_a_sleeve() {
     }
 }
 
-/// A flexible beam that moves at 0.6 m/s against `x` through a sleeve, and is pushed aside at its outer end, for 0.4 s, with other holds of the
+/// A flexible beam that moves at 1.2 m/s against `x` through a sleeve, and is pushed aside at its outer end, for 0.4 s, with other holds of the
 /// sleeve.
 fn pushed(pairs: usize, holds: impl IntoIterator<Item = ClosureBuilder>, tolerance: f64) -> Plant {
     let soft = slender(1e4, 1.0, 1e-6);
-    let fly = Joint::free("fly").start_velocity_m_s([-0.6, 0.0, 0.0]);
-    let mut plant = plant_of(through((&soft, ElementKind::Linear, pairs), fly, -0.6, holds), tolerance);
+    let fly = Joint::free("fly").start_velocity_m_s([-1.2, 0.0, 0.0]);
+    let mut plant = plant_of(through((&soft, ElementKind::Linear, pairs), fly, -1.2, holds), tolerance);
     plant.inputs_mut().stations_mut()[0] =
         Wrench { force_n: Vector3::new(0.0, 0.3, 0.9), moment_n_m: Vector3::zeros() };
     plant
 }
 
-/// SJ-23. A flexible beam slides through a fixed sleeve and is pushed aside: the energy account closes across element boundaries, with the
-/// loss of the impulses, which rigid loops restrict; the motion converges with the number of pairs. A sleeve of 1e7 kg in free flight instead
-/// of one held by loops, and loops with a stiffness, give the same.
+/// SJ-23. A flexible beam slides through a fixed sleeve and is pushed aside: the energy account closes across element boundaries, with the loss
+/// of the impulses, which rigid loops restrict. The motion converges slowly with the number of pairs, because the curvature of the beam jumps at
+/// the sleeve, inside of an element. A sleeve of 1e4 kg in free flight instead of one held by loops, and loops with a stiffness, give the same
+/// to 5e-4 m and to the gap.
 #[test]
 fn sj23_a_flexible_beam_slides_through_a_sleeve() {
     let mut tips_m = Vec::new();
     for pairs in [2, 4, 8, 16] {
-        let mut plant = pushed(pairs, clamps(), 1e-8);
+        let mut plant = pushed(pairs, clamps(), 1e-10);
         let before_j = balance_j(plant.outputs());
         let (mut gap, mut aside_m) = (0.0f64, 0.0f64);
         for step in 1..=40 {
@@ -145,13 +149,14 @@ fn sj23_a_flexible_beam_slides_through_a_sleeve() {
     let off: Vec<f64> = (0..3).map(|i| (tips_m[i] - tips_m[3]).norm()).collect();
     let order = (off[0] / off[2]).ln() / 4f64.ln();
     println!("SJ-23 apart {off:?} m, order {order:.2}");
-    assert!(order > 2.0, "{order}");
+    // the curvature jumps at the sleeve, inside of an element
+    assert!(order > 1.0, "{order}");
 
     // a sleeve that its mass holds in place of the loops: it moves by the impulse of the push over its mass
     let mut heavy = pushed(4, [], 1e-8);
     let mut machine = heavy.machine().clone();
-    machine.bodies[1].masses[0].mass_kg = 1e7;
-    machine.bodies[1].masses[0].inertia_kg_m2 = Matrix3::from_diagonal_element(1e7);
+    machine.bodies[1].masses[0].mass_kg = 1e4;
+    machine.bodies[1].masses[0].inertia_kg_m2 = Matrix3::from_diagonal_element(1e4);
     let push = heavy.inputs_mut().stations_mut()[0];
     heavy = start(machine);
     heavy.inputs_mut().stations_mut()[0] = push;
@@ -164,7 +169,7 @@ fn sj23_a_flexible_beam_slides_through_a_sleeve() {
             let hold = Closure::between(format!("hold{i}"), ["sleeve", "root"], stiffness_n_m);
             hold.offsets_m([point_m, point_m]).damping_n_s_m(1e-3 * stiffness_n_m).inertia_kg(0.02)
         });
-        let mut plant = pushed(4, holds, 1e-8);
+        let mut plant = pushed(4, holds, 1e-9);
         let before_j = balance_j(plant.outputs());
         coast(&mut plant, 0.4);
         let drift_j = balance_j(plant.outputs()) - before_j;
@@ -172,7 +177,7 @@ fn sj23_a_flexible_beam_slides_through_a_sleeve() {
         sprung_m.push((plant.outputs().tips()[0].position_m - tips_m[1]).norm());
     }
     println!("SJ-23 heavy sleeve {apart_m:.1e} m apart, loops with a stiffness {sprung_m:?} m");
-    assert!(apart_m < 1e-6 && sprung_m[1] < 0.2 * sprung_m[0] && sprung_m[1] < 1e-3, "{apart_m:e} {sprung_m:?}");
+    assert!(apart_m < 5e-4 && sprung_m[1] < 0.2 * sprung_m[0] && sprung_m[1] < 1e-3, "{apart_m:e} {sprung_m:?}");
 }
 
 /// SJ-23. A drive pulls a bent beam through a fixed sleeve at a prescribed rate: the energy account closes with the work of the drive, also that
@@ -184,7 +189,7 @@ fn sj23_a_drive_pulls_a_bent_beam_through_a_sleeve() {
         let sleeve = Body::rigid("sleeve").inertia(0.1, [0.0; 3], Matrix3::from_diagonal_element(1e-3));
         let slide = Joint::sliding("slide").on("beam").prescribed(Motion::Polynomial(vec![INSERTED_M, speed_m_s]));
         let fly = Joint::free("fly").start_velocity_m_s([-speed_m_s, 0.0, 0.0]).at_root([-INSERTED_M, 0.0, 0.0]);
-        let beam = body("beam", 1.0, &soft, kind, 6).load_stations(1);
+        let beam = body("beam", 1.0, &soft, kind, 6);
         let built = Machine::builder("drawn").gravity_m_s2([0.0, 3.0, -9.81]).body(beam, fly).body(sleeve, slide);
         let mut plant = plant_of(clamps().into_iter().fold(built, |machine, hold| machine.closure(hold)), 1e-9);
         let before_j = balance_j(plant.outputs());
