@@ -22,7 +22,7 @@ from fmpy.validation import validate_fmu
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 FUNCTIONS = set(importlib.import_module("build_platforms").functions())
-ARCHIVE_LIMIT_BYTES = 5.2e6  # the target of 4e6 is exceeded since FMI 3.0, rotors and modal bodies: 4.95e6; this detects further growth
+ARCHIVE_LIMIT_BYTES = 8.3e6  # 7.93e6 since gradients and constraints, twice the target of 4e6; this detects further growth
 MODEL = "folding_wing"
 
 
@@ -233,6 +233,10 @@ def test_n07_windows_library_computes_what_the_linux_library_computes(model, fol
     equal = sum(a == b for left, right in zip(here, there) for a, b in zip(left, right))
     print(f"{model}: {equal} of {len(references) * (steps + 1)} values equal bit for bit; {outcome.stderr.strip()}")
     ranges = [max(max(map(abs, column)), 1e-9) for column in zip(*here)]
+    # the work of loads that do not exist is round-off of the other energies: 1.3e-10 J beside 0.3 J
+    energies = [variable.name.startswith("energy.") for variable in reals]
+    largest = max(scale for scale, energy in zip(ranges, energies) if energy)
+    ranges = [largest if energy else scale for scale, energy in zip(ranges, energies)]
     for time_step, limit in [(0, 1e-12), (steps, 1e-9)]:
         worst = max(
             (abs(a - b) / scale, variable.name)
