@@ -1,4 +1,4 @@
-//! Derivatives by the start of a run: equilibria, numbers at the ends of their ranges, start values of inputs and parameters.
+//! Derivatives with respect to the start of a run: equilibria, numbers at the ends of their ranges, start values of inputs and parameters.
 
 use super::*;
 
