@@ -505,12 +505,21 @@ fn air_around_it() {
                 "air, coupling_iterations",
                 "from 1 to 1000",
             ),
-            (|m| air(m).surfaces.clear(), "air, model", "at least one surface"),
+            (
+                |m| {
+                    air(m).surfaces.clear();
+                    air(m).parts.clear();
+                },
+                "air, model",
+                "at least one surface",
+            ),
             (|m| air(m).surfaces[0].body = 9, "surface", "a surface on body 9"),
             (
                 |m| {
                     let again = air(m).surfaces[0].clone();
-                    air(m).surfaces.push(again)
+                    air(m).surfaces.push(again);
+                    let last = air(m).surfaces.len() - 1;
+                    air(m).parts[0].surfaces.push(last);
                 },
                 "surface \"inner\", body",
                 "a body without a surface",
@@ -520,6 +529,8 @@ fn air_around_it() {
                     let mut other = air(m).surfaces[0].clone();
                     other.body = 1;
                     air(m).surfaces.insert(0, other);
+                    let last = air(m).surfaces.len() - 1;
+                    air(m).parts[0].surfaces.push(last);
                 },
                 "surface \"inner\"",
                 "in the order of their bodies",
