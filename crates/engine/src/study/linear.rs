@@ -58,7 +58,7 @@ pub struct InstantRates {
 }
 
 impl Study<'_> {
-    /// Mass, damping and stiffness about the current state with its accelerations, over [`System::freedoms`].
+    /// Mass, damping and stiffness about the current state with its accelerations, over [`crate::system::System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
         self.system.refuse_constraints("linear model")?;
         let freedoms = self.system.freedoms();
@@ -149,7 +149,7 @@ impl Study<'_> {
         displaced(&self.system.equations, &self.system.state.now.q, freedom, amount)
     }
 
-    /// Residual over [`System::freedoms`] at the current state with the current inputs. A change of a command moves the motor's neutral
+    /// Residual over [`crate::system::System::freedoms`] at the current state with the current inputs. A change of a command moves the motor's neutral
     /// angle immediately: rate limits do not affect infinitesimal changes.
     pub fn residual_of_inputs(&mut self) -> DVector<f64> {
         self.with_present_inputs();
