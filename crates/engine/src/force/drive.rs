@@ -112,12 +112,14 @@ impl Drive {
 
     /// Power dissipated by a moving motor in W: that of the difference between its torque and its torque at zero rate; never negative, and
     /// `c_m θ̇²` within the limits, NOTATION eq. (A5).
-    pub fn dissipation_w(&self, torque: DriveTorque, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> f64 {
-        self.dissipation_between_w([torque, self.torque(angle_rad, 0.0, neutral_rad)], rate_rad_s)
-    }
-
-    /// The same from the torque and the torque at zero rate.
-    pub fn dissipation_between_w(&self, [torque, still]: [DriveTorque; 2], rate_rad_s: f64) -> f64 {
+    pub fn dissipation_w(
+        &self,
+        pieces: Pieces,
+        torque: DriveTorque,
+        [angle_rad, rate_rad_s]: [f64; 2],
+        neutral_rad: f64,
+    ) -> f64 {
+        let still = self.torque_on(pieces.still, self.wanted_n_m(angle_rad, 0.0, neutral_rad));
         if torque.saturated || still.saturated {
             (still.applied_n_m - torque.applied_n_m) * rate_rad_s
         } else {
@@ -128,21 +130,7 @@ impl Drive {
     /// Potential in J of the torque at zero rate, `clamp(−(k_m (θ − θ_cmd) + T), ±limit)`: within the limits `½ k_m (θ − θ_cmd)² + T θ`,
     /// beyond them linear in the angle, NOTATION eq. (A5).
     pub fn potential_j(&self, angle_rad: f64, neutral_rad: f64) -> f64 {
-        let Self { stiffness_n_m_rad: k, constant_torque_n_m: t, torque_limit_n_m: limit, .. } = *self;
-        let (stretch, constant) = (angle_rad - neutral_rad, t.max(-limit).min(limit));
-        let end = k * stretch + t;
-        if end.abs() <= limit && t.abs() <= limit {
-            return 0.5 * k * stretch * stretch + t * angle_rad;
-        }
-        if k == 0.0 || end.min(t) >= limit || end.max(t) <= -limit {
-            return constant * angle_rad;
-        }
-        // integral of the clamped torque from the neutral angle; `within` is the part of the deflection between the limits
-        let integral = |x: f64| {
-            let within = x.max((-limit - t) / k).min((limit - t) / k);
-            within * (0.5 * k * within + t) + limit * (x - within).abs()
-        };
-        integral(stretch) - integral(0.0) + constant * neutral_rad
+        self.potential_on_j(self.pieces(angle_rad, 0.0, neutral_rad), angle_rad, neutral_rad)
     }
 
     /// The same potential with the torques at zero rate on given pieces, continued beyond their ends.
@@ -171,22 +159,20 @@ impl Drive {
         }
     }
 
-    /// Rate of change of the potential in W due to the motion of the neutral angle alone, on given pieces.
-    pub fn slew_power_on_w(&self, pieces: Pieces, angle_rad: f64, neutral_rad: f64, slew_rate_rad_s: f64) -> f64 {
-        let [_, still, neutral] = self.wanted_by_piece_n_m(angle_rad, 0.0, neutral_rad);
-        let still = self.torque_on(pieces.still, still).applied_n_m;
-        (still - self.torque_on(pieces.neutral, neutral).applied_n_m) * slew_rate_rad_s
-    }
-
     /// Rate of change of the potential in W due to the motion of the neutral angle alone.
     pub fn slew_power_w(&self, angle_rad: f64, neutral_rad: f64, slew_rate_rad_s: f64) -> f64 {
-        let (limit, t) = (self.torque_limit_n_m, self.constant_torque_n_m);
-        let within = |torque_n_m: f64| torque_n_m.max(-limit).min(limit);
-        let pull_n_m = self.stiffness_n_m_rad * (angle_rad - neutral_rad);
-        if (pull_n_m + t).abs() <= limit && t.abs() <= limit {
-            return -pull_n_m * slew_rate_rad_s;
+        self.slew_power_on_w(self.pieces(angle_rad, 0.0, neutral_rad), angle_rad, neutral_rad, slew_rate_rad_s)
+    }
+
+    /// The same with the torques at zero rate on given pieces.
+    pub fn slew_power_on_w(&self, pieces: Pieces, angle_rad: f64, neutral_rad: f64, slew_rate_rad_s: f64) -> f64 {
+        let Pieces { still, neutral, .. } = pieces;
+        if (still, neutral) == (Piece::Between, Piece::Between) {
+            return -self.stiffness_n_m_rad * (angle_rad - neutral_rad) * slew_rate_rad_s;
         }
-        (within(t) - within(pull_n_m + t)) * slew_rate_rad_s
+        let on =
+            |piece: Piece, at_rad: f64| self.torque_on(piece, self.wanted_n_m(at_rad, 0.0, neutral_rad)).applied_n_m;
+        (on(still, angle_rad) - on(neutral, neutral_rad)) * slew_rate_rad_s
     }
 }
 
@@ -363,7 +349,9 @@ mod tests {
                 assert!((by_neutral - power).abs() < 1e-8, "k {k}, T {t}, {angle} rad: {by_neutral} against {power} W");
                 for rate in [rate, -rate] {
                     let turning = drive.torque(angle, rate, neutral);
-                    assert!(drive.dissipation_w(turning, angle, rate, neutral) >= 0.0);
+                    assert!(
+                        drive.dissipation_w(drive.pieces(angle, rate, neutral), turning, [angle, rate], neutral) >= 0.0
+                    );
                 }
             }
         }

@@ -163,7 +163,7 @@ impl JointForces {
         self.forces.iter_mut().for_each(Force::drop_piece);
     }
 
-    /// Keeps the smooth pieces on which the forces lie at a state, on the branch of `branch_s`, until [`JointForces::let_go`].
+    /// Keeps the smooth pieces on which the forces lie at a state, as [`Force::hold`], until [`JointForces::let_go`].
     pub fn hold(&mut self, times_s: [f64; 2], q: &[f64], v: &[f64]) {
         let (angle_rad, rate_rad_s) = (q[self.coordinate], v[self.coordinate]);
         self.forces.iter_mut().for_each(|force| force.hold(times_s, angle_rad, rate_rad_s));

@@ -235,8 +235,8 @@ impl Force {
         }
     }
 
-    /// Keeps the smooth piece on which the force lies at a state, on the branch of `branch_s`, for derivatives with respect to parameters
-    /// and time, until [`Force::let_go`], eq. (X34).
+    /// Keeps the smooth piece on which the force lies at a state, for derivatives with respect to parameters and time, until
+    /// [`Force::let_go`], eq. (X34). `times_s`: time of the state, and a time on the same branch of laws in time.
     pub fn hold(&mut self, times_s: [f64; 2], angle_rad: f64, rate_rad_s: f64) {
         match self {
             Self::Motor(motor) => motor.hold(times_s, angle_rad, rate_rad_s),
@@ -249,11 +249,23 @@ impl Force {
 
     /// Keeps the same piece as the same force of another machine.
     pub fn hold_as(&mut self, other: &Self) {
-        match (self, other) {
-            (Self::Motor(motor), Self::Motor(other)) => motor.held = other.held,
-            (Self::Generator(generator), Self::Generator(other)) => generator.held = other.held,
-            (Self::Slipping(brake), Self::Slipping(other)) => brake.held = other.held,
-            (each!(), _) => {}
+        match self {
+            Self::Motor(motor) => {
+                if let Self::Motor(other) = other {
+                    motor.held = other.held;
+                }
+            }
+            Self::Generator(generator) => {
+                if let Self::Generator(other) = other {
+                    generator.held = other.held;
+                }
+            }
+            Self::Slipping(brake) => {
+                if let Self::Slipping(other) = other {
+                    brake.held = other.held;
+                }
+            }
+            each!(Spring | External | Latch | EndStops | Brake | Prescribed | Lock | Attitude | Watch | Borders) => {}
         }
     }
 

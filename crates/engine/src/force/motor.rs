@@ -47,11 +47,16 @@ pub struct HeldMotor {
 }
 
 impl Motor {
-    /// Keeps the pieces at a state, with the slew on the branch of `branch_s`.
+    /// Keeps the pieces at a state, with the slew on the branch of the second time.
     pub fn hold(&mut self, [time_s, branch_s]: [f64; 2], angle_rad: f64, rate_rad_s: f64) {
         let slew = self.slew.piece(branch_s);
         let pieces = self.drive.pieces(angle_rad, rate_rad_s, self.slew.on(time_s, slew).0);
         self.held = Some(HeldMotor { pieces, slew });
+    }
+
+    /// The held pieces of the torques, or those at a state.
+    fn pieces(&self, angle_rad: f64, rate_rad_s: f64, neutral_rad: f64) -> Pieces {
+        self.held.map_or_else(|| self.drive.pieces(angle_rad, rate_rad_s, neutral_rad), |held| held.pieces)
     }
 
     /// Whether the torque is at its limit to within a share of it.
@@ -123,14 +128,9 @@ impl Motor {
         let Here { time_s, branch_s, angle_rad, rate_rad_s, .. } = *here;
         let (neutral_rad, slew_rate_rad_s) = self.neutral_on(time_s, branch_s);
         let torque = self.torque(time_s, angle_rad, rate_rad_s);
-        if let Some(HeldMotor { pieces, .. }) = self.held {
-            let still = self.drive.torque_on(pieces.still, self.drive.wanted_n_m(angle_rad, 0.0, neutral_rad));
-            powers.work += self.drive.slew_power_on_w(pieces, angle_rad, neutral_rad, slew_rate_rad_s);
-            powers.dissipated += self.drive.dissipation_between_w([torque, still], rate_rad_s);
-            return;
-        }
-        powers.work += self.drive.slew_power_w(angle_rad, neutral_rad, slew_rate_rad_s);
-        powers.dissipated += self.drive.dissipation_w(torque, angle_rad, rate_rad_s, neutral_rad);
+        let pieces = self.pieces(angle_rad, rate_rad_s, neutral_rad);
+        powers.work += self.drive.slew_power_on_w(pieces, angle_rad, neutral_rad, slew_rate_rad_s);
+        powers.dissipated += self.drive.dissipation_w(pieces, torque, [angle_rad, rate_rad_s], neutral_rad);
     }
 
     /// Distances to both torque limits in N·m, negative beyond them; 1 without limits.
@@ -146,10 +146,12 @@ impl Motor {
     /// Stored energy in J.
     pub fn potential_j(&self, here: &Here) -> f64 {
         let neutral_rad = self.neutral(here.time_s).0;
-        match (&self.tangent, &self.held) {
-            (None, Some(held)) => self.drive.potential_on_j(held.pieces, here.angle_rad, neutral_rad),
-            (None, None) => self.drive.potential_j(here.angle_rad, neutral_rad),
-            (Some(tangent), _) => {
+        match &self.tangent {
+            None => {
+                let pieces = self.pieces(here.angle_rad, here.rate_rad_s, neutral_rad);
+                self.drive.potential_on_j(pieces, here.angle_rad, neutral_rad)
+            }
+            Some(tangent) => {
                 let [by_angle_n_m, by_neutral_n_m] = tangent.slopes_n_m;
                 tangent.potential_j
                     + by_angle_n_m * (here.angle_rad - tangent.angle_rad)

@@ -136,7 +136,7 @@ impl Forces {
         self.list.iter_mut().for_each(JointForces::drop_pieces);
     }
 
-    /// Keeps the smooth pieces on which all forces lie at a state, on the branch of `branch_s`, until [`Forces::let_go`], eq. (X34).
+    /// Keeps the smooth pieces on which all forces lie at a state, as [`JointForces::hold`], until [`Forces::let_go`], eq. (X34).
     pub fn hold(&mut self, times_s: [f64; 2], q: &[f64], v: &[f64]) {
         self.joints_mut().iter_mut().for_each(|joint| joint.hold(times_s, q, v));
     }

@@ -80,6 +80,11 @@ pub(super) struct EventSide<'s> {
     pub loses: bool,
 }
 
+/// Whether potentials fall between kinetic and total energies before and after an event.
+fn falls([was, is]: [[f64; 2]; 2]) -> bool {
+    is[1] - is[0] < was[1] - was[0]
+}
+
 /// Powers of work and dissipation at a point of a step whose middle is at `middle_s`.
 pub(super) fn powers(system: &mut System, at: &Point, middle_s: f64) -> [f64; 2] {
     let equations = &mut system.equations;
@@ -250,9 +255,8 @@ impl Gradient<'_> {
     /// Whether an event at the start of a step is a failure at which potentials fall.
     fn loses(&mut self, index: usize) -> bool {
         let tape = self.tape;
-        let Some(index_before) = index.checked_sub(1) else { return false };
-        let [was, is] = self.energies_at_event(index_before, index);
-        tape.steps[index_before].failures != tape.steps[index].failures && is[1] - is[0] < was[1] - was[0]
+        let Some(before) = index.checked_sub(1) else { return false };
+        tape.steps[before].failures != tape.steps[index].failures && falls(self.energies_at_event(before, index))
     }
 
     /// Kinetic and total energy before and after an event between two steps.
@@ -274,7 +278,7 @@ impl Gradient<'_> {
         let Some(index_before) = index.checked_sub(1).filter(|_| tape.steps[index].renewed) else { return Ok(false) };
         let (before, behind) = (&tape.steps[index_before], &tape.steps[index]);
         let [was, is] = self.energies_at_event(index_before, index);
-        let loses = self.loses(index);
+        let loses = before.failures != behind.failures && falls([was, is]);
         let size = [was, is].iter().flatten().fold(0.0f64, |size, energy| size.max(energy.abs()));
         for account in [Account::Work, Account::Dissipated] {
             let booked = account.booked(&behind.start) - account.booked(&before.end);

@@ -36,7 +36,7 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
     for (index, surface) in air.surfaces.iter().enumerate() {
         check_surface(index, surface, &air.surfaces, bodies, checker);
     }
-    if air_parts::check(air, checker) {
+    if !air.surfaces.is_empty() && air_parts::check(air, checker) {
         for part in &air.parts {
             let surfaces: Vec<LiftingSurface> =
                 part.surfaces.iter().map(|surface| air.surfaces[*surface].clone()).collect();
