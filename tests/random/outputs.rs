@@ -76,6 +76,7 @@ fn rows(machine: &Machine, outputs: &Outputs, view: &View) -> Vec<Row> {
             add(format!("{what} {i} acceleration"), polar(point.acceleration_m_s2), false);
             add(format!("{what} {i} angular acceleration"), axial(point.angular_acceleration_rad_s2), false);
             add(format!("{what} {i} rotation"), attitude(point.rotation, Frame::Root), false);
+            add(format!("{what} {i} specific force"), polar_inside(point.specific_force_m_s2), false);
         }
     }
     let energy = outputs.energy();

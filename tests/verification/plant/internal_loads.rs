@@ -379,6 +379,8 @@ fn p145_a_falling_machine_carries_nothing() {
         let off = (point.acceleration_m_s2 - Vector3::new(1.0, -2.0, -9.8)).norm();
         let turning = point.angular_acceleration_rad_s2.norm();
         assert!(off < 1e-9 && turning < 1e-7, "off by {off:.1e} m/s², {turning:.1e} rad/s²");
+        let reading_m_s2 = point.specific_force_m_s2.norm();
+        assert!(reading_m_s2 < 1e-9, "specific force of {reading_m_s2:.1e} m/s² in free fall");
     }
     let carried = outputs.internal_loads().iter().chain(&outputs.joint_reactions()[1..]);
     let largest = carried.map(|wrench| wrench.force_n.norm() + wrench.moment_n_m.norm()).fold(0.0, f64::max);
@@ -387,7 +389,8 @@ fn p145_a_falling_machine_carries_nothing() {
 }
 
 /// P-146. Rigid pendulum with a point mass: the hinge force is `m (g cos θ + L ω²)` along the rod and `m (g sin θ + L θ̈)` across it, `θ̈ =
-/// −(g/L) sin θ`, through two swings from 120°; no moment about the hinge. Exact at every communication point for the angle and rate read
+/// −(g/L) sin θ`, through two swings from 120°; no moment about the hinge. An accelerometer in the hinge, fixed to the rod, reads `g` upward in
+/// the rod's axes. Exact at every communication point for the angle and rate read
 /// there; P-67 and RB-01 check the accuracy of the motion itself.
 #[test]
 fn p146_hinge_force_of_a_rigid_pendulum() {
@@ -400,7 +403,7 @@ fn p146_hinge_force_of_a_rigid_pendulum() {
     machine.gravity_m_s2 = Vector3::new(0.0, 0.0, -gravity_m_s2);
     machine.solver = solver(Method::Esdirk4, 1e-9);
     let mut plant = start(machine);
-    let (mut worst, mut largest) = (0.0f64, 0.0f64);
+    let (mut worst, mut largest, mut misread) = (0.0f64, 0.0f64, 0.0f64);
     run(
         &mut plant,
         4.0,
@@ -417,10 +420,13 @@ fn p146_hinge_force_of_a_rigid_pendulum() {
             let expected = -along * pull_n + across * shear_n;
             let joint = &outputs.joint_reactions()[0];
             worst = worst.max((joint.force_n - expected).norm()).max(joint.moment_n_m.norm());
+            let upward_m_s2 = Vector3::new(-angle.sin(), 0.0, angle.cos()) * gravity_m_s2;
+            misread = misread.max((outputs.stations()[0].specific_force_m_s2 - upward_m_s2).norm());
             largest = largest.max(joint.force_n.norm());
         },
     );
-    println!("P-146: {worst:.1e} of {largest:.1} N");
+    println!("P-146: {worst:.1e} of {largest:.1} N, specific force {misread:.1e} m/s²");
+    assert!(misread < 1e-12 * gravity_m_s2, "specific force off by {misread:.1e} m/s²");
     assert!(worst < 1e-6 * largest, "off by {worst:.1e} of {largest:.1} N");
 }
 

@@ -29,6 +29,8 @@ fn p30_root_acceleration_is_changed_gravity() {
         assert_eq!(a.tips()[0].position_m, b.tips()[0].position_m);
         let difference = a.tips()[0].acceleration_m_s2 - b.tips()[0].acceleration_m_s2 - acceleration * share;
         assert!(difference.norm() < 1e-11 * (1.0 + a.tips()[0].acceleration_m_s2.norm()), "{difference} m/s²");
+        let [a, b] = [a, b].map(|outputs| outputs.tips()[0].specific_force_m_s2);
+        assert!((a - b).norm() < 1e-11 * (1.0 + a.norm()), "an accelerometer distinguishes {a} from {b} m/s²");
     }
 }
 
@@ -84,6 +86,12 @@ fn p31_turning_the_model_turns_the_answer() {
         let miss = (turn * a - b).norm();
         assert!(miss < limit, "{what} misses by {miss:.1e} {unit}");
     }
+    // in the section frame, an accelerometer's reading does not rotate with the machine
+    for (a, b) in [(&a.tips()[0], &b.tips()[0]), (&a.stations()[2], &b.stations()[2])] {
+        let miss = (a.specific_force_m_s2 - b.specific_force_m_s2).norm();
+        let size = 1.0 + a.specific_force_m_s2.norm();
+        assert!(miss < 1e-7 * size, "specific force misses by {miss:.1e} of {size} m/s²");
+    }
 }
 
 /// The axis of the spinning tests; gravity lies along it, so that it is the same in both frames.
@@ -103,8 +111,9 @@ fn spinning_pair(law: Vec<f64>) -> (Plant, Plant) {
 }
 
 /// Differences of tip position (m), velocity (m/s), inertial acceleration (m/s²), root force (N) and root moment (N·m) between the frames,
-/// the second of which is rotated by `angle_rad` and rotates at `rate_rad_s`; and of the fold angle (rad).
-fn misses(on_root: &Outputs, on_joint: &Outputs, angle_rad: f64, rate_rad_s: f64) -> [f64; 6] {
+/// the second of which is rotated by `angle_rad` and rotates at `rate_rad_s`; of the fold angle (rad); and of the specific force at the tip in
+/// the section frame (m/s²).
+fn misses(on_root: &Outputs, on_joint: &Outputs, angle_rad: f64, rate_rad_s: f64) -> [f64; 7] {
     let turn = rotation_about(&spin_axis(), angle_rad);
     let (a, b) = (&on_root.tips()[0], &on_joint.tips()[0]);
     let Wrench { force_n, moment_n_m } = on_root.root();
@@ -116,6 +125,7 @@ fn misses(on_root: &Outputs, on_joint: &Outputs, angle_rad: f64, rate_rad_s: f64
         (turn * force_n - on_joint.root().force_n).norm(),
         (turn * moment_n_m - on_joint.root().moment_n_m).norm(),
         (on_root.joints()[0].angle_rad - on_joint.joints()[1].angle_rad).abs(),
+        (a.specific_force_m_s2 - b.specific_force_m_s2).norm(),
     ]
 }
 
@@ -132,6 +142,9 @@ fn p32_constant_spin_equals_a_turning_joint() {
         println!("t = {time_s} s: misses {misses:?}");
         assert!(misses[0] < 1e-6 && misses[5] < 1e-5, "t = {time_s} s: tip {:.1e} m, {misses:?}", misses[0]);
         assert!(misses[1] < 1e-4 && misses[3] < 3e-3 && misses[4] < 3e-4, "t = {time_s} s: {misses:?}");
+        // as for the acceleration, the error is that of the motion times the square of the highest frequency
+        let size_m_s2 = on_root.outputs().tips()[0].specific_force_m_s2.norm();
+        assert!(misses[6] < 1e-3 * size_m_s2, "t = {time_s} s: specific force misses by {} of {size_m_s2} m/s²", misses[6]);
     }
 }
 

@@ -168,13 +168,16 @@ fn outputs(table: &mut Table, topology: &Topology, integrator: Integrator) {
         let name = &topology.machine.bodies[body].name;
         let group = if topology.tips.len() == 1 { "tip".to_owned() } else { format!("tip.{name}") };
         let of = format!("of the free end of body {name}");
-        let fields = [POSITION, VELOCITY, ACCELERATION, ANGULAR_VELOCITY, ANGULAR_ACCELERATION, ROTATION];
+        let fields =
+            [POSITION, VELOCITY, ACCELERATION, ANGULAR_VELOCITY, ANGULAR_ACCELERATION, ROTATION, SPECIFIC_FORCE];
         for field in fields {
             let needs = match field.motion {
                 Motion::Place | Motion::Attitude => OutputSet::TIP_PLACES,
-                Motion::Velocity | Motion::AngularVelocity | Motion::Acceleration | Motion::AngularAcceleration => {
-                    OutputSet::TIP_MOTIONS
-                }
+                Motion::Velocity
+                | Motion::AngularVelocity
+                | Motion::Acceleration
+                | Motion::AngularAcceleration
+                | Motion::SpecificForce => OutputSet::TIP_MOTIONS,
             };
             let at = (layout.tips.place(tip, field.offset), needs);
             field.add(table, topology, (at, body), [&group, &of], None);
@@ -184,11 +187,14 @@ fn outputs(table: &mut Table, topology: &Topology, integrator: Integrator) {
         let name = &topology.machine.bodies[body].name;
         let (group, of) = (format!("station.{name}[{number}]"), format!("of station {number} of body {name}"));
         let (groups, of_all) = (format!("station.{name}"), format!("of the stations of body {name}"));
-        let fields = [POSITION, VELOCITY, ANGULAR_VELOCITY, ACCELERATION, ANGULAR_ACCELERATION, ROTATION];
+        let fields =
+            [POSITION, VELOCITY, ANGULAR_VELOCITY, ACCELERATION, ANGULAR_ACCELERATION, ROTATION, SPECIFIC_FORCE];
         for field in fields {
             let needs = match field.motion {
                 Motion::Place | Motion::Attitude => OutputSet::STATION_PLACES,
-                Motion::Acceleration | Motion::AngularAcceleration => OutputSet::STATION_ACCELERATIONS,
+                Motion::Acceleration | Motion::AngularAcceleration | Motion::SpecificForce => {
+                    OutputSet::STATION_ACCELERATIONS
+                }
                 Motion::Velocity | Motion::AngularVelocity => OutputSet::STATION_MOTIONS,
             };
             let at = (layout.stations.place(station, field.offset), needs);
@@ -251,6 +257,7 @@ enum Motion {
     Acceleration,
     AngularAcceleration,
     Attitude,
+    SpecificForce,
 }
 
 /// A row of a point.
@@ -261,32 +268,37 @@ struct PointRow {
     shape: Shape,
     declared: &'static str,
     meaning: &'static str,
+    frame: &'static str,
     motion: Motion,
 }
 
 macro_rules! point_rows {
-    ($($name:ident: $shape:ident $key:literal $field:ident $declared:literal $motion:ident $meaning:literal;)*) => {
+    ($($name:ident: $shape:ident $key:literal $field:ident $declared:literal $motion:ident $meaning:literal, $frame:literal;)*) => {
         $(const $name: PointRow = PointRow {
             key: $key,
             offset: offset_of!(PointOutputs, $field),
             shape: Shape::$shape,
             declared: $declared,
             meaning: $meaning,
+            frame: $frame,
             motion: Motion::$motion,
         };)*
     };
 }
 
 point_rows! {
-    POSITION: Vector "position" position_m "Position" Place "position";
-    VELOCITY: Vector "velocity" velocity_m_s "Velocity" Velocity "velocity relative to the root frame";
+    POSITION: Vector "position" position_m "Position" Place "position", "root frame";
+    VELOCITY: Vector "velocity" velocity_m_s "Velocity" Velocity "velocity relative to the root frame", "root frame";
     ANGULAR_VELOCITY: Vector "angular_velocity" angular_velocity_rad_s "AngularVelocity" AngularVelocity
-        "angular velocity relative to the root frame";
+        "angular velocity relative to the root frame", "root frame";
     ACCELERATION: Vector "acceleration" acceleration_m_s2 "Acceleration" Acceleration
-        "inertial acceleration, without gravity,";
+        "inertial acceleration, without gravity,", "root frame";
     ANGULAR_ACCELERATION: Vector "angular_acceleration" angular_acceleration_rad_s2 "AngularAcceleration" AngularAcceleration
-        "inertial angular acceleration";
-    ROTATION: Quaternion "rotation" rotation "Ratio" Attitude "quaternion from section to root frame, with continuous sign,";
+        "inertial angular acceleration", "root frame";
+    ROTATION: Quaternion "rotation" rotation "Ratio" Attitude
+        "quaternion from section to root frame, with continuous sign,", "root frame";
+    SPECIFIC_FORCE: Vector "specific_force" specific_force_m_s2 "Acceleration" SpecificForce
+        "specific force, the reading of an accelerometer (inertial acceleration minus gravity),", "section frame";
 }
 
 impl PointRow {
@@ -307,9 +319,15 @@ impl PointRow {
             Motion::Attitude => by_state(Cause::AttitudeStart(body)),
             Motion::Acceleration if topology.floats(body) => Depends::on_push(Reach::Flight(topology.group[body])),
             Motion::Acceleration | Motion::AngularAcceleration => Depends::on_group(topology, body),
+            Motion::SpecificForce => {
+                let mut depends = Depends::on_group(topology, body);
+                depends.running.extend([Cause::Weight, Cause::Travel(body)]);
+                depends.initial.extend([Cause::Weight, Cause::AttitudeStart(body)]);
+                depends
+            }
         };
         let name = |group: &str| format!("{group}.{}", self.key);
-        let meaning = |of: &str| format!("{} {of}, {{}}, root frame", self.meaning);
+        let meaning = |of: &str| format!("{} {of}, {{}}, {}", self.meaning, self.frame);
         let text = Text::new(name(group), meaning(of));
         let text = match all {
             Some([group, of]) => text.in_array(name(group), meaning(of)),

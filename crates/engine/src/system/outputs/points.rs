@@ -7,7 +7,7 @@ use crate::system::outputs::{OutputSet, Present};
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
-/// Position, velocities and attitude of a point of the wing, root frame, relative to the root frame.
+/// Position, velocities and attitude of a point of the wing, in the root frame and relative to it, unless a field states another frame.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PointOutputs {
@@ -21,6 +21,9 @@ pub struct PointOutputs {
     pub acceleration_m_s2: Vector3<f64>,
     /// Inertial angular acceleration in rad/s².
     pub angular_acceleration_rad_s2: Vector3<f64>,
+    /// Specific force in m/s², section frame: inertial acceleration minus gravity, which is the reading of an accelerometer, NOTATION
+    /// eq. (G8).
+    pub specific_force_m_s2: Vector3<f64>,
     /// Attitude, root ← section; sign continuous in time.
     pub rotation: UnitQuaternion<f64>,
 }
@@ -33,6 +36,7 @@ impl PointOutputs {
         angular_velocity_rad_s: Vector3::new(0.0, 0.0, 0.0),
         acceleration_m_s2: Vector3::new(0.0, 0.0, 0.0),
         angular_acceleration_rad_s2: Vector3::new(0.0, 0.0, 0.0),
+        specific_force_m_s2: Vector3::new(0.0, 0.0, 0.0),
         rotation: UPRIGHT,
     };
 }
@@ -54,6 +58,7 @@ pub(crate) fn fill_tips(outputs: &mut [PointOutputs], present: &Present, bodies:
             tip.angular_velocity_rad_s = node.spin;
             tip.acceleration_m_s2 = root.inertial_acceleration_m_s2(&node.position, &node.velocity, &node.acceleration);
             tip.angular_acceleration_rad_s2 = root.inertial_angular_acceleration_rad_s2(&node.spin, &node.spin_rate);
+            tip.specific_force_m_s2 = node.rotation.tr_mul(&(tip.acceleration_m_s2 - root.gravity_m_s2));
         }
     }
 }
@@ -77,6 +82,8 @@ pub(crate) fn fill_stations(outputs: &mut [PointOutputs], present: &Present, wan
                 root.inertial_acceleration_m_s2(position_m, velocity_m_s, &found.acceleration_m_s2);
             station.angular_acceleration_rad_s2 =
                 root.inertial_angular_acceleration_rad_s2(spin_rad_s, &found.spin_rate_rad_s2);
+            station.specific_force_m_s2 =
+                found.motion.rotation.tr_mul(&(station.acceleration_m_s2 - root.gravity_m_s2));
             found.motion
         } else {
             station::motion(model, work, motion, place)
