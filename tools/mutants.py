@@ -12,8 +12,10 @@ is turned on for the tests that reach it, the fastest first.
 
 import argparse
 import concurrent.futures
+import datetime
 import json
 import os
+import random
 import re
 import shutil
 import subprocess
@@ -87,6 +89,8 @@ def main():
     parser.add_argument("--budget", type=float, default=300.0, help="--find: seconds of tests for each fault")
     parser.add_argument("--longest", type=float, default=20.0, help="seconds after which a test is left out of --find")
     parser.add_argument("--matrix", action="store_true", help="count for each fault the tests that reach and find it")
+    parser.add_argument("--draw", type=int, metavar="COUNT", help="only COUNT faults of those chosen, drawn by --seed")
+    parser.add_argument("--seed", type=int, default=datetime.date.today().toordinal(), help="of --draw; today's number without it")
     given = parser.parse_args()
     try:
         run(given)
@@ -101,6 +105,9 @@ def run(given):
         print(f"{len(faults)} faults, every edit matches once")
         return
     chosen = [fault for fault in faults if not given.numbers or fault["number"] in given.numbers]
+    if given.draw:
+        chosen = sorted(random.Random(given.seed).sample(chosen, min(given.draw, len(chosen))), key=lambda fault: fault["number"])
+        print(f"seed {given.seed}: faults {' '.join(str(fault['number']) for fault in chosen)}")
     folder = given.target.resolve() / "mutants"
     if not given.as_built:
         copy_tree(folder / "tree", texts)

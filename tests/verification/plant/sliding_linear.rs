@@ -107,6 +107,15 @@ fn sj25_modes_of_bodies_on_a_beam() {
         let found = frequencies_hz(&mut plant, 2);
         println!("SJ-25 {kind:?}: {found:?} Hz of {due:?}");
         assert!((found[0] / due.min() - 1.0).abs() < 1e-6 && (found[1] / due.max() - 1.0).abs() < 1e-6);
+        // shapes: way of the carriage along the beam over the angle of the bob, from the first row of the equations
+        for mode in plant.study().modes(2).unwrap_or_else(|error| panic!("{error}")) {
+            let [carriage, bob] = [&mode.real[1][0], &mode.real[2][0]];
+            let ratio_m = carriage.displacement_m.x / bob.rotation_rad.y;
+            let square = (std::f64::consts::TAU * mode.frequency_hz).powi(2);
+            let due_m = square * coupling / (stiffness_n_m - square * mass[(0, 0)]);
+            println!("SJ-25 {kind:?}: {ratio_m} m/rad of {due_m}");
+            assert!((ratio_m / due_m - 1.0).abs() < 1e-5, "{ratio_m} m/rad of {due_m}");
+        }
 
         // a heavy body at a border, locked on its sliding joint or clamped to the beam
         let block = || Body::rigid("block").inertia(0.4, [0.03, 0.02, -0.05], Matrix3::from_diagonal_element(1e-3));

@@ -349,9 +349,12 @@ mod tests {
                 assert!((by_neutral - power).abs() < 1e-8, "k {k}, T {t}, {angle} rad: {by_neutral} against {power} W");
                 for rate in [rate, -rate] {
                     let turning = drive.torque(angle, rate, neutral);
-                    assert!(
-                        drive.dissipation_w(drive.pieces(angle, rate, neutral), turning, [angle, rate], neutral) >= 0.0
-                    );
+                    let pieces = drive.pieces(angle, rate, neutral);
+                    let dissipated = drive.dissipation_w(pieces, turning, [angle, rate], neutral);
+                    // the power of the torque that the rate takes away, also where only one of the two torques is limited
+                    let lost = (torque - turning.applied_n_m) * rate;
+                    assert!((dissipated - lost).abs() < 1e-12, "k {k}, T {t}, {angle} rad: {dissipated} of {lost} W");
+                    assert!(dissipated >= 0.0);
                 }
             }
         }
