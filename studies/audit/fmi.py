@@ -55,7 +55,7 @@ class Archive:
         self.real_inputs = [row.get("name") for row in rows if row.get("causality") == "input" and row[0].tag == "Real"]
 
     def load(self) -> ctypes.CDLL:
-        return ctypes.CDLL(str(self.folder / "binaries/linux64/foldwing.so"))
+        return ctypes.CDLL(str(self.folder / f"binaries/linux64/{self.flags['modelIdentifier']}.so"))
 
 
 class Instance:

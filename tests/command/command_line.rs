@@ -717,7 +717,7 @@ fn libraries_of_several_platforms_make_one_fmu() {
         let archive = zip::ZipArchive::new(std::fs::File::open(path("x.fmu")).unwrap()).unwrap();
         let names = archive.file_names().map(|name| name.unwrap().into_owned());
         let binaries: Vec<String> = names.filter(|name| name.starts_with("binaries/")).collect();
-        assert_eq!(binaries, ["binaries/aarch64-linux/foldwing.so", "binaries/linux64/foldwing.so"]);
+        assert_eq!(binaries, ["binaries/aarch64-linux/FoldingWing.so", "binaries/linux64/FoldingWing.so"]);
     }
     std::fs::remove_file(path("x.fmu")).unwrap();
 

@@ -10,7 +10,7 @@ from fmpy.validation import validate_fmu
 
 # Capability flags by design: a flag is true only if the capability is implemented.
 FLAGS = {
-    "modelIdentifier": "foldwing",
+    "modelIdentifier": "FoldingWing",
     "needsExecutionTool": False,
     "canHandleVariableCommunicationStepSize": True,
     "canInterpolateInputs": True,

@@ -115,8 +115,8 @@ def test_n05_archive_holds_both_and_stays_small(foldwing, libraries, archive, tm
         parts = {info.filename: info for info in content.infolist()}
         for info in parts.values():
             print(f"{info.filename}: {info.file_size} bytes, {info.compress_size} compressed")
-        assert content.read("binaries/linux64/foldwing.so") == libraries["linux64"].read_bytes()
-        assert content.read("binaries/win64/foldwing.dll") == libraries["win64"].read_bytes()
+        assert content.read("binaries/linux64/FoldingWing.so") == libraries["linux64"].read_bytes()
+        assert content.read("binaries/win64/FoldingWing.dll") == libraries["win64"].read_bytes()
     assert archive.stat().st_size < ARCHIVE_LIMIT_BYTES
     assert validate_fmu(str(archive)) == []
     again = package(foldwing, dict(reversed(libraries.items())), tmp_path / "again.fmu")
@@ -223,7 +223,7 @@ def test_n07_windows_library_computes_what_the_linux_library_computes(model, fol
     linux.slave.freeInstance()
 
     shutil.copytree(fmu.folder, wine.drive / f"{model} here")
-    library, uri = rf"C:\{model} here\binaries\win64\foldwing.dll", f"file:///C:/{model}%20here/resources"
+    library, uri = rf"C:\{model} here\binaries\win64\{fmu.description.modelName}.dll", f"file:///C:/{model}%20here/resources"
     numbers = "\n".join(map(str, references))
     outcome = wine(driver, library, uri, fmu.description.guid, str(step_s), str(steps), input=numbers)
     assert outcome.returncode == 0, outcome.stderr

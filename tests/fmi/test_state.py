@@ -172,7 +172,7 @@ def test_f27_wrong_guid_is_refused(wing):
     slave = FMU2Slave(
         guid="{00000000-0000-0000-0000-000000000000}",
         unzipDirectory=wing.folder,
-        modelIdentifier="foldwing",
+        modelIdentifier=wing.description.coSimulation.modelIdentifier,
         instanceName="wing",
     )
     with pytest.raises(Exception, match="instantiate"):

@@ -71,7 +71,7 @@ fn em01_out_of_order() {
             fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
             fmi2Error,
             "fmi2SetupExperiment: not legal after fmi2ExitInitializationMode; it is legal before \
-             fmi2EnterInitializationMode",
+             fmi2EnterInitializationMode; fmi2Reset leads back",
         );
         fmu.told(
             fmi2CancelStep(c),

@@ -72,6 +72,17 @@ fn the_tolerance_of_the_experiment_wins_over_the_model_s() {
     assert_eq!(fmu.get("solver.tolerance"), 3e-6);
     let model = Fmu::initializing(0.0);
     assert_ne!(model.get("solver.tolerance"), 3e-6, "without one the model's holds");
+    // a tolerance set as a parameter has priority, before and after
+    let before = Fmu::new(WING);
+    before.set("solver.tolerance", 2e-5);
+    before.ok(unsafe { fmi2SetupExperiment(before.component, 1, 3e-6, 0.0, 0, 0.0) });
+    let after = Fmu::new(WING);
+    after.ok(unsafe { fmi2SetupExperiment(after.component, 1, 3e-6, 0.0, 0, 0.0) });
+    after.set("solver.tolerance", 2e-5);
+    for fmu in [before, after] {
+        fmu.ok(unsafe { fmi2EnterInitializationMode(fmu.component) });
+        assert_eq!(fmu.get("solver.tolerance"), 2e-5);
+    }
 }
 
 #[test]

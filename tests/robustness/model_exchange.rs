@@ -395,6 +395,11 @@ fn me04_refusals_name_what_is_wrong() {
         let start = fmu.reference("fold.start_angle");
         fmu.refused(fmi2SetReal(c, &start, 1, &1.0), fmi2Error, &["fold.start_angle is fixed"]);
         fmu.refused(fmi2SetTime(c, f64::NAN), fmi2Discard, &["time", "finite"]);
+        fmu.refused(
+            fmi2SetTime(c, -1e-3),
+            fmi2Discard,
+            &["time -0.001 s", "before the last event or the start, at 0 s"],
+        );
         let mut states = outside.states.clone();
         states[0] = f64::INFINITY;
         let n = states.len();
@@ -408,6 +413,20 @@ fn me04_refusals_name_what_is_wrong() {
         fmu.refused(fmi2NewDiscreteStates(c, ptr::null_mut()), fmi2Error, &["in Event Mode"]);
     }
     assert_eq!(outside.present(), before);
+    let mut outside = outside;
+    outside.set(1e-3, &outside.states);
+    outside.event(|_| {});
+    let (fmu, c) = (&outside.fmu, outside.fmu.component);
+    unsafe {
+        fmu.refused(fmi2SetTime(c, 5e-4), fmi2Discard, &["time 0.0005 s", "at 0.001 s", "fmi2SetFMUstate"]);
+        fmu.ok(fmi2SetTime(c, 2e-3));
+        fmu.ok(fmi2SetTime(c, 1e-3));
+        let (status, mut state) = fmu.deserialize(&before);
+        fmu.ok(status);
+        fmu.ok(fmi2SetFMUstate(c, state));
+        fmu.ok(fmi2SetTime(c, 5e-4));
+        fmu.ok(fmi2FreeFMUstate(c, &mut state));
+    }
     // co-simulation of the same FMU
     let other = Fmu::of_kind(WING, fmi2CoSimulation);
     let (status, state) = other.deserialize(&before);

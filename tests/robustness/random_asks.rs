@@ -88,7 +88,8 @@ impl Actor {
             10 => Plan::of(Ask::Completed, &[OK, DISCARD]),
             11 => {
                 let time_s = if rng.bool() { 1e-2 * rng.f64() } else { arguments::real(rng, None) };
-                Plan::of(Ask::SetTime(time_s), &[if time_s.is_finite() { OK } else { DISCARD }])
+                // before the last event it is discarded
+                Plan::of(Ask::SetTime(time_s), if time_s.is_finite() { &[OK, DISCARD] } else { &[DISCARD] })
             }
             12 => self.states(rng),
             13 | 14 => self.read(rng),

@@ -144,7 +144,11 @@ fn p32_constant_spin_equals_a_turning_joint() {
         assert!(misses[1] < 1e-4 && misses[3] < 3e-3 && misses[4] < 3e-4, "t = {time_s} s: {misses:?}");
         // as for the acceleration, the error is that of the motion times the square of the highest frequency
         let size_m_s2 = on_root.outputs().tips()[0].specific_force_m_s2.norm();
-        assert!(misses[6] < 1e-3 * size_m_s2, "t = {time_s} s: specific force misses by {} of {size_m_s2} m/s²", misses[6]);
+        assert!(
+            misses[6] < 1e-3 * size_m_s2,
+            "t = {time_s} s: specific force misses by {} of {size_m_s2} m/s²",
+            misses[6]
+        );
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::packaging::contents::contents;
 use crate::packaging::extras::Extras;
 pub use crate::packaging::library::PackageError;
-use crate::packaging::{Library, MODEL_IDENTIFIER, Platform};
+use crate::packaging::{Library, Platform};
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::instance::Version;
 use std::collections::BTreeMap;
@@ -23,12 +23,17 @@ pub fn package(
 ) -> Result<Vec<u8>, PackageError> {
     let mut entries: BTreeMap<String, Entry> =
         contents(machine, model_text, extras).into_iter().map(|(path, bytes)| (path, Entry::data(bytes))).collect();
-    entries.extend(binaries(libraries, extras.kinds.version)?);
+    entries.extend(binaries(&machine.name, libraries, extras.kinds.version)?);
     Ok(archive(&entries))
 }
 
-/// Libraries by their paths in the archive.
-fn binaries(libraries: &[Library], version: Version) -> Result<BTreeMap<String, Entry>, PackageError> {
+/// Libraries by their paths in the archive. Their name is the standard's `modelIdentifier`: that of the model, because some importers keep one
+/// library for each identifier, and would run the first model for all others.
+fn binaries(
+    identifier: &str,
+    libraries: &[Library],
+    version: Version,
+) -> Result<BTreeMap<String, Entry>, PackageError> {
     for (i, library) in libraries.iter().enumerate() {
         if let Some(first) = libraries[..i].iter().find(|first| first.platform == library.platform) {
             let (path, first) = (library.path.clone(), first.path.clone());
@@ -38,7 +43,7 @@ fn binaries(libraries: &[Library], version: Version) -> Result<BTreeMap<String, 
     let entry = |library: &Library| {
         let Platform { extension, .. } = library.platform;
         let folder = library.platform.folder_of(version);
-        let path = format!("binaries/{folder}/{MODEL_IDENTIFIER}.{extension}");
+        let path = format!("binaries/{folder}/{identifier}.{extension}");
         (path, Entry { bytes: library.bytes.clone(), permissions: 0o755 })
     };
     Ok(libraries.iter().map(entry).collect())
@@ -84,18 +89,21 @@ mod tests {
             platform: Platform::named(platform).unwrap(),
             bytes: path.as_bytes().to_vec(),
         };
-        let found =
-            binaries(&[library("w", "win64"), library("l", "linux64"), library("m", "aarch64-darwin")], Version::Fmi2)
-                .unwrap();
+        let found = binaries(
+            "Wing",
+            &[library("w", "win64"), library("l", "linux64"), library("m", "aarch64-darwin")],
+            Version::Fmi2,
+        )
+        .unwrap();
         let found: Vec<_> = found.iter().map(|(path, entry)| (path.as_str(), entry.bytes.as_slice())).collect();
         let expected = [
-            ("binaries/aarch64-darwin/foldwing.dylib", b"m".as_slice()),
-            ("binaries/linux64/foldwing.so", b"l"),
-            ("binaries/win64/foldwing.dll", b"w"),
+            ("binaries/aarch64-darwin/Wing.dylib", b"m".as_slice()),
+            ("binaries/linux64/Wing.so", b"l"),
+            ("binaries/win64/Wing.dll", b"w"),
         ];
         assert_eq!(found, expected);
 
-        let twice = binaries(&[library("a.so", "linux64"), library("b.so", "linux64")], Version::Fmi3)
+        let twice = binaries("Wing", &[library("a.so", "linux64"), library("b.so", "linux64")], Version::Fmi3)
             .err()
             .unwrap()
             .to_string();

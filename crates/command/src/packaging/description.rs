@@ -4,7 +4,7 @@
 //! bytes.
 
 use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
-use crate::packaging::{Kinds, MODEL_IDENTIFIER, VERSION};
+use crate::packaging::{Kinds, TOOL, VERSION};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::instance::LOG_CATEGORIES;
@@ -71,7 +71,7 @@ fn write_root(
         ("description", machine.description.clone()),
         ("version", VERSION.to_owned()),
         ("license", "MIT OR Apache-2.0".to_owned()),
-        ("generationTool", format!("{MODEL_IDENTIFIER} {VERSION}")),
+        ("generationTool", format!("{TOOL} {VERSION}")),
         ("variableNamingConvention", "structured".to_owned()),
     ];
     if kinds.model_exchange {
@@ -79,7 +79,7 @@ fn write_root(
         attributes.push(("numberOfEventIndicators", indicators.to_string()));
     }
     nest(xml, "fmiModelDescription", &attributes, |xml| {
-        let identifier = || vec![("modelIdentifier", MODEL_IDENTIFIER.to_owned())];
+        let identifier = || vec![("modelIdentifier", machine.name.clone())];
         if kinds.model_exchange {
             let mut model_exchange: Attributes = identifier();
             model_exchange.extend(EXCHANGE_CAPABILITIES.map(|(name, value)| (name, value.to_owned())));

@@ -6,7 +6,7 @@ use crate::packaging::description::{
     write_experiment, write_log_categories, write_units,
 };
 use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
-use crate::packaging::{Kinds, MODEL_IDENTIFIER, VERSION};
+use crate::packaging::{Kinds, TOOL, VERSION};
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::interface::{Array, Causality, Dependencies, Interface, RealType, UNITS, Value, Variable};
 use std::io;
@@ -67,11 +67,11 @@ fn write_root(
         ("description", machine.description.clone()),
         ("version", VERSION.to_owned()),
         ("license", "MIT OR Apache-2.0".to_owned()),
-        ("generationTool", format!("{MODEL_IDENTIFIER} {VERSION}")),
+        ("generationTool", format!("{TOOL} {VERSION}")),
         ("variableNamingConvention", "structured".to_owned()),
     ];
     let kind = |xml: &mut Xml, name: &str, capabilities: &[(&'static str, &str)], more: Attributes| {
-        let mut attributes: Attributes = vec![("modelIdentifier", MODEL_IDENTIFIER.to_owned())];
+        let mut attributes: Attributes = vec![("modelIdentifier", machine.name.clone())];
         attributes.extend(capabilities.iter().map(|(name, value)| (*name, (*value).to_owned())));
         attributes.extend(more);
         leaf(xml, name, &attributes)

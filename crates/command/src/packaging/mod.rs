@@ -32,8 +32,8 @@ pub use kinds::Kinds;
 pub use library::{Library, PackageError, Platform};
 pub use reference::Reference;
 
-/// Name of the library inside every FMU; the standard's `modelIdentifier`.
-pub const MODEL_IDENTIFIER: &str = "foldwing";
+/// Name of this program in `generationTool`.
+pub const TOOL: &str = "foldwing";
 
 /// Version of this package, written into the model description.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

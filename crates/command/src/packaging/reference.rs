@@ -171,7 +171,7 @@ impl Reference {
              Communication step: {} s, inputs taken at its beginning and held (reals linearly interpolated between the rows\n\
              of the stimuli), no input derivatives.\n\
              Expected deviation: at most {TOLERANCE:e} of a variable's range over the run, or {LEAST:e} in its unit where that is\n\
-             more; none where the same library runs without stimuli. An importer with other communication steps gets other\n\
+             more; round-off where the same library runs without stimuli. An importer with other communication steps gets other\n\
              values in the experiment with moving inputs, as they are held for longer or shorter.\n\n",
             real(self.step_s)
         );

@@ -5,7 +5,7 @@
 
 use crate::packaging::archive::{Entry, archive};
 use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
-use crate::packaging::{Kinds, MODEL_IDENTIFIER, VERSION};
+use crate::packaging::{Kinds, TOOL, VERSION};
 use foldwing_engine::machine::Machine;
 use foldwing_fmi::interface::{Causality, TYPES, UNITS, Unit, Value, Variable};
 use std::collections::BTreeMap;
@@ -47,7 +47,7 @@ fn structure(machine: &Machine, variables: &[Variable], kinds: Kinds) -> String 
         ("name", machine.name.clone()),
         ("version", "1.0".to_owned()),
         ("description", machine.description.clone()),
-        ("generationTool", format!("{MODEL_IDENTIFIER} {VERSION}")),
+        ("generationTool", format!("{TOOL} {VERSION}")),
     ]);
     let experiment = &machine.experiment;
     xml::document(|xml| {

@@ -2,7 +2,7 @@
 
 use crate::packaging::extras::Extras;
 use crate::packaging::html::{number, table};
-use crate::packaging::{Kinds, MODEL_IDENTIFIER, linear_model, reference};
+use crate::packaging::{Kinds, linear_model, reference};
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{FastestMotion, Plant};
 use foldwing_fmi::instance::Version;
@@ -47,8 +47,10 @@ pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]
     let _ = write!(
         html,
         "<li>{} Outputs belong to the end of the last step.</li>\n\
-         <li>States can be saved and restored, also as bytes; two instances of <code>{MODEL_IDENTIFIER}</code> share \
-         nothing.</li>\n\
+         <li>States can be saved and restored, also as bytes; two instances share nothing.</li>\n\
+         <li>Forces, reactions and accelerations contain vibrations that the default tolerance does not resolve: they change by tens of per \
+         cent of their range with <code>solver.tolerance</code> or the tolerance of the experiment, while angles, positions and strains \
+         change by less than 1 %. Stiffness damping (<code>stiffness_damping_s</code>) damps these vibrations.</li>\n\
          <li>A value outside its range is discarded with a message; a failed step leaves the FMU at the last good \
          time.</li>\n</ul>\n",
         match kinds.version {

@@ -52,7 +52,8 @@ impl System {
         let mut states = vec![0.0; moved + accounts];
         hybrid.read(&mut states[..moved]);
         states[moved..].copy_from_slice(&hybrid.accounts_j()[..accounts]);
-        self.state.outside = Some(Outside { time_s: self.state.now.time_s, states, entered: true });
+        let now_s = self.state.now.time_s;
+        self.state.outside = Some(Outside { time_s: now_s, event_s: now_s, states, entered: true });
         self.limit_frequencies();
         self.configure();
         self.told.forget();
@@ -203,6 +204,12 @@ impl System {
         self.state.outside.as_ref().map_or(self.state.now.time_s, |outside| outside.time_s)
     }
 
+    /// Time of the last event, or of the start, in s: latches, failures and limits have the state that this event has given them, so that
+    /// times before it have no meaning.
+    pub fn exchange_event_s(&self) -> f64 {
+        self.state.outside.as_ref().map_or(self.state.now.time_s, |outside| outside.event_s)
+    }
+
     /// Sets the time in s.
     pub fn set_exchange_time(&mut self, time_s: f64) {
         if let Some(outside) = &mut self.state.outside {
@@ -286,6 +293,7 @@ impl System {
         self.update_exchange()?;
         if let Some(outside) = &mut self.state.outside {
             outside.entered = true;
+            outside.event_s = outside.time_s;
         }
         Ok(())
     }

@@ -16,6 +16,8 @@ pub(super) struct Manner {
 pub(crate) struct Outside {
     /// Time in s.
     pub(super) time_s: f64,
+    /// Time of the last event or of the start in s, before which the integrator cannot go back.
+    pub(super) event_s: f64,
     /// Moving coordinates, their rates, lag states of strips, energy accounts.
     pub(super) states: Vec<f64>,
     /// Whether the integrator is in Event Mode, before the transitions of the crossed indicators.
@@ -25,11 +27,11 @@ pub(crate) struct Outside {
 /// Implemented by hand, because a derived `clone_from` allocates, and events copy the state.
 impl Clone for Outside {
     fn clone(&self) -> Self {
-        Self { time_s: self.time_s, states: self.states.clone(), entered: self.entered }
+        Self { states: self.states.clone(), ..*self }
     }
 
     fn clone_from(&mut self, source: &Self) {
-        (self.time_s, self.entered) = (source.time_s, source.entered);
+        (self.time_s, self.event_s, self.entered) = (source.time_s, source.event_s, source.entered);
         self.states.clone_from(&source.states);
     }
 }

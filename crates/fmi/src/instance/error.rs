@@ -63,6 +63,19 @@ pub enum CallError {
     /// Event Mode of co-simulation was not requested at instantiation.
     #[error("this instance was created without Event Mode: pass eventModeUsed = true to fmi3InstantiateCoSimulation")]
     NoEventMode,
+    /// The integrator goes back to before an event.
+    #[error(
+        "time {time_s} s lies before the last event or the start, at {event_s} s: latches and other states of events would be those of \
+         the future; restore a state of the FMU saved before the event with {}", version.restoring_call()
+    )]
+    BeforeEvent {
+        /// Version of the standard.
+        version: Version,
+        /// The rejected time in s.
+        time_s: f64,
+        /// Time of the event in s.
+        event_s: f64,
+    },
     /// The value of a state is not finite.
     #[error("continuous state {name} cannot be {value}: the value must be finite")]
     StateNotFinite {
@@ -178,7 +191,10 @@ impl CallError {
     pub fn status(&self) -> Status {
         match self {
             Self::Access(error) if error.is_bad_value() => Status::Discard,
-            Self::Argument { .. } | Self::StateNotFinite { .. } | Self::NoDerivatives { .. } => Status::Discard,
+            Self::Argument { .. }
+            | Self::BeforeEvent { .. }
+            | Self::StateNotFinite { .. }
+            | Self::NoDerivatives { .. } => Status::Discard,
             Self::Poisoned { .. } => Status::Fatal,
             Self::OutOfOrder { .. }
             | Self::NullPointer { .. }

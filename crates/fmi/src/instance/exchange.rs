@@ -4,6 +4,7 @@ use crate::instance::Instance;
 use crate::instance::error::CallError;
 use crate::instance::log::LogCategory;
 use crate::instance::phase::{InterfaceKind, Phase};
+use crate::instance::step::CLOCK_TOLERANCE;
 use crate::interface::{Kind, Selection};
 use foldwing_engine::plant::{JointStatus, PlantError};
 
@@ -82,6 +83,10 @@ impl Instance {
     pub fn set_time(&mut self, time_s: f64) -> Result<(), CallError> {
         if !time_s.is_finite() {
             return Err(CallError::Argument { argument: "time", value: time_s, allowed: "finite" });
+        }
+        let event_s = self.plant.system_mut().exchange_event_s();
+        if time_s < event_s - CLOCK_TOLERANCE * event_s.abs().max(1.0) {
+            return Err(CallError::BeforeEvent { version: self.version, time_s, event_s });
         }
         self.plant.system_mut().set_exchange_time(time_s);
         Ok(())

@@ -196,10 +196,9 @@ impl Instance {
             let allowed = "finite and not before startTime";
             return Err(CallError::Argument { argument: "stopTime", value, allowed });
         }
-        // in FMI 3.0 parameters are set first: a tolerance set as a parameter has priority over that of the experiment, which importers
-        // always pass
+        // a tolerance set as a parameter has priority over that of the experiment, which importers always pass, some after the parameters
         let own = self.plant.parameters().solver().tolerance;
-        let is_set = self.version == Version::Fmi3 && own != self.machine.solver.tolerance;
+        let is_set = own != self.machine.solver.tolerance;
         if let (Some(tolerance), Some(row), false) = (setup.tolerance, self.interface.find("solver.tolerance"), is_set)
         {
             self.interface.set(&mut self.plant, row.value_reference, Value::Real(tolerance))?;

@@ -200,6 +200,12 @@ impl Rule {
             Phase::StepFailed | Phase::Terminated => {
                 format!("; {} with an earlier state or {}Reset leads back", self.version.restoring_call(), self.version)
             }
+            // a function of the first phase alone names itself as the end of it
+            Phase::Initialization | Phase::StepComplete | Phase::Event | Phase::ContinuousTime
+                if self.legal_phases(kind).eq([Phase::Instantiated]) =>
+            {
+                format!("; {}Reset leads back", self.version)
+            }
             Phase::Instantiated
             | Phase::Initialization
             | Phase::StepComplete

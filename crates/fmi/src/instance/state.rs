@@ -10,7 +10,7 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 /// First bytes of a serialised state.
 const MAGIC: [u8; 8] = *b"FOLDWING";
 /// Version of the serialised form: to be increased with every change of [`SavedState`] or its contents.
-const VERSION: u16 = 9;
+const VERSION: u16 = 10;
 /// Length of a GUID with its braces.
 const GUID_LENGTH: usize = 38;
 /// Magic, version, GUID, length of the payload, CRC-32 of all but the checksum itself.
@@ -54,13 +54,16 @@ pub enum StateError {
     },
     /// Wrong length.
     #[error(
-        "the serialised FMU state is damaged: {found} bytes instead of {expected}; pass all the bytes that were written when it was serialised"
+        "the serialised FMU state is damaged: {found} bytes instead of {}{expected}; pass all the bytes that were written when it was serialised",
+        if *in_header { "more than " } else { "" }
     )]
     Length {
         /// Given number of bytes.
         found: usize,
         /// Expected number of bytes.
         expected: u64,
+        /// Whether they end in the header, so that only its length is known.
+        in_header: bool,
     },
     /// Wrong checksum.
     #[error(
@@ -131,7 +134,7 @@ impl SavedState {
 
     /// Restores a state from bytes; fails unless they are complete, undamaged and of this model.
     pub fn from_bytes(bytes: &[u8], guid: &str) -> Result<Self, StateError> {
-        let cut = StateError::Length { found: bytes.len(), expected: HEADER_LENGTH as u64 };
+        let cut = StateError::Length { found: bytes.len(), expected: HEADER_LENGTH as u64, in_header: true };
         let (magic, rest) = bytes.split_first_chunk::<8>().ok_or(cut.clone())?;
         if *magic != MAGIC {
             return Err(StateError::NotAState);
@@ -151,7 +154,7 @@ impl SavedState {
         let length = u64::from_le_bytes(*length);
         if payload.len() as u64 != length {
             let expected = length.saturating_add(HEADER_LENGTH as u64);
-            return Err(StateError::Length { found: bytes.len(), expected });
+            return Err(StateError::Length { found: bytes.len(), expected, in_header: false });
         }
         if checksum(&bytes[..HEADER_LENGTH - 4], payload) != u32::from_le_bytes(*sum) {
             return Err(StateError::Checksum);

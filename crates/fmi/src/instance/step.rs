@@ -6,7 +6,7 @@ use foldwing_engine::plant::{JointStatus, Pauses, Reached};
 use std::time::Instant;
 
 /// Accepted relative round-off of the importer's clock.
-const CLOCK_TOLERANCE: f64 = 1e-9;
+pub(super) const CLOCK_TOLERANCE: f64 = 1e-9;
 
 impl Instance {
     /// Executes one step of `step_s` from `time_s`. Allocates nothing itself unless it fails or logs.
