@@ -43,7 +43,7 @@ GLIBC = "2.17"
 LINUX = "x86_64-unknown-linux-gnu"
 WINDOWS = "x86_64-pc-windows-gnu"
 LINUX_ARM64 = "aarch64-unknown-linux-gnu"
-RUSTUP_LIMIT_S = 10  # a target arrives in 7 s where rustup's server answers; elsewhere it may never answer
+RUSTUP_LIMIT_S = 10  # a target took 7 s to install once; without access to its server, rustup may wait without end
 
 @dataclass(frozen=True)
 class Platform:
@@ -130,7 +130,7 @@ def route_to(target, only_look):
 
 
 def added(rustup, target):
-    """Lets rustup install a target, and gives up after a few seconds: its server may be out of reach without an error."""
+    """Lets rustup install a target, for a few seconds at most: without access to its server, it may wait without end."""
     try:
         return subprocess.run([rustup, "target", "add", target], stderr=subprocess.DEVNULL, timeout=RUSTUP_LIMIT_S).returncode == 0
     except subprocess.TimeoutExpired:

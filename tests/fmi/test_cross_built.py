@@ -59,10 +59,11 @@ def run(drivers, platform, fmu, references, mode, steps=STEPS):
     return unpack(outcome.stdout), outcome.stderr.strip()
 
 
-@pytest.mark.parametrize("model", ["folding_wing", "folding_wing_constant", "three_bodies"])
+@pytest.mark.parametrize("model", ["folding_wing", "folding_wing_constant", "three_bodies", "folding_wing_in_tunnel"])
 def test_n12_arm64_library_computes_what_the_x86_library_computes(model, foldwing, built, drivers, tmp_path):
     """N-12. The ARM64 library on an emulated processor against the x86-64 library, 0.4 s in steps of 1 ms, past the latch, with the same
-    importer: limits as in N-07. On both, the second half repeated from a state saved as bytes is the same bit for bit."""
+    importer: limits as in N-07. The lattice of the last model uses the vectors of each processor, with other orders of its sums. On both, the
+    second half repeated from a state saved as bytes is the same bit for bit."""
     libraries = {platform: built(platform) for platform in ("linux64", "aarch64-linux")}
     fmu = Fmu(package(foldwing, libraries, tmp_path / "both.fmu", model), tmp_path / "unpacked")
     reals = [variable for variable in fmu.outputs if variable.type == "Real"]
@@ -139,8 +140,8 @@ def test_n14_macos_library_is_one_that_macos_can_load_by_its_header(platform, bu
     assert library.defined == library.exported
     assert mach_o.signature_faults(content, library) == []
     changed = bytearray(content)
-    changed[5000] ^= 1
-    assert mach_o.signature_faults(bytes(changed), library) == [f"page {0 if 5000 < 16384 and processor == 'arm64' else 1} differs from its hash"]
+    changed[5000] ^= 1  # pages have 4096 bytes
+    assert mach_o.signature_faults(bytes(changed), library) == ["page 1 differs from its hash"]
 
 
 @pytest.mark.parametrize("platform", ["aarch64-linux", *MACOS])
@@ -149,7 +150,7 @@ def test_n15_archive_holds_the_library_in_its_folder(platform, foldwing, built, 
     contains no path of this computer and is rejected for another platform."""
     library = built(platform)
     extension = library.suffix
-    for version, folder in [("2.0", platform), ("3.0", MACOS[platform][2] if platform in MACOS else platform)]:
+    for version, folder in [("2", platform), ("3", MACOS[platform][2] if platform in MACOS else platform)]:
         path = package(foldwing, {platform: library}, tmp_path / f"{version}.fmu", options=["--fmi", version, "--no-reference"])
         with zipfile.ZipFile(path) as archive:
             assert [name for name in archive.namelist() if name.startswith("binaries/") and not name.endswith("/")] == [f"binaries/{folder}/foldwing{extension}"]
