@@ -33,6 +33,8 @@ FMU         := $(TARGET)/fmu/FoldingWing.fmu
 TUNNEL_FMU  := $(TARGET)/fmu/folding_wing_in_tunnel.fmu
 DEPLOYMENT  := $(TARGET)/deployment
 PLATFORMS   := $(TARGET)/platforms
+# platforms of the libraries of `make platforms`, `make fmu-all` and `make test-platforms`; also: aarch64-linux darwin64 aarch64-darwin
+FMU_PLATFORMS ?= linux64 win64
 # The Python package is tested from its wheel, in an environment of its own.
 PACKAGE_VENV   ?= $(TARGET)/venv-package
 PACKAGE_PYTHON := $(PACKAGE_VENV)/bin/python
@@ -62,25 +64,25 @@ package: build ## Make the FMU of every shipped model in $(TARGET)/fmu
 dist: package ## Make the archive of a release: $(TARGET)/dist/foldwing-VERSION-TARGET.tar.gz
 	@$(PYTHON) tools/make_distribution.py --foldwing $(COMMAND) --fmus $(DIST_FMUS) --output $(TARGET)/dist
 
-platforms: toolchain ## Build the libraries for Linux (glibc 2.17 and later) and Windows in $(TARGET)/platforms: docs/PLATFORMS.md
+platforms: toolchain ## Build the libraries for Linux (glibc 2.17 and later) and Windows in $(TARGET)/platforms, for others with FMU_PLATFORMS: docs/PLATFORMS.md
 	@$(PYTHON) tools/create_venv.py $(PLATFORMS)/venv --requirements python/platforms.txt
-	@$(PYTHON) tools/build_platforms.py --venv $(PLATFORMS)/venv --output $(PLATFORMS)
+	@$(PYTHON) tools/build_platforms.py --venv $(PLATFORMS)/venv --output $(PLATFORMS) $(FMU_PLATFORMS)
 
 wheels: wheel ## Make the Python package for Linux (manylinux2014) and Windows in $(TARGET)/platforms
 	@$(PYTHON) tools/create_venv.py $(PLATFORMS)/venv --requirements python/platforms.txt
 	@$(PYTHON) tools/build_platforms.py --venv $(PLATFORMS)/venv --output $(PLATFORMS) --wheels $(WHEELS)/*.whl
 
-fmu-all: build platforms ## Make the FMUs for Linux and Windows in one, in $(TARGET)/fmu-all
+fmu-all: build platforms ## Make the FMUs for the platforms of FMU_PLATFORMS (Linux and Windows) in one, in $(TARGET)/fmu-all
 	@mkdir -p $(TARGET)/fmu-all
 	@set -e; for model in $(MODELS); do \
 	    $(COMMAND) package $$model -o $(TARGET)/fmu-all/$$(basename $$model .toml).fmu \
-	        --library linux64=$(PLATFORMS)/linux64/libfoldwing_fmu.so --library win64=$(PLATFORMS)/win64/foldwing_fmu.dll; \
+	        $(foreach platform,$(FMU_PLATFORMS),--library $(platform)=$$(ls $(PLATFORMS)/$(platform)/*foldwing_fmu.*)); \
 	done
 	@echo "packaged $(words $(MODELS)) FMUs in $(TARGET)/fmu-all"
 
-test-platforms: fmu-all package test-venv ## Check the libraries of `make fmu-all`, the one for Windows under Wine
+test-platforms: fmu-all package test-venv ## Check the libraries of `make fmu-all`, those for Windows and ARM64 Linux by Wine and QEMU
 	FOLDWING=$(abspath $(COMMAND)) FOLDWING_FMUS=$(abspath $(TARGET)/fmu) FOLDWING_PLATFORMS=$(abspath $(PLATFORMS)) \
-	    $(TEST_PYTHON) -m pytest -q -rs tests/fmi/test_platforms.py $(PYTEST_ARGUMENTS)
+	    $(TEST_PYTHON) -m pytest -q -rs tests/fmi/test_platforms.py tests/fmi/test_cross_built.py $(PYTEST_ARGUMENTS)
 
 msrv: ## Compile with the oldest Rust that Cargo.toml declares, if rustup has it
 	@sh tools/check_minimum_rust.sh "$(MINIMUM_RUST)" $(TARGET)/msrv

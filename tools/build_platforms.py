@@ -1,15 +1,22 @@
 #!/usr/bin/env python3
-"""Builds the shared library for every platform that this machine can build for, into one folder each.
+"""Builds the shared library for other platforms than that of this machine, into one folder each.
 
-    linux64  runs with glibc 2.17 (2012) or newer
-    win64    runs on Windows 10 or newer
+    linux64         Linux on x86-64 with glibc 2.17 (2012) or newer
+    win64           Windows 10 or newer on x86-64
+    aarch64-linux   Linux on ARM64 with glibc 2.17 or newer
+    darwin64        macOS 10.12 or newer on Intel processors
+    aarch64-darwin  macOS 11 or newer on Apple's processors
 
-With `--wheels` it also builds the Python module and writes the wheel of the package for each platform.
+Without names it builds the first two. With `--wheels` it also builds the Python module and writes the wheel of the package for each of
+these two.
 
-Zig, from packages pinned in python/platforms.txt, links both (no root, no system packages). For Windows the Rust standard library is
-also needed; the first available of these routes is taken:
+Zig, from packages pinned in python/platforms.txt, links for Linux and Windows (no root, no system packages). Libraries for macOS are
+linked by LLVM's lld (that of the Rust toolchain, or of Debian) with Zig's list of the functions of macOS, because Zig's own linker exports
+every Rust symbol (ziglang/zig#24662). lld adds the ad-hoc signature that macOS needs on ARM64.
 
-    rustup   `rustup target add x86_64-pc-windows-gnu`
+Other platforms than linux64 also need a Rust standard library; the first available of these routes is taken:
+
+    rustup   `rustup target add TARGET`
     source   a Rust compiler with the sources of its standard library (Debian: rustc-web, rust-web-src), which is
              built together with the crate
 
@@ -35,8 +42,8 @@ ROOT = Path(__file__).resolve().parents[1]
 GLIBC = "2.17"
 LINUX = "x86_64-unknown-linux-gnu"
 WINDOWS = "x86_64-pc-windows-gnu"
-
-
+LINUX_ARM64 = "aarch64-unknown-linux-gnu"
+RUSTUP_LIMIT_S = 10  # a target took 7 s to install once; without access to its server, rustup may wait without end
 
 @dataclass(frozen=True)
 class Platform:
@@ -45,17 +52,24 @@ class Platform:
     target: str
     library: str  # the library that goes into FMUs
     module: str  # the Python module, as cargo names it
-    inside: str  # path of the module in the wheel
-    tag: str  # platform tag of the wheel: PEP 600 (manylinux2014 is glibc 2.17) and PEP 425
+    inside: str = ""  # path of the module in the wheel
+    tag: str = ""  # platform tag of the wheel: PEP 600 (manylinux2014 is glibc 2.17) and PEP 425; empty if no wheel is made
 
 
 PLATFORMS = {
     "linux64": Platform(LINUX, "libfoldwing_fmu.so", "libfoldwing_python.so", "_native.abi3.so", "manylinux_2_17_x86_64.manylinux2014_x86_64"),
     "win64": Platform(WINDOWS, "foldwing_fmu.dll", "foldwing_python.dll", "_native.pyd", "win_amd64"),
+    "aarch64-linux": Platform(LINUX_ARM64, "libfoldwing_fmu.so", "libfoldwing_python.so"),
+    "darwin64": Platform("x86_64-apple-darwin", "libfoldwing_fmu.dylib", "libfoldwing_python.dylib"),
+    "aarch64-darwin": Platform("aarch64-apple-darwin", "libfoldwing_fmu.dylib", "libfoldwing_python.dylib"),
 }
+USUAL = ("linux64", "win64")
 TO_TYPE = """\
-    with rustup:          rustup target add x86_64-pc-windows-gnu
+    with rustup:          rustup target add {target}
     on Debian or Ubuntu:  sudo apt-get install -y rustc-web rust-web-src"""
+LINKERS = """\
+    with rustup:          rustup toolchain install stable (contains rust-lld)
+    on Debian or Ubuntu:  sudo apt-get install -y lld"""
 
 
 class Missing(Exception):
@@ -64,27 +78,33 @@ class Missing(Exception):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("platforms", nargs="*", help="linux64, win64 [default: both]")
+    parser.add_argument("platforms", nargs="*", help=f"{', '.join(PLATFORMS)} [default: {' '.join(USUAL)}]")
     parser.add_argument("--venv", type=Path, required=True, help="environment made from python/platforms.txt")
     parser.add_argument("--output", type=Path, required=True, help="folder for the libraries, one folder per platform")
     parser.add_argument("--wheels", type=Path, metavar="WHEEL", help="a wheel of the package for this machine; those for the platforms are written too")
     parser.add_argument("--routes", action="store_true", help="say what would be done and do nothing")
     arguments = parser.parse_args()
-    platforms = arguments.platforms or list(PLATFORMS)
+    platforms = arguments.platforms or list(USUAL)
     unknown = sorted(set(platforms) - set(PLATFORMS))
     if unknown:
         parser.error(f"unknown platform {', '.join(unknown)}; allowed: {', '.join(PLATFORMS)}")
+    without = [platform for platform in platforms if arguments.wheels and not PLATFORMS[platform].tag]
+    if without:
+        parser.error(f"no wheel is made for {', '.join(without)}; allowed with --wheels: {', '.join(USUAL)}")
     missing = []
     for platform in platforms:
         try:
-            compiler, route = (None, "this Rust compiler") if platform == "linux64" else windows_route(arguments.routes)
+            linker = linker_for_macos() if is_macos(platform) else None
+            compiler, route = (None, "this Rust compiler") if platform == "linux64" else route_to(PLATFORMS[platform].target, arguments.routes)
         except Missing as error:
             missing.append(f"{platform}: {error}")
             continue
+        if is_macos(platform):
+            route += f", linked by {Path(linker).name}"
         print(f"{platform}: by {route}", flush=True)
         if not arguments.routes:
             folder = arguments.output.resolve()
-            library = build(platform, "foldwing-fmu", compiler, arguments.venv.resolve(), folder)
+            library = build(platform, "foldwing-fmu", compiler, arguments.venv.resolve(), folder, linker)
             print(f"{platform}: {library} ({library.stat().st_size / 1e6:.2f} MB)", flush=True)
             if arguments.wheels:
                 module = build(platform, "foldwing-python", compiler, arguments.venv.resolve(), folder)
@@ -94,19 +114,47 @@ def main():
         sys.exit("build_platforms: not everything can be built here\n" + "\n".join(missing))
 
 
-def windows_route(only_look):
+def route_to(target, only_look):
     """Returns a compiler that must build its standard library, or None, and a text that describes the route."""
     rustup = shutil.which("rustup")
     if rustup:
-        if WINDOWS in output(rustup, "target", "list", "--installed").split():
+        if target in output(rustup, "target", "list", "--installed").split():
             return None, "rustup's target"
-        if not only_look and subprocess.run([rustup, "target", "add", WINDOWS], stderr=subprocess.DEVNULL).returncode == 0:
+        if not only_look and added(rustup, target):
             return None, "rustup's target, added just now"
     for compiler in compilers():
         sysroot = output(compiler, "--print", "sysroot")
         if (Path(sysroot) / "lib/rustlib/src/rust/library/std/Cargo.toml").is_file():
             return compiler, f"the standard library built from the sources of {output(compiler, '--version')}"
-    raise Missing(f"no standard library for Windows, neither by rustup nor as sources; one of\n{TO_TYPE}")
+    raise Missing(f"no standard library for {target}, neither by rustup nor as sources; one of\n{TO_TYPE.format(target=target)}")
+
+
+def added(rustup, target):
+    """Lets rustup install a target, for a few seconds at most: without access to its server, it may wait without end."""
+    try:
+        return subprocess.run([rustup, "target", "add", target], stderr=subprocess.DEVNULL, timeout=RUSTUP_LIMIT_S).returncode == 0
+    except subprocess.TimeoutExpired:
+        print(f"rustup did not install {target} within {RUSTUP_LIMIT_S} s", flush=True)
+        return False
+
+
+def is_macos(platform):
+    """Whether a library of the platform is Mach-O."""
+    return PLATFORMS[platform].target.endswith("-apple-darwin")
+
+
+def linker_for_macos():
+    """LLVM's lld: that of a Rust toolchain, otherwise the newest on the path."""
+    folders = os.environ["PATH"].split(os.pathsep)
+    for compiler in dict.fromkeys(filter(None, (shutil.which("rustc", path=folder) for folder in folders))):
+        sysroot = output(compiler, "--print", "sysroot")
+        found = sorted(Path(sysroot).glob("lib/rustlib/*/bin/rust-lld")) if sysroot else []
+        if found:
+            return str(found[0])
+    found = [path for folder in folders for path in Path(folder).glob("lld*") if re.fullmatch(r"lld(-\d+)?", path.name)]
+    if not found:
+        raise Missing(f"no linker for macOS; one of\n{LINKERS}")
+    return str(max(found, key=lambda path: int(path.name[4:] or 0)))
 
 
 def compilers():
@@ -126,8 +174,8 @@ def output(*command):
     return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout.strip()
 
 
-def build(platform, package, compiler, venv, folder):
-    """Builds the library of one package and puts it into the platform's folder."""
+def build(platform, package, compiler, venv, folder, linker=None):
+    """Builds the library of one package and puts it into the platform's folder; `linker` is that for macOS."""
     target, library = PLATFORMS[platform].target, package == "foldwing-fmu"
     name = PLATFORMS[platform].library if library else PLATFORMS[platform].module
     folder = folder / platform
@@ -139,8 +187,8 @@ def build(platform, package, compiler, venv, folder):
     if subprocess.run(["cargo", "fetch", "--locked"], cwd=ROOT).returncode:  # the folders to hide must exist before the build
         sys.exit("build_platforms: the dependencies could not be fetched; Cargo's message stands above")
     flags = [f"--remap-path-prefix={path}={shown}" for path, shown in hidden_paths(compiler)]
-    command = [interpreter(venv).parent / "cargo-zigbuild", "rustc", "--release", "--locked", "--package", package, "--lib"]
-    command += ["--crate-type", "cdylib", "--target", f"{target}.{GLIBC}" if target == LINUX else target]
+    command = ["cargo" if linker else interpreter(venv).parent / "cargo-zigbuild", "rustc", "--release", "--locked", "--package", package, "--lib"]
+    command += ["--crate-type", "cdylib", "--target", f"{target}.{GLIBC}" if target in (LINUX, LINUX_ARM64) else target]
     environment["SOURCE_DATE_EPOCH"] = "315532800"  # 1980-01-01, the date inside the archive, instead of today
     # the stable ABI does not depend on an interpreter, and an extension module is not linked to one
     environment.update(PYO3_NO_PYTHON="1", PYO3_BUILD_EXTENSION_MODULE="1")
@@ -151,6 +199,13 @@ def build(platform, package, compiler, venv, folder):
         flags += [f"-Clink-arg=-L{os.path.relpath(stubs, ROOT)}"]
         command += ["-Zbuild-std=std,panic_unwind"]
         environment.update(RUSTC=compiler, RUSTC_BOOTSTRAP="1")
+    if linker:
+        environment[f"CARGO_TARGET_{target.upper().replace('-', '_')}_LINKER"] = linker
+        environment["SDKROOT"] = str(write_sdk(venv, work))
+        environment["CARGO_PROFILE_RELEASE_STRIP"] = "none"  # the linker leaves local symbols out; a later change would break the signature
+        flags += ["-Clinker-flavor=ld64.lld"]
+        command += ["--"]
+        command += [f"-Clink-arg={word}" for word in ("-install_name", f"@rpath/{name}", "-x", "-S", "-adhoc_codesign")]
     if target == WINDOWS:
         exports = work / f"{package}.def"  # Zig ignores the compiler's list and would export every symbol
         exports.write_text("EXPORTS\n" + "".join(f"    {name}\n" for name in (functions() if library else ["PyInit__native"])))
@@ -160,6 +215,25 @@ def build(platform, package, compiler, venv, folder):
         sys.exit(f"build_platforms: {platform}: the build failed; its messages stand above")
     shutil.copyfile(work / target / "release" / name, folder / name)
     return folder / name
+
+
+def write_sdk(venv, work):
+    """A folder that serves lld as an SDK of macOS: the system's functions, from the list that Zig has of them.
+
+    The list names the ARM64 processors of Apple's own programs (arm64e, arm64e.x1); programs of others are arm64, of which lld expects a
+    list of its own.
+    """
+    source = next(interpreter(venv).parents[1].glob("lib/python3*/site-packages/ziglang/lib/libc/darwin"))
+    text = (source / "libSystem.tbd").read_text()
+    text = re.sub(r",\s*arm64e\.x1-\w+", "", text)
+    documents = text.split("--- !tapi-tbd\n")
+    text = "--- !tapi-tbd\n".join(part if "arm64-macos" in part else part.replace("arm64e-", "arm64-") for part in documents)
+    libraries = work / "sdk/usr/lib"
+    libraries.mkdir(parents=True, exist_ok=True)
+    for name in ("System", "c", "m"):  # the last two are other names of the first
+        (libraries / f"lib{name}.tbd").write_text(text)
+    shutil.copyfile(source / "SDKSettings.json", work / "sdk/SDKSettings.json")
+    return work / "sdk"
 
 
 def write_wheel(platform, native, library, module, folder):
