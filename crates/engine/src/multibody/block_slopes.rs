@@ -5,16 +5,115 @@
 
 use crate::load::RootMotion;
 use crate::multibody::closure::Penalty;
-use crate::multibody::dynamics::{self, Damping, Environment};
+use crate::multibody::derivative::Derivative;
+use crate::multibody::dynamics::{self, Damping, Environment, beam_force};
+use crate::multibody::elastic::elastic_forces;
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::{Elastic, Element, NodeMass};
+use crate::multibody::model::{Body, Elastic, Element, NodeMass};
+use crate::multibody::nodal::{multiply, wrench_of};
+use crate::multibody::node::Node;
 use crate::multibody::{Model, Workspace};
-use nalgebra::Matrix4;
+use nalgebra::{Matrix4, Vector3};
 
 /// A mesh whose blocks are derivatives.
 pub(crate) struct BlockSlopes {
     model: Model,
-    work: Workspace,
+    /// Whether a stiffness differs.
+    stiffens: bool,
+    /// Per body.
+    weighs: Vec<Weighs>,
+    sweep: Sweep,
+}
+
+/// How forces on the nodes become rows of a residual.
+enum Sweep {
+    /// By an inward sweep alone.
+    Inward(Inward),
+    /// By the whole residual, for machines with closed loops, shear, or damping relative to a carrier.
+    Whole(Box<Workspace>),
+}
+
+/// Workspace of an inward sweep.
+struct Inward {
+    /// Vectors of each node that damped masses multiply.
+    vectors: Vec<[Vector3<f64>; 4]>,
+    /// Wrench on each node.
+    wrenches: Vec<[Vector3<f64>; 2]>,
+}
+
+impl Sweep {
+    fn of(model: &Model) -> Self {
+        if model.sheared || !model.closures.is_empty() || model.bodies.iter().any(|body| body.carrier.is_some()) {
+            return Self::Whole(Box::new(Workspace::new(model)));
+        }
+        let nodes = model.nodes.len();
+        Self::Inward(Inward {
+            vectors: vec![[Vector3::zeros(); 4]; nodes],
+            wrenches: vec![[Vector3::zeros(); 2]; nodes],
+        })
+    }
+}
+
+/// Adds the wrenches on the nodes of a body by the masses of its beam times the nodes' vectors.
+fn add_beam<'a>(
+    (model, body): (&Model, &Body),
+    nodes: &[Node],
+    vectors: impl Fn(usize) -> &'a [Vector3<f64>; 4] + Copy,
+    wrenches: &mut [[Vector3<f64>; 2]],
+) {
+    let first = body.first_node;
+    for (i, wrench) in wrenches[first..=body.last_node()].iter_mut().enumerate() {
+        let forces = match body.slim_mass {
+            true => beam_force::<true>(model, body, i, |i| vectors(first + i)),
+            false => beam_force::<false>(model, body, i, |i| vectors(first + i)),
+        };
+        add_wrench(&nodes[first + i], &forces, wrench);
+    }
+}
+
+/// The same by the attached masses.
+fn add_attached(
+    (model, body): (&Model, &Body),
+    nodes: &[Node],
+    vectors: impl Fn(&Node) -> [Vector3<f64>; 4],
+    wrenches: &mut [[Vector3<f64>; 2]],
+) {
+    for n in body.first_node..=body.last_node() {
+        if let Some(attached) = &model.nodes[n].attached {
+            add_wrench(&nodes[n], &multiply(attached, &vectors(&nodes[n])), &mut wrenches[n]);
+        }
+    }
+}
+
+fn add_wrench(node: &Node, forces: &[Vector3<f64>; 4], wrench: &mut [Vector3<f64>; 2]) {
+    let (force, moment) = wrench_of(&node.rotation, forces);
+    wrench[0] += force;
+    wrench[1] += moment;
+}
+
+/// Rates of the nodal vectors.
+fn rates(node: &Node) -> [Vector3<f64>; 4] {
+    let axis = |k: usize| node.spin.cross(&node.rotation.column(k).into_owned());
+    [node.velocity, axis(0), axis(1), axis(2)]
+}
+
+/// Masses that differ in a body.
+#[derive(Clone, Copy)]
+struct Weighs {
+    beam: bool,
+    attached: bool,
+}
+
+impl Weighs {
+    fn of(model: &Model, body: &Body) -> Self {
+        let elements = &model.elements[body.first_element..body.first_element + body.elements];
+        let nodes = &model.nodes[body.first_node..=body.last_node()];
+        let has = |mass: &Matrix4<f64>| mass.iter().any(|entry| *entry != 0.0);
+        Self {
+            beam: elements.iter().any(|element| has(&element.cross_mass)) || nodes.iter().any(|node| has(&node.beam)),
+            attached: nodes.iter().any(|node| node.attached.as_ref().is_some_and(has)),
+        }
+    }
 }
 
 impl BlockSlopes {
@@ -39,22 +138,61 @@ impl BlockSlopes {
             }
             add(&mut model, weight, other);
         }
-        let work = Workspace::new(&model);
-        Some(Self { model, work })
+        let stiffens = model.elements.iter_mut().any(|element| {
+            let [stiffness, coupling, ..] = element_blocks(element);
+            stiffness.iter().chain(&*coupling).any(|entry| *entry != 0.0)
+        });
+        let weighs = model.bodies.iter().map(|body| Weighs::of(&model, body)).collect();
+        let sweep = Sweep::of(own);
+        Some(Self { model, stiffens, weighs, sweep })
     }
 
-    /// Derivative of the residual of tree and loops at a point whose outward sweep is in `swept`, in the gravity field and with the damping
-    /// of `environment`; loads do not contribute.
+    /// Derivative of the residual of tree and loops at a point whose residual is in `swept` and which `derivative` has linearised, in the
+    /// gravity field and with the damping of `environment`; loads do not contribute.
     pub fn residual(
         &mut self,
-        swept: &Workspace,
+        (swept, derivative): (&Workspace, &Derivative),
         (root, damping): (&RootMotion, &[Damping]),
         motion: Motion,
         out: &mut [f64],
     ) {
-        let environment = Environment { root, damping, stations: &[] };
-        self.work.take_sweep(swept);
-        dynamics::residual_of_swept(&self.model, &mut self.work, motion, environment, out);
+        let Self { model, stiffens, weighs, sweep } = self;
+        match sweep {
+            Sweep::Whole(work) => {
+                let environment = Environment { root, damping, stations: &[] };
+                work.take_sweep(swept);
+                dynamics::residual_of_swept(model, work, motion, environment, out);
+            }
+            Sweep::Inward(inward) => {
+                if *stiffens {
+                    elastic_forces(model, swept, motion, damping, out);
+                } else {
+                    out.fill(0.0);
+                    for (body, joint) in model.bodies.iter().zip(&swept.joints) {
+                        body.joint.own_forces(joint, motion, out);
+                    }
+                }
+                let differs = |weighs: &Weighs| weighs.beam || weighs.attached;
+                if weighs.iter().any(differs) {
+                    inward.wrenches.fill([Vector3::zeros(); 2]);
+                    for ((body, damping), weighs) in model.bodies.iter().zip(damping).zip(&*weighs) {
+                        let (mesh, nodes, wrenches) = ((&*model, body), &swept.nodes, &mut inward.wrenches);
+                        if weighs.beam {
+                            add_beam(mesh, nodes, |n| &nodes[n].load_rate, wrenches);
+                        }
+                        if weighs.attached {
+                            let alpha_1_s = if body.damps_attached { 0.0 } else { damping.mass_1_s };
+                            let undamped = |node: &Node| {
+                                let rates = rates(node);
+                                std::array::from_fn(|k| node.load_rate[k] - rates[k] * alpha_1_s)
+                            };
+                            add_attached(mesh, nodes, undamped, wrenches);
+                        }
+                    }
+                    derivative.project(&mut inward.wrenches, out);
+                }
+            }
+        }
         // constraints of joints have no blocks
         for joint in self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.is_redundant()) {
             out[joint.range()][joint.kind.freedoms()..].fill(0.0);
@@ -74,7 +212,9 @@ pub(crate) struct DampingSlope {
     changed: Vec<Damping>,
     /// Change of the parameter that corresponds to this damping, to first order.
     change: f64,
-    work: Workspace,
+    /// The derivative by the damping of the bodies.
+    slopes: Vec<Damping>,
+    sweep: Sweep,
     scratch: Vec<f64>,
 }
 
@@ -108,23 +248,48 @@ impl DampingSlope {
         };
         let changed = own.iter().zip(&slopes).map(along).collect();
         let scratch = vec![0.0; model.coordinates];
-        Some(Self { own: own.to_vec(), changed, change, work: Workspace::new(model), scratch })
+        Some(Self { own: own.to_vec(), changed, change, slopes, sweep: Sweep::of(model), scratch })
     }
 
-    /// Adds the derivative at a point whose outward sweep is in `swept` to `sum`.
+    /// Adds the derivative at a point whose residual is in `swept` and which `derivative` has linearised to `sum`.
     pub fn add_residual(
         &mut self,
-        (model, swept): (&Model, &Workspace),
+        (model, swept, derivative): (&Model, &Workspace, &Derivative),
         root: &RootMotion,
         motion: Motion,
         sum: &mut [f64],
     ) {
-        for (damping, sign) in [(&self.changed, 1.0), (&self.own, -1.0)] {
-            let environment = Environment { root, damping, stations: &[] };
-            self.work.take_sweep(swept);
-            dynamics::residual_of_swept(model, &mut self.work, motion, environment, &mut self.scratch);
-            sum.iter_mut().zip(&self.scratch).for_each(|(sum, value)| *sum += sign / self.change * value);
+        let Self { own, changed, change, slopes, sweep, scratch } = self;
+        let of_strains = slopes.iter().any(|slope| slope.stiffness_s != 0.0 || slope.strain_inertia_s2 != 0.0);
+        for (damping, sign) in [(&*changed, 1.0), (&*own, -1.0)] {
+            match sweep {
+                Sweep::Whole(work) => {
+                    let environment = Environment { root, damping, stations: &[] };
+                    work.take_sweep(swept);
+                    dynamics::residual_of_swept(model, work, motion, environment, scratch);
+                }
+                Sweep::Inward(_) if of_strains => elastic_forces(model, swept, motion, damping, scratch),
+                Sweep::Inward(_) => continue,
+            }
+            sum.iter_mut().zip(&*scratch).for_each(|(sum, value)| *sum += sign / *change * value);
         }
+        let Sweep::Inward(inward) = sweep else { return };
+        let damped = |slope: &Damping| slope.mass_1_s != 0.0;
+        if !slopes.iter().any(damped) {
+            return;
+        }
+        let Inward { vectors, wrenches } = inward;
+        wrenches.fill([Vector3::zeros(); 2]);
+        for (body, slope) in model.bodies.iter().zip(&*slopes).filter(|(_, slope)| damped(slope)) {
+            let rates = |node: &Node| rates(node).map(|rate| rate * slope.mass_1_s);
+            let range = body.first_node..=body.last_node();
+            vectors[range.clone()].iter_mut().zip(&swept.nodes[range]).for_each(|(own, node)| *own = rates(node));
+            add_beam((model, body), &swept.nodes, |n| &vectors[n], wrenches);
+            if body.damps_attached {
+                add_attached((model, body), &swept.nodes, rates, wrenches);
+            }
+        }
+        derivative.project(wrenches, sum);
     }
 }
 
