@@ -4,9 +4,10 @@
 //! in place of them therefore has the derivative of the residual as its residual.
 
 use crate::load::RootMotion;
+use crate::math::wide::{Fours, Quad, WithFours, with_fours};
 use crate::multibody::closure::Penalty;
 use crate::multibody::derivative::Derivative;
-use crate::multibody::dynamics::{self, Damping, Environment, beam_force};
+use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::elastic::elastic_forces;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Body, Elastic, Element, NodeMass};
@@ -25,7 +26,7 @@ pub(crate) struct BlockSlopes {
     sweep: Sweep,
 }
 
-/// How forces on the nodes become rows of a residual.
+/// Rows of a residual by forces on the nodes.
 enum Sweep {
     /// By an inward sweep alone.
     Inward(Inward),
@@ -35,8 +36,8 @@ enum Sweep {
 
 /// Workspace of an inward sweep.
 struct Inward {
-    /// Vectors of each node that damped masses multiply.
-    vectors: Vec<[Vector3<f64>; 4]>,
+    /// Vectors of each node that masses of beams multiply.
+    vectors: Vec<[Quad; 4]>,
     /// Wrench on each node.
     wrenches: Vec<[Vector3<f64>; 2]>,
 }
@@ -47,31 +48,87 @@ impl Sweep {
             return Self::Whole(Box::new(Workspace::new(model)));
         }
         let nodes = model.nodes.len();
-        Self::Inward(Inward {
-            vectors: vec![[Vector3::zeros(); 4]; nodes],
-            wrenches: vec![[Vector3::zeros(); 2]; nodes],
-        })
+        Self::Inward(Inward { vectors: vec![[[0.0; 4]; 4]; nodes], wrenches: vec![[Vector3::zeros(); 2]; nodes] })
     }
 }
 
-/// Adds the wrenches on the nodes of a body by the masses of its beam times the nodes' vectors.
-fn add_beam<'a>(
-    (model, body): (&Model, &Body),
-    nodes: &[Node],
-    vectors: impl Fn(usize) -> &'a [Vector3<f64>; 4] + Copy,
-    wrenches: &mut [[Vector3<f64>; 2]],
+impl Inward {
+    /// Adds the wrenches on the nodes of a body by the masses of its beam times vectors of the nodes.
+    fn add_beam(&mut self, (model, body): (&Model, &Body), nodes: &[Node], of: impl Fn(&Node) -> [Vector3<f64>; 4]) {
+        let range = body.first_node..=body.last_node();
+        self.vectors[range.clone()].iter_mut().zip(&nodes[range]).for_each(|(own, node)| *own = padded(&of(node)));
+        let Self { vectors, wrenches } = self;
+        with_fours(BeamForces { mesh: (model, body), nodes, vectors, wrenches });
+    }
+}
+
+/// Adds the wrenches on the nodes of a body by the masses of its beam times the vectors of the nodes.
+struct BeamForces<'a> {
+    mesh: (&'a Model, &'a Body),
+    nodes: &'a [Node],
+    vectors: &'a [[Quad; 4]],
+    wrenches: &'a mut [[Vector3<f64>; 2]],
+}
+
+impl WithFours for BeamForces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Fours>(self, fours: V) {
+        match self.mesh.1.slim_mass {
+            true => self.add::<true, V>(fours),
+            false => self.add::<false, V>(fours),
+        }
+    }
+}
+
+impl BeamForces<'_> {
+    #[inline(always)]
+    fn add<const SLIM: bool, V: Fours>(self, fours: V) {
+        let Self { mesh: (model, body), nodes, vectors, wrenches } = self;
+        let elements = &model.elements[body.first_element..body.first_element + body.elements];
+        for n in body.first_node..=body.last_node() {
+            let i = n - body.first_node;
+            let mut forces = [[0.0; 4]; 4];
+            add_mass::<SLIM, V>(fours, &mut forces, &model.nodes[n].beam.data.0, &vectors[n], false);
+            if i > 0 {
+                add_mass::<SLIM, V>(fours, &mut forces, &elements[i - 1].cross_mass.data.0, &vectors[n - 1], false);
+            }
+            if let Some(element) = elements.get(i) {
+                add_mass::<SLIM, V>(fours, &mut forces, &element.cross_mass.data.0, &vectors[n + 1], true);
+            }
+            let forces = forces.map(|[x, y, z, _]| Vector3::new(x, y, z));
+            add_wrench(&nodes[n], &forces, &mut wrenches[n]);
+        }
+    }
+}
+
+/// Adds the products of a mass block, given by columns, or of its transpose with vectors; `SLIM`: the block couples only `r` and `r_x`.
+#[inline(always)]
+fn add_mass<const SLIM: bool, V: Fours>(
+    fours: V,
+    forces: &mut [Quad; 4],
+    columns: &[[f64; 4]; 4],
+    vectors: &[Quad; 4],
+    transposed: bool,
 ) {
-    let first = body.first_node;
-    for (i, wrench) in wrenches[first..=body.last_node()].iter_mut().enumerate() {
-        let forces = match body.slim_mass {
-            true => beam_force::<true>(model, body, i, |i| vectors(first + i)),
-            false => beam_force::<false>(model, body, i, |i| vectors(first + i)),
-        };
-        add_wrench(&nodes[first + i], &forces, wrench);
+    for i in 0..4 {
+        for j in 0..4 {
+            if !SLIM || i == j || (i < 2 && j < 2) {
+                let mass = if transposed { columns[i][j] } else { columns[j][i] };
+                fours.add(&mut forces[i], mass, &vectors[j]);
+            }
+        }
     }
 }
 
-/// The same by the attached masses.
+/// Vectors filled up with zeros.
+#[inline(always)]
+fn padded(vectors: &[Vector3<f64>; 4]) -> [Quad; 4] {
+    vectors.map(|vector| [vector.x, vector.y, vector.z, 0.0])
+}
+
+/// Adds the wrenches on the nodes of a body by its attached masses times vectors of the nodes.
 fn add_attached(
     (model, body): (&Model, &Body),
     nodes: &[Node],
@@ -85,6 +142,7 @@ fn add_attached(
     }
 }
 
+#[inline(always)]
 fn add_wrench(node: &Node, forces: &[Vector3<f64>; 4], wrench: &mut [Vector3<f64>; 2]) {
     let (force, moment) = wrench_of(&node.rotation, forces);
     wrench[0] += force;
@@ -176,9 +234,9 @@ impl BlockSlopes {
                 if weighs.iter().any(differs) {
                     inward.wrenches.fill([Vector3::zeros(); 2]);
                     for ((body, damping), weighs) in model.bodies.iter().zip(damping).zip(&*weighs) {
-                        let (mesh, nodes, wrenches) = ((&*model, body), &swept.nodes, &mut inward.wrenches);
+                        let (mesh, nodes) = ((&*model, body), &swept.nodes);
                         if weighs.beam {
-                            add_beam(mesh, nodes, |n| &nodes[n].load_rate, wrenches);
+                            inward.add_beam(mesh, nodes, |node| node.load_rate);
                         }
                         if weighs.attached {
                             let alpha_1_s = if body.damps_attached { 0.0 } else { damping.mass_1_s };
@@ -186,7 +244,7 @@ impl BlockSlopes {
                                 let rates = rates(node);
                                 std::array::from_fn(|k| node.load_rate[k] - rates[k] * alpha_1_s)
                             };
-                            add_attached(mesh, nodes, undamped, wrenches);
+                            add_attached(mesh, nodes, undamped, &mut inward.wrenches);
                         }
                     }
                     derivative.project(&mut inward.wrenches, out);
@@ -278,18 +336,15 @@ impl DampingSlope {
         if !slopes.iter().any(damped) {
             return;
         }
-        let Inward { vectors, wrenches } = inward;
-        wrenches.fill([Vector3::zeros(); 2]);
+        inward.wrenches.fill([Vector3::zeros(); 2]);
         for (body, slope) in model.bodies.iter().zip(&*slopes).filter(|(_, slope)| damped(slope)) {
             let rates = |node: &Node| rates(node).map(|rate| rate * slope.mass_1_s);
-            let range = body.first_node..=body.last_node();
-            vectors[range.clone()].iter_mut().zip(&swept.nodes[range]).for_each(|(own, node)| *own = rates(node));
-            add_beam((model, body), &swept.nodes, |n| &vectors[n], wrenches);
+            inward.add_beam((model, body), &swept.nodes, rates);
             if body.damps_attached {
-                add_attached((model, body), &swept.nodes, rates, wrenches);
+                add_attached((model, body), &swept.nodes, rates, &mut inward.wrenches);
             }
         }
-        derivative.project(wrenches, sum);
+        derivative.project(&mut inward.wrenches, sum);
     }
 }
 

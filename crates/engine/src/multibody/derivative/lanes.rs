@@ -5,7 +5,6 @@ use crate::beam::element::ElementKind;
 use crate::math::strain::{STRAINS, STRETCH};
 use crate::math::wide::{Fours, WithFours};
 use crate::multibody::derivative::chain::{Column, Timed};
-use crate::multibody::derivative::exact::Linear;
 use crate::multibody::derivative::link::Link;
 use crate::multibody::derivative::spot::Spot;
 use crate::multibody::dynamics::Damping;
@@ -20,6 +19,16 @@ pub(super) type State<const L: usize> = [Triple<L>; 5];
 
 /// Changes of a node's four vectors.
 type Four<const L: usize> = [Triple<L>; 4];
+
+/// The linearised tree.
+#[derive(Clone, Copy)]
+pub(super) struct Linear<'a> {
+    pub links: &'a [Link],
+    pub spots: &'a [Spot],
+    pub columns: &'a [Column],
+    /// Mass-proportional damping per body in 1/s.
+    pub alphas: &'a [f64],
+}
 
 /// Workspace per node.
 #[derive(Debug, Clone)]
@@ -269,8 +278,8 @@ fn project<V: Fours, const N: usize, const L: usize>(
         }
         add_dot(fours, &mut own, &columns[i].turned, &turn);
         if N == STRAINS {
-            for k in 0..N {
-                fours.add(&mut own, link.slopes[(i, k)], &q[k]);
+            for (k, changes) in q.iter().enumerate() {
+                fours.add(&mut own, link.slopes[(i, k)], changes);
             }
         }
         sum[i] = own;

@@ -25,7 +25,7 @@ mod spot;
 pub use elastic::elastic_products;
 pub use exact::Sweep;
 pub use lanes::Lanes;
-use lanes::Product;
+use lanes::{Linear, Product};
 
 use crate::math::strain::{SHEARED, STRAINS, Strain, strains_at};
 use crate::math::wide::{Fours, WithFours, with_fours};
@@ -35,7 +35,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::Workspace;
 use chain::{Column, Shift, fixed};
-use exact::{Exact, Linear};
+use exact::Exact;
 use inertia::Inertia;
 use link::Link;
 use loads::LoadedSection;

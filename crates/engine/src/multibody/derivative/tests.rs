@@ -338,6 +338,9 @@ fn directions_side_by_side_are_those_alone() {
     assert!(worst[0] < 1e-12 && worst[1] < 1e-9, "{:.1e} {:.1e}", worst[0], worst[1]);
 }
 
+/// Round-off of residuals in their central differences over a step of 1/8, as a share of the residual.
+const ROUND_OFF: f64 = 1e-14;
+
 /// A machine for derivatives by blocks and damping: with loops for seeds below 10, else without; every second has joints with several
 /// degrees of freedom.
 fn without_loads(seed: u64) -> Case {
@@ -350,8 +353,8 @@ fn without_loads(seed: u64) -> Case {
 }
 
 /// The residual with derivatives in place of the blocks is the derivative of the residual, which is linear in all blocks: central
-/// differences over a step of 1/8 are exact, to 1e-12 of the largest entry. Stiffness and masses change, or one of them; the masses of the
-/// first body stay. A mesh with another length has no such derivative.
+/// differences over a step of 1/8 are exact, to 1e-12 of the largest entry and round-off of the residual. Stiffness and masses change, or
+/// one of them; the masses of the first body stay. A mesh with another length has no such derivative.
 #[test]
 fn block_slopes_are_the_slope_of_the_residual() {
     use crate::multibody::block_slopes::BlockSlopes;
@@ -395,18 +398,18 @@ fn block_slopes_are_the_slope_of_the_residual() {
         let mut found = vec![0.0; case.model.coordinates];
         let mut swept = Workspace::new(&case.model);
         residual(&case.model, &mut swept, motion, case.environment(), &mut found);
-        let mut derivative = Derivative::new(&case.model);
-        derivative.prepare(&case.model, &swept, motion, &case.environment());
-        let at = (&swept, &derivative);
+        let at = (&swept, &case.prepared(motion));
         slopes.expect("equal meshes").residual(at, (&case.root, &case.damping), motion, &mut found);
-        let mut known = vec![0.0; case.model.coordinates];
+        let (mut known, mut whole) = (vec![0.0; case.model.coordinates], 0.0f64);
         for (weight, model) in weights.into_iter().zip(&models) {
             let mut one = vec![0.0; case.model.coordinates];
             residual(model, &mut Workspace::new(model), motion, case.environment(), &mut one);
+            whole = whole.max(largest(&one));
             known.iter_mut().zip(&one).for_each(|(sum, one)| *sum += weight * one);
         }
         let miss: Vec<f64> = found.iter().zip(&known).map(|(a, b)| a - b).collect();
-        assert!(largest(&miss) < 1e-12 * largest(&known), "{seed}: {:.1e}", largest(&miss) / largest(&known));
+        let allowed = 1e-12 * largest(&known) + ROUND_OFF * whole;
+        assert!(largest(&miss) < allowed, "{seed}: {:.1e}", largest(&miss) / allowed);
 
         let mut longer = case.model.clone();
         longer.elements[0].length_m *= 1.1;
@@ -415,7 +418,7 @@ fn block_slopes_are_the_slope_of_the_residual() {
 }
 
 /// GR-49: the derivative of the residual with respect to damping, which enters it linearly: central differences over a step of 1/8 are
-/// exact, to 1e-12 of the largest entry.
+/// exact, to 1e-12 of the largest entry and round-off of the residual.
 #[test]
 fn damping_slopes_are_the_slope_of_the_residual() {
     use crate::multibody::block_slopes::DampingSlope;
@@ -438,11 +441,12 @@ fn damping_slopes_are_the_slope_of_the_residual() {
         let weighted = || weights.into_iter().zip(others.iter().map(Vec::as_slice));
         let motion = case.motion.clone();
         let motion = Motion { q: &motion[0], v: &motion[1], a: &motion[2] };
-        let mut known = vec![0.0; case.model.coordinates];
+        let (mut known, mut whole) = (vec![0.0; case.model.coordinates], 0.0f64);
         for (weight, damping) in weighted() {
             let mut one = vec![0.0; case.model.coordinates];
             case.damping = damping.to_vec();
             residual(&case.model, &mut Workspace::new(&case.model), motion, case.environment(), &mut one);
+            whole = whole.max(largest(&one));
             known.iter_mut().zip(&one).for_each(|(sum, one)| *sum += weight * one);
         }
         case.damping = own.clone();
@@ -451,11 +455,10 @@ fn damping_slopes_are_the_slope_of_the_residual() {
         residual(&case.model, &mut swept, motion, case.environment(), &mut found);
         found.fill(0.0);
         let mut slope = DampingSlope::new(&case.model, &own, weighted()).expect("other damping");
-        let mut derivative = Derivative::new(&case.model);
-        derivative.prepare(&case.model, &swept, motion, &case.environment());
-        slope.add_residual((&case.model, &swept, &derivative), &case.root, motion, &mut found);
+        slope.add_residual((&case.model, &swept, &case.prepared(motion)), &case.root, motion, &mut found);
         let miss: Vec<f64> = found.iter().zip(&known).map(|(a, b)| a - b).collect();
-        assert!(largest(&miss) < 1e-12 * largest(&known), "{seed}: {:.1e}", largest(&miss) / largest(&known));
+        let allowed = 1e-12 * largest(&known) + ROUND_OFF * whole;
+        assert!(largest(&miss) < allowed, "{seed}: {:.1e}", largest(&miss) / allowed);
         let same = [(1.0, own.as_slice())].into_iter();
         assert!(DampingSlope::new(&case.model, &own, same).is_none());
     }
