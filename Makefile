@@ -42,7 +42,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-pytest validate-figures validate-clients validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu shear-cost bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-pytest validate-figures validate-clients validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu shear-cost gradient-cost bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -191,6 +191,10 @@ instructions: build ## Count the instructions of typical work beside another bui
 shear-cost: toolchain ## Count the instructions of an element with shear beside one without; needs valgrind
 	$(CARGO) build --release --locked --package foldwing-engine --example shear_cost
 	@$(PYTHON) tools/shear_cost.py --program $(TARGET)/release/examples/shear_cost
+
+gradient-cost: toolchain ## Count the instructions of gradients of the shipped wing's run; needs valgrind
+	$(CARGO) build --release --locked --package foldwing-engine --example gradient_cost
+	@$(PYTHON) tools/gradient_cost.py --program $(TARGET)/release/examples/gradient_cost
 
 linear-cost: build ## Count the instructions of random machines with more and more elements: the cost is linear; needs valgrind
 	FOLDWING_MACHINES=40 FOLDWING_MODELS=$(abspath $(TARGET)/linear-cost) $(CARGO) test --locked --test random -- writes_model_files

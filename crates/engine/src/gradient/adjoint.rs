@@ -235,7 +235,9 @@ impl Gradient<'_> {
             sections.add_on_loads(&self.system.equations, &at.q, w, &mut sums.loads);
         }
         if let Some(gradient) = &mut sums.gradient {
-            let by_neighbours: Vec<f64> = self.residual_slopes(at).iter().map(|slope| dot(slope, w)).collect();
+            self.find_residual_slopes(at);
+            let slopes = self.neighbours.iter().map(Neighbours::slope_of_residual);
+            let by_neighbours: Vec<f64> = slopes.map(|slope| dot(slope, w)).collect();
             add(gradient, -1.0, &self.by_parameters(at.time_s, &by_neighbours));
         }
     }

@@ -11,6 +11,7 @@ use crate::gradient::tape::{Step, Tape};
 use crate::machine::{Effect, StartState};
 use crate::multibody::Model;
 use crate::multibody::block_slopes::{BlockSlopes, DampingSlope};
+use crate::multibody::derivative::Derivative;
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::Body;
@@ -153,7 +154,13 @@ pub(super) struct Neighbours {
     /// Whether forces on joints may differ.
     forces: bool,
     scratch: Vec<f64>,
+    slope: Vec<f64>,
+    /// Address of the step in whose state the machines are.
+    adopted: usize,
 }
+
+/// Value of `adopted` after other uses of the machines.
+const NOT_ADOPTED: usize = 0;
 
 /// Kind of the difference between the residuals of the machines.
 enum Difference {
@@ -294,11 +301,16 @@ impl Neighbours {
         }
         let difference = Difference::of(&mut plants, &own.equations, tape);
         let forces = forces_differ(&mut plants);
-        Ok(Self { plants, rows, start, start_memory, difference, forces, scratch: vec![0.0; coordinates] })
+        let [scratch, slope] = [(); 2].map(|()| vec![0.0; coordinates]);
+        Ok(Self { plants, rows, start, start_memory, difference, forces, scratch, slope, adopted: NOT_ADOPTED })
     }
 
     /// Adopts the states of the joints in a step.
     pub fn adopt(&mut self, step: &Step, inputs: &InputRows) {
+        let address = std::ptr::from_ref(step).addr();
+        if std::mem::replace(&mut self.adopted, address) == address {
+            return;
+        }
         for Perturbed { plant, offset, replay, .. } in &mut self.plants {
             let system = plant.system_mut();
             take(system, step, inputs, *offset);
@@ -311,24 +323,31 @@ impl Neighbours {
 
     /// Keeps the smooth pieces of the forces of another machine, eq. (X34).
     pub fn hold_as(&mut self, own: &Forces) {
+        self.adopted = NOT_ADOPTED;
         self.plants.iter_mut().for_each(|perturbed| perturbed.plant.system_mut().equations.forces.hold_as(own));
     }
 
-    /// Slope of the residual at a point, at which that of `own` is prepared, into `slope`.
-    pub fn residual_slope(&mut self, own: &Equations, at: &Point, slope: &mut [f64]) {
+    /// The slope of the residual at the point of the last [`Self::find_residual_slope`].
+    pub fn slope_of_residual(&self) -> &[f64] {
+        &self.slope
+    }
+
+    /// Computes the slope of the residual at a point, at which that of `own` is linearised.
+    pub fn find_residual_slope(&mut self, (own, derivative): (&Equations, &Derivative), at: &Point) {
+        self.adopted = NOT_ADOPTED;
+        let Self { plants, difference, scratch, slope, .. } = self;
         slope.fill(0.0);
-        if let Difference::Mesh(mesh) = &mut self.difference {
+        if let Difference::Mesh(mesh) = difference {
             let MeshSlopes { blocks, damping } = &mut **mesh;
             let motion = Motion { q: &at.q, v: &at.v, a: &at.a };
             if let Some(blocks) = blocks {
-                blocks.residual(&own.work, (&own.root, &own.damping), motion, slope);
+                blocks.residual((&own.work, derivative), (&own.root, &own.damping), motion, slope);
             }
             if let Some(damping) = damping {
-                damping.add_residual((&own.model, &own.work), &own.root, motion, slope);
+                damping.add_residual((&own.model, &own.work, derivative), &own.root, motion, slope);
             }
             own.clear_held(slope);
         }
-        let Self { plants, difference, scratch, .. } = self;
         for Perturbed { weight, plant, .. } in plants {
             let equations = &mut plant.system_mut().equations;
             match difference {
@@ -347,6 +366,7 @@ impl Neighbours {
 
     /// Adds the slope of the momenta of a jump of the rates to `slope`.
     pub fn momentum_slope(&mut self, jump: &Jump, slope: &mut [f64]) {
+        self.adopted = NOT_ADOPTED;
         match self.difference {
             // the masses are those of the unperturbed model
             Difference::Joints => return,
@@ -365,6 +385,7 @@ impl Neighbours {
         reference: &[Matrix3<f64>],
     ) -> Result<Vec<f64>, GradientError> {
         let mut slopes = Vec::new();
+        self.adopted = NOT_ADOPTED;
         for Perturbed { weight, plant, .. } in &mut self.plants {
             let values = plant.system_mut().air_step_values(before, at, reference)?;
             slopes.resize(values.len(), 0.0);
@@ -375,11 +396,13 @@ impl Neighbours {
 
     /// Slope of a number that each machine gives.
     pub fn slope(&mut self, mut of: impl FnMut(&mut System) -> f64) -> f64 {
+        self.adopted = NOT_ADOPTED;
         self.plants.iter_mut().map(|perturbed| perturbed.weight * of(perturbed.plant.system_mut())).sum()
     }
 
     /// Adds the slopes of numbers that each machine gives to `sum`.
     pub fn add_slopes(&mut self, sum: &mut [f64], mut of: impl FnMut(&mut System, &mut [f64])) {
+        self.adopted = NOT_ADOPTED;
         let mut each = vec![0.0; sum.len()];
         for Perturbed { weight, plant, .. } in &mut self.plants {
             of(plant.system_mut(), &mut each);

@@ -24,7 +24,14 @@ fn stations(equations: &Equations) -> &[Wrench] {
 }
 
 impl Equations {
-    /// Linearises the residual at the point of the last one.
+    /// Motion and wrenches of the nodes and the slopes of the forces on joints at a point, as a residual leaves them, without the torques that
+    /// hold joints. `scratch` has the size of a residual.
+    pub(super) fn place(&mut self, at: &Point, scratch: &mut [f64]) {
+        self.wrenches(at.time_s, Motion { q: &at.q, v: &at.v, a: &at.a }, scratch);
+        self.forces.apply(at.time_s, [&at.q, &at.v], &self.work, scratch, &mut self.tangents);
+    }
+
+    /// Linearises the residual at the point of the last one, or of the last [`Self::place`].
     pub(super) fn linearize(&self, derivative: &mut Derivative, at: &Point) {
         let environment = Environment { root: &self.root, damping: &self.damping, stations: stations(self) };
         derivative.prepare(&self.model, &self.work, Motion { q: &at.q, v: &at.v, a: &at.a }, &environment);
@@ -70,10 +77,12 @@ impl Equations {
     /// The same with the rows of held joints, which are the torques that hold them.
     pub(super) fn rows_along(&self, derivative: &mut Derivative, along: Motion, out: &mut [f64]) {
         out.fill(0.0);
-        derivative.forward(&self.model, along, out);
-        elastic_products(&self.model, &self.damping, along.q, along.v, |row, force, viscous| {
-            out[row] += force + viscous
-        });
+        if !derivative.forward_plain((&self.model, &self.damping), along, out) {
+            derivative.forward(&self.model, along, out);
+            elastic_products(&self.model, &self.damping, along.q, along.v, |row, force, viscous| {
+                out[row] += force + viscous
+            });
+        }
         for joint in self.forces.joints() {
             let (c, tangent) = (joint.coordinate, self.tangents[joint.body]);
             let inertia = self.model.bodies[joint.body].joint.drive_inertia;
@@ -82,7 +91,6 @@ impl Equations {
     }
 
     /// Several products of [`Self::residual_along`] side by side; only if [`Derivative::has_lanes`].
-    #[inline(always)]
     pub(super) fn residual_along_lanes<const L: usize>(
         &self,
         derivative: &Derivative,

@@ -4,7 +4,6 @@ use crate::gradient::factors::{Factors, LANES, Side};
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::variation::{Causes, Variation};
 use crate::gradient::{Entry, Gradient, GradientError, add};
-use crate::math::wide::wide;
 use crate::multibody::kinematics::Motion;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
@@ -30,7 +29,7 @@ impl Gradient<'_> {
 
     /// Linearises the equations at a point.
     pub(super) fn linearize(&mut self, at: &Point) {
-        self.place(at);
+        self.system.equations.place(at, &mut self.scratch);
         self.system.equations.linearize(&mut self.derivative, at);
         if let Some(sections) = &mut self.sections {
             sections.place(&self.system.equations, &at.q);
@@ -101,15 +100,14 @@ impl Gradient<'_> {
     ) -> Result<(), GradientError> {
         let Self { system, derivative, directions, factors, .. } = self;
         let equations = &mut system.equations;
-        let n = left.len();
         let Variation { q, v, a } = variation;
         let others = directions.size(v).max(directions.size(q));
-        let [mut along_q, mut along_v] = [(); 2].map(|()| vec![0.0; n]);
+        let [mut along_q, mut along_v] = [const { Vec::new() }; 2];
         let solution = directions.solve(left, a, others, |direction, image| {
-            for i in 0..n {
-                along_v[i] = gain * direction[i];
-                along_q[i] = gain * along_v[i];
-            }
+            along_v.clear();
+            along_v.extend(direction.iter().map(|change| gain * change));
+            along_q.clear();
+            along_q.extend(along_v.iter().map(|change| gain * change));
             equations.residual_along(derivative, Motion { q: &along_q, v: &along_v, a: direction }, image);
             equations.clear_held(image);
             factors.solve(equations, derivative, image);
@@ -157,28 +155,21 @@ impl Gradient<'_> {
         for (lane, variation) in variations.iter_mut().enumerate() {
             equations.clear_resting(&mut variation.v);
             equations.clear_resting(&mut variation.a);
-            let Variation { q, v, a } = variation;
-            for i in 0..q.len() {
-                let rate = v[i] + gain * a[i];
-                (along_a[i][lane], along_v[i][lane], along_q[i][lane]) = (a[i], rate, q[i] + gain * rate);
+            let rows = along_q.iter_mut().zip(&mut *along_v).zip(&mut *along_a);
+            let changes = variation.q.iter().zip(&variation.v).zip(&variation.a);
+            for (((along_q, along_v), along_a), ((q, v), a)) in rows.zip(changes) {
+                let rate = v + gain * a;
+                (along_a[lane], along_v[lane], along_q[lane]) = (*a, rate, q + gain * rate);
             }
         }
-        wide(
-            pulp::Arch::new(),
-            #[inline(always)]
-            || equations.residual_along_lanes(derivative, product, [&*along_q, &*along_v, &*along_a], left),
-        );
+        equations.residual_along_lanes(derivative, product, [&*along_q, &*along_v, &*along_a], left);
         for (lane, forcing) in forcings.iter().enumerate() {
             let Some(forcing) = forcing else { continue };
             left.iter_mut().zip(*forcing).for_each(|(left, forcing)| left[lane] += forcing);
         }
         left.iter_mut().flatten().for_each(|left| *left = -*left);
         equations.held().for_each(|held| left[held] = [0.0; LANES]);
-        wide(
-            pulp::Arch::new(),
-            #[inline(always)]
-            || derivative.solve_lanes(&equations.model, sweep, left),
-        );
+        derivative.solve_lanes(&equations.model, sweep, left);
     }
 
     /// Solves `(M + gC + g²K)ᵀ w = right` at the linearised point; returns `w`, `Kᵀw` and `Cᵀw`.
@@ -254,18 +245,13 @@ impl Gradient<'_> {
         Some(slope)
     }
 
-    /// Slopes of the residual with respect to the numbers of all perturbed models at a point.
-    pub(super) fn residual_slopes(&mut self, at: &Point) -> Vec<Vec<f64>> {
-        let n = self.system.coordinates();
+    /// Computes the slopes of the residual with respect to the numbers of all perturbed models at a point.
+    pub(super) fn find_residual_slopes(&mut self, at: &Point) {
         self.hold(at);
-        let each = self.neighbours.iter_mut().map(|neighbours| {
-            let mut slope = vec![0.0; n];
-            neighbours.residual_slope(&self.system.equations, at, &mut slope);
-            slope
-        });
-        let slopes = each.collect();
+        let Self { system, neighbours, derivative, .. } = self;
+        let own = (&system.equations, &*derivative);
+        neighbours.iter_mut().for_each(|neighbours| neighbours.find_residual_slope(own, at));
         self.let_go();
-        slopes
     }
 
     /// Slopes of the residual at a linearised point in all directions by `causes`, with the shifts of the point's time; `by_time` is the
@@ -279,11 +265,11 @@ impl Gradient<'_> {
     ) -> Vec<Vec<f64>> {
         let mut forcings = vec![vec![0.0; at.q.len()]; shifts_s.len()];
         if causes.parameters {
-            let slopes = self.residual_slopes(at);
+            self.find_residual_slopes(at);
             for ((forcing, Entry { beside, .. }), share) in
                 forcings.iter_mut().zip(&self.entries).zip(self.shares(at.time_s))
             {
-                add(forcing, share, &slopes[*beside]);
+                add(forcing, share, self.neighbours[*beside].slope_of_residual());
             }
         }
         if let Some(by_time) = by_time {
@@ -344,7 +330,8 @@ impl Gradient<'_> {
             let of_length_only = by_time.map(|by_time| by_time.iter().map(|slope| share * slope).collect::<Vec<f64>>());
             let (mut own, mut variations) = (Vec::with_capacity(taken.len()), Vec::with_capacity(taken.len()));
             for (direction, before) in taken.iter().enumerate() {
-                let mut variation = Variation { a: vec![0.0; n], ..before[0].clone() };
+                let Variation { q, v, .. } = &before[0];
+                let mut variation = Variation { q: q.clone(), v: v.clone(), a: vec![0.0; n] };
                 for (earlier, weight) in self.tableau.predictor(stage) {
                     add(&mut variation.a, weight, &before[earlier].a);
                 }

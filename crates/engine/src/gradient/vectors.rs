@@ -18,15 +18,16 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// The largest magnitude among the products of two lists; NaN does not count.
 pub(super) fn largest_product(a: &[f64], b: &[f64]) -> f64 {
+    let larger = |largest: f64, product: f64| if product > largest { product } else { largest };
+    let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest = a.remainder().iter().zip(b.remainder()).fold(0.0, |rest, (a, b)| larger(rest, (a * b).abs()));
     let mut largest = [0.0f64; LANES];
-    let (a, b) = (a.chunks(LANES), b.chunks(LANES));
     for (a, b) in a.zip(b) {
-        for ((largest, a), b) in largest.iter_mut().zip(a).zip(b) {
-            let product = (a * b).abs();
-            *largest = if product > *largest { product } else { *largest };
+        for lane in 0..LANES {
+            largest[lane] = larger(largest[lane], (a[lane] * b[lane]).abs());
         }
     }
-    largest.into_iter().fold(0.0, f64::max)
+    largest.into_iter().fold(rest, f64::max)
 }
 
 /// `sum += factor · values`.

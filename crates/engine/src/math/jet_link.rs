@@ -35,14 +35,40 @@ pub fn pose<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> JetPose<J> {
     JetPose { arm_m: shared.arm_m(), rotation: shared.rotation() }
 }
 
-/// Columns of the link's Jacobian per length.
-#[inline]
+/// Columns of the link's Jacobian per length. Products that several entries have in common are formed once.
+#[inline(always)]
 pub fn slopes<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> JetSlopes<J> {
-    let (shared, slopes) = Shared::new(length_m, strain);
-    JetSlopes {
-        tangent: [shared.tangent(0), shared.tangent(1), shared.tangent(2)],
-        slope_m: [shared.slope_m(0, &slopes), shared.slope_m(1, &slopes), shared.slope_m(2, &slopes)],
-    }
+    let (Shared { turn, square, stretched_m, b, c }, [b_slope, c_slope]) = Shared::new(length_m, strain);
+    // V = I + b [Θ]× + c (Θ Θᵀ − x I)
+    let (b_turn, c_turn) = (three(|i| b * turn[i]), three(|i| c * turn[i]));
+    let [xy, yz, zx] = [c_turn[0] * turn[1], c_turn[1] * turn[2], c_turn[2] * turn[0]];
+    let diagonal = J::constant(1.0) - c * square;
+    let along = three(|i| diagonal + c_turn[i] * turn[i]);
+    let tangent = [
+        [along[0], xy + b_turn[2], zx - b_turn[1]],
+        [xy - b_turn[2], along[1], yz + b_turn[0]],
+        [zx + b_turn[1], yz - b_turn[0], along[2]],
+    ];
+    // derivatives of b and c: those of b Θ × e_x + c Θ × (Θ × e_x) in the direction of x, times a
+    let once = [b_slope * turn[2], b_slope * turn[1]];
+    let twice = [turn[0] * turn[0] - square, turn[1] * turn[0], turn[2] * turn[0]].map(|twice| c_slope * twice);
+    let spread = [twice[0], twice[1] + once[0], twice[2] - once[1]].map(|entry| stretched_m * entry);
+    let mut slope_m = three(|j| {
+        let double = turn[j].times(2.0);
+        three(|i| double * spread[i])
+    });
+    // derivatives of Θ × e_x and Θ × (Θ × e_x); that of Θ Θ_x − x e_x by Θ_x is (0, Θ_y, Θ_z)
+    let (a_b, [a_x, a_y, a_z]) = (stretched_m * b, c_turn.map(|turn| stretched_m * turn));
+    let [by_x, by_y, by_z] = &mut slope_m;
+    by_x[1] = by_x[1] + a_y;
+    by_x[2] = by_x[2] + a_z;
+    by_y[0] = by_y[0] - a_y.times(2.0);
+    by_y[1] = by_y[1] + a_x;
+    by_y[2] = by_y[2] - a_b;
+    by_z[0] = by_z[0] - a_z.times(2.0);
+    by_z[1] = by_z[1] + a_b;
+    by_z[2] = by_z[2] + a_x;
+    JetSlopes { tangent, slope_m }
 }
 
 /// Columns of the Jacobian per length of a link with shear, of `(εx, κx, κy, κz, γy, γz)`, NOTATION eq. (K11): those of the linear strains are
@@ -84,8 +110,7 @@ impl<J: Jet> Shared<J> {
     fn new(length_m: f64, strain: &[J; STRAINS]) -> (Self, [J; 2]) {
         let turn: Vector<J> = three(|i| strain[TWIST + i].times(length_m));
         let square = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2];
-        let k = Coefficients::at(square.value());
-        let [b3, c3] = k.third(square.value());
+        let (k, [b3, c3]) = Coefficients::with_third(square.value());
         let shared = Self {
             turn,
             square,
@@ -124,36 +149,6 @@ impl<J: Jet> Shared<J> {
     #[inline(always)]
     fn tangent(&self, j: usize) -> Vector<J> {
         self.column(j, self.b, self.c)
-    }
-
-    /// `a ∂u/∂Θ_j`, eq. (K4): first the terms with the derivatives of `b` and `c`, then the derivatives of `Θ × e_x` and `Θ × (Θ × e_x)`.
-    #[inline(always)]
-    fn slope_m(&self, j: usize, [b_slope, c_slope]: &[J; 2]) -> Vector<J> {
-        let turn = &self.turn;
-        let double = turn[j].times(2.0);
-        let (by_b, by_c) = (double * *b_slope, double * *c_slope);
-        // Θ × e_x = (0, Θ_z, −Θ_y)
-        let mut entries = self.twice(0).map(|twice| by_c * twice);
-        entries[1] = entries[1] + by_b * turn[2];
-        entries[2] = entries[2] - by_b * turn[1];
-        match j {
-            0 => {
-                // e_x × e_x vanishes; the derivative of Θ Θ_x − x e_x is (Θ_x − 2 Θ_x + Θ_x, Θ_y, Θ_z) for j = x
-                entries[1] = entries[1] + self.c * turn[1];
-                entries[2] = entries[2] + self.c * turn[2];
-            }
-            1 => {
-                entries[2] = entries[2] - self.b;
-                entries[0] = entries[0] - self.c * double;
-                entries[1] = entries[1] + self.c * turn[0];
-            }
-            _ => {
-                entries[1] = entries[1] + self.b;
-                entries[0] = entries[0] - self.c * double;
-                entries[2] = entries[2] + self.c * turn[0];
-            }
-        }
-        entries.map(|entry| self.stretched_m * entry)
     }
 
     #[inline(always)]

@@ -96,18 +96,44 @@ impl Coefficients {
 }
 
 impl Coefficients {
-    /// Third derivatives of `b` and `c` with respect to `x`, from these coefficients at `x`: by the series, or from the lower derivatives
-    /// where `x b = 1 − cos θ` and `x c = 1 − sin θ/θ` lose no digits.
-    pub(crate) fn third(&self, x: f64) -> [f64; 2] {
+    /// Coefficients at `x = θ²` (rad²), with the third derivatives of `b` and `c`: from series for `f_8` and `f_9` of `f_k = Σ (−x)^j/(2j+k)!`
+    /// by `f_k = 1/k! − x f_{k+2}` and `f_k' = (k f_{k+2} − f_{k+1})/2`, with `f_2 = b` and `f_3 = c`; or from the lower derivatives where
+    /// `x b = 1 − cos θ` and `x c = 1 − sin θ/θ` lose no digits.
+    #[inline(always)]
+    pub(crate) fn with_third(x: f64) -> (Self, [f64; 2]) {
         if x >= CLOSED_FORM_ABOVE {
-            let b3 = (-self.c1 - 0.5 * x * self.c2 - 3.0 * self.b2) / x;
-            return [b3, (self.b2 - 7.0 * self.c2) / (2.0 * x)];
+            let own = Self::by_closed_form(x);
+            let b3 = (-own.c1 - 0.5 * x * own.c2 - 3.0 * own.b2) / x;
+            return (own, [b3, (own.b2 - 7.0 * own.c2) / (2.0 * x)]);
         }
-        SERIES.iter().enumerate().skip(3).rev().fold([0.0, 0.0], |[b, c], (k, terms)| {
-            let falling = (k * (k - 1) * (k - 2)) as f64;
-            [b * x + falling * terms.0, c * x + falling * terms.1]
-        })
+        let [f8, f9] = if x < SHORT_SERIES_BELOW { last::<5>(x) } else { last::<11>(x) };
+        let (f6, f7) = (1.0 / 720.0 - x * f8, 1.0 / 5040.0 - x * f9);
+        let (f4, f5) = (1.0 / 24.0 - x * f6, 1.0 / 120.0 - x * f7);
+        let (b, c) = (0.5 - x * f4, 1.0 / 6.0 - x * f5);
+        let own = Self {
+            b,
+            b1: f4 - 0.5 * c,
+            b2: 0.25 * (f4 - 5.0 * f5 + 8.0 * f6),
+            c,
+            c1: 1.5 * f5 - 0.5 * f4,
+            c2: 0.25 * (f5 - 7.0 * f6 + 15.0 * f7),
+        };
+        let b3 = 0.125 * (48.0 * f8 - 33.0 * f7 + 9.0 * f6 - f5);
+        let c3 = 0.125 * (105.0 * f9 - 57.0 * f8 + 12.0 * f7 - f6);
+        (own, [b3, c3])
     }
+}
+
+/// `f_8` and `f_9` by their series; those of `b` and `c` have the same terms with the other sign, three terms later.
+#[inline(always)]
+fn last<const TERMS: usize>(x: f64) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    let mut k = TERMS + 3;
+    while k > 3 {
+        k -= 1;
+        sums = [sums[0] * x - SERIES[k].0, sums[1] * x - SERIES[k].1];
+    }
+    sums
 }
 
 /// Pose of a link and the effect of its strains on its outer end, all in the world frame.

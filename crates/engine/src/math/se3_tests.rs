@@ -110,3 +110,20 @@ fn curvature_matches_differences() {
         }
     }
 }
+
+/// Third derivatives of the link's coefficients against central differences of the second ones, on both sides of the limits of the series, to
+/// 1e-7 of 1/5040; the coefficients with them against those without.
+#[test]
+fn third_derivatives_of_the_coefficients() {
+    for x in [0.0, 0.01, 0.049, 0.051, 0.5, 2.2, 2.3, 9.0] {
+        let h = 1e-4;
+        let (up, down) = (Coefficients::at(x + h), Coefficients::at(x - h));
+        let (own, [b3, c3]) = Coefficients::with_third(x);
+        let values = |k: &Coefficients| [k.b, k.b1, k.b2, k.c, k.c1, k.c2];
+        for (found, known) in values(&own).into_iter().zip(values(&Coefficients::at(x))) {
+            assert!((found - known).abs() < 1e-15 * 4.0, "{x}: {found:e} {known:e}");
+        }
+        assert!((b3 - (up.b2 - down.b2) / (2.0 * h)).abs() < 1e-10, "{x}");
+        assert!((c3 - (up.c2 - down.c2) / (2.0 * h)).abs() < 1e-10, "{x}");
+    }
+}

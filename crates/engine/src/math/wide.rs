@@ -23,6 +23,9 @@ pub(crate) fn wide<R>(arch: Arch, work: impl FnMut() -> R) -> R {
     arch.dispatch(Work(work))
 }
 
+/// A vector filled up with a zero.
+pub(crate) type Quad = [f64; 4];
+
 /// Vectors of four numbers: those of the processor, where it has them. Compilers do not find them in small matrices by themselves. No operation is
 /// fused, so that results are the same on all processors.
 pub(crate) trait Fours: Copy {

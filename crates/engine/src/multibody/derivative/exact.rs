@@ -12,26 +12,14 @@
 use crate::beam::element::ElementKind;
 use crate::math::strain::{STRAINS, StrainMatrix};
 use crate::math::wide::{Fours, WithFours, with_fours};
-use crate::multibody::derivative::chain::Column;
 use crate::multibody::derivative::coupling::{Coupling, Turning, add_inertia};
 use crate::multibody::derivative::elimination::{Carried, Given, LinkFactor, columns_of, eliminate};
 use crate::multibody::derivative::gains::{Gains, Quad, STATE, TURNS, UNDAMPED, add_undamped, combined};
-use crate::multibody::derivative::lanes::{State, Triple};
-use crate::multibody::derivative::link::Link;
+use crate::multibody::derivative::lanes::{Linear, State, Triple};
 use crate::multibody::derivative::spot::Spot;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::joint::JointKind;
 use crate::multibody::model::{Body, Model};
-
-/// The linearised tree.
-#[derive(Clone, Copy)]
-pub(super) struct Linear<'a> {
-    pub links: &'a [Link],
-    pub spots: &'a [Spot],
-    pub columns: &'a [Column],
-    /// Mass-proportional damping per body in 1/s.
-    pub alphas: &'a [f64],
-}
 
 /// The factors and their workspace.
 #[derive(Debug, Clone)]

@@ -1,6 +1,7 @@
 //! Small matrices of the elimination: changes of wrenches and of forces with the variation of a node.
 
 use crate::math::wide::Fours;
+pub(super) use crate::math::wide::Quad;
 use crate::multibody::derivative::chain::Timed;
 use nalgebra::Vector3;
 
@@ -18,9 +19,6 @@ pub(super) type Padded = [f64; 8];
 
 /// Places of the entries of a wrench.
 pub(super) const PLACES: [usize; 6] = [0, 1, 2, 4, 5, 6];
-
-/// A vector filled up with a zero.
-pub(super) type Quad = [f64; 4];
 
 /// Number of the entries without the first derivative of the displacement.
 pub(super) const UNDAMPED: usize = STATE - ACCELERATION;

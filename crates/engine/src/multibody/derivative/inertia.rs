@@ -45,6 +45,7 @@ impl Inertia {
     }
 
     /// Stores the forces at the point of the last residual.
+    #[inline(always)]
     pub fn prepare(&mut self, model: &Model, nodes: &[Node], environment: &Environment, spots: &mut [Spot]) {
         self.field = Field::of(environment.root);
         for (own, node) in self.loads.iter_mut().zip(nodes) {

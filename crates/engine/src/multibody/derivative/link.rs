@@ -4,7 +4,9 @@ use crate::math::jet::{Jet, Moving, Partial, Vector, dot, three};
 use crate::math::jet_link::{self, JetSlopes};
 use crate::math::se3::Coefficients;
 use crate::math::strain::{STRAINS, STRETCH, StrainMatrix, TWIST};
+use crate::math::wide::{Fours, Quad};
 use crate::multibody::derivative::chain::{Column, STILL, Timed, fixed};
+use crate::multibody::derivative::spot::Spot;
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Base, Body, Element};
@@ -79,58 +81,98 @@ pub(super) fn orders(vector: &Vector<Moving>, factor: f64) -> Timed {
     three(order)
 }
 
+/// A moving vector in the frame of a node, whose axes and their derivatives are given, in the root frame, with factor.
+#[inline(always)]
+fn resolved<V: Fours>(fours: V, [axes, axes1, axes2]: &[[Quad; 3]; 3], vector: &Vector<Moving>, factor: f64) -> Timed {
+    let mut sums = [[0.0; 4]; 3];
+    for k in 0..3 {
+        let [c, c1, c2] = vector[k].0.map(|order| order * factor);
+        fours.add(&mut sums[0], c, &axes[k]);
+        fours.add(&mut sums[1], c1, &axes[k]);
+        fours.add(&mut sums[1], c, &axes1[k]);
+        fours.add(&mut sums[2], c2, &axes[k]);
+        fours.add(&mut sums[2], 2.0 * c1, &axes1[k]);
+        fours.add(&mut sums[2], c, &axes2[k]);
+    }
+    three(|order| Vector3::new(sums[order][0], sums[order][1], sums[order][2]))
+}
+
 /// Columns of an element, resolved on its inner node.
-pub(super) fn columns(element: &Element, motion: Motion, node: &Node, second: &Matrix3<f64>) -> [Column; STRAINS] {
+#[inline(always)]
+pub(super) fn columns<V: Fours>(fours: V, element: &Element, motion: Motion, node: &Spot) -> [Column; STRAINS] {
     let strain = |i: usize| {
         let c = element.coordinate + i;
         Moving([motion.q[c], motion.v[c], motion.a[c]])
     };
     let strains: [Moving; STRAINS] = std::array::from_fn(strain);
     let JetSlopes { tangent, slope_m } = jet_link::slopes(element.length_m, &strains);
+    let mut axes = [[[0.0; 4]; 3]; 3];
+    for (k, axis) in node.axes.iter().enumerate() {
+        for (order, vector) in axis.iter().enumerate() {
+            axes[order][k][..3].copy_from_slice(vector.as_slice());
+        }
+    }
     let mut columns = [Column::ZERO; STRAINS];
-    columns[STRETCH].linear = turned(node, second, orders(&tangent[0], element.length_m));
+    columns[STRETCH].linear = resolved(fours, &axes, &tangent[0], element.length_m);
     for (j, column) in columns[TWIST..].iter_mut().enumerate() {
-        column.linear = turned(node, second, orders(&slope_m[j], element.length_m));
-        column.angular = turned(node, second, orders(&tangent[j], element.length_m));
+        column.linear = resolved(fours, &axes, &slope_m[j], element.length_m);
+        column.angular = resolved(fours, &axes, &tangent[j], element.length_m);
     }
     columns
 }
 
 /// Derivatives of the forces on the strains (rows) with respect to the strains, for a constant wrench at the outer end, given in the frame
-/// of the inner node: those of eqs. (K2)–(K4) after their scalar products with the wrench, which leave few products of jets.
+/// of the inner node: second derivatives of `F·(b Θ × e_x + c Θ × (Θ × e_x))` times `a`, eqs. (K2) and (K4), and first ones of `Vᵀ M`, eq.
+/// (K3).
+#[inline(always)]
 pub(super) fn slopes(element: &Element, q: &[f64], force: &Vector3<f64>, moment: &Vector3<f64>) -> StrainMatrix {
-    type Number = Partial<STRAINS>;
     let length_m = element.length_m;
-    let strain = |i: usize| Number::along(q[element.coordinate + i], i);
     // Θ and a
-    let turn: Vector<Number> = three(|i| strain(TWIST + i).times(length_m));
-    let stretched_m = Number::constant(length_m) + strain(STRETCH).times(length_m);
-    let along = |vector: &Vector3<f64>| turn[0].times(vector.x) + turn[1].times(vector.y) + turn[2].times(vector.z);
+    let turn: [f64; 3] = three(|i| q[element.coordinate + TWIST + i] * length_m);
+    let stretched_m = length_m + q[element.coordinate + STRETCH] * length_m;
+    let along = |vector: &Vector3<f64>| turn[0] * vector.x + turn[1] * vector.y + turn[2] * vector.z;
     let square = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2];
-    let k = Coefficients::at(square.value());
-    let [b3, c3] = k.third(square.value());
-    let (b, c) = (square.composed([k.b, k.b1, k.b2]), square.composed([k.c, k.c1, k.c2]));
-    let (b_slope, c_slope) = (square.composed([k.b1, k.b2, b3]), square.composed([k.c1, k.c2, c3]));
-    // (Θ × e_x)·F and (Θ × (Θ × e_x))·F
-    let along_force = along(force);
-    let once = turn[2].times(force.y) - turn[1].times(force.z);
-    let twice = turn[0] * along_force - square.times(force.x);
-    let both = (b_slope * once + c_slope * twice).times(2.0);
-    let along_moment = along(moment);
-    let row = |j: usize| {
-        let (next, last) = ((j + 1) % 3, (j + 2) % 3);
-        let mut by_c = turn[0].times(force[j]) - turn[j].times(2.0 * force.x);
-        if j == 0 {
-            by_c = by_c + along_force;
+    let (k, _) = Coefficients::with_third(square);
+    // (Θ × e_x)·F and (Θ × (Θ × e_x))·F with their derivatives by Θ
+    let (along_force, along_moment) = (along(force), along(moment));
+    let (once, by_once) = (turn[2] * force.y - turn[1] * force.z, [0.0, -force.z, force.y]);
+    let twice = turn[0] * along_force - square * force.x;
+    let mut by_twice: [f64; 3] = three(|j| turn[0] * force[j] - 2.0 * turn[j] * force.x);
+    by_twice[0] += along_force;
+    let [first, second] = [k.b1 * once + k.c1 * twice, k.b2 * once + k.c2 * twice];
+    let mixed: [f64; 3] = three(|j| k.b1 * by_once[j] + k.c1 * by_twice[j]);
+    // (M × Θ)_j and Θ_j Θ·M − x M_j
+    let turned = moment.cross(&Vector3::from(turn));
+    let across: [f64; 3] = three(|j| turn[j] * along_moment - square * moment[j]);
+    let by_square: [f64; 3] = three(|j| 2.0 * (k.b1 * turned[j] + k.c1 * across[j]));
+    let area = length_m * length_m;
+    let mut slopes = StrainMatrix::zeros();
+    for j in 0..3 {
+        let own = 2.0 * turn[j] * first + k.b * by_once[j] + k.c * by_twice[j];
+        slopes[(STRETCH, TWIST + j)] = area * own;
+        slopes[(TWIST + j, STRETCH)] = area * own;
+        for i in 0..3 {
+            let mut by = 4.0 * turn[j] * turn[i] * second + 2.0 * (turn[j] * mixed[i] + turn[i] * mixed[j]);
+            if i == 0 {
+                by += k.c * force[j];
+            }
+            if j == 0 {
+                by += k.c * force[i];
+            }
+            let mut by_moment = turn[i] * by_square[j] + k.c * (turn[j] * moment[i] - 2.0 * turn[i] * moment[j]);
+            if i == j {
+                by += 2.0 * (first - k.c * force.x);
+                by_moment += k.c * along_moment;
+            }
+            slopes[(TWIST + j, TWIST + i)] = area * (stretched_m * by + by_moment);
         }
-        let by_b = b.times([0.0, -force.z, force.y][j]);
-        let displacing = stretched_m * (turn[j] * both + c * by_c + by_b);
-        let turned = turn[last].times(moment[next]) - turn[next].times(moment[last]);
-        displacing + b * turned + c * (turn[j] * along_moment - square.times(moment[j]))
-    };
-    let first = b * once + c * twice;
-    let rows: [Number; STRAINS] = [first, row(0), row(1), row(2)];
-    StrainMatrix::from_fn(|i, j| length_m * rows[i].by[j])
+    }
+    // derivative of M × Θ
+    for (j, [next, last]) in [[1, 2], [2, 0], [0, 1]].into_iter().enumerate() {
+        slopes[(TWIST + j, TWIST + last)] += area * k.b * moment[next];
+        slopes[(TWIST + j, TWIST + next)] -= area * k.b * moment[last];
+    }
+    slopes
 }
 
 /// Forces on the strains of a link due to a wrench at its outer end, in the frame of its inner end.

@@ -25,15 +25,17 @@ mod spot;
 pub use elastic::elastic_products;
 pub use exact::Sweep;
 pub use lanes::Lanes;
+use lanes::{Linear, Product};
 
 use crate::math::strain::{SHEARED, STRAINS, Strain, strains_at};
+use crate::math::wide::{Fours, WithFours, with_fours};
 use crate::multibody::dynamics::{Damping, Environment};
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::Workspace;
 use chain::{Column, Shift, fixed};
-use exact::{Exact, Linear};
+use exact::Exact;
 use inertia::Inertia;
 use link::Link;
 use loads::LoadedSection;
@@ -63,9 +65,12 @@ pub struct Derivative {
     spatial: Vec<SpatialBlock>,
     /// Per node: the one among them whose body starts there, counted from 1; 0 for none.
     spatial_at: Vec<usize>,
+    /// Whether the model has only parts that [`Self::factorize`] and [`Self::forward_lanes`] cover.
+    is_plain: bool,
     // workspace for the products, per node
     shifts: Vec<Shift>,
     wrenches: Vec<[Vector3<f64>; 2]>,
+    single: Lanes<1>,
 }
 
 impl Derivative {
@@ -107,29 +112,15 @@ impl Derivative {
             exact: Exact::new(model),
             shifts: vec![Shift::ZERO; nodes],
             wrenches: vec![[Vector3::zeros(); 2]; nodes],
+            is_plain: exact::covers(model),
+            single: Lanes::new(model),
         }
     }
 
     /// Linearises the recursion at the point of the last [`residual`](crate::multibody::dynamics::residual), whose motions and wrenches are
     /// in `work`; allocates nothing. Sliding joints and modal bodies are not supported.
     pub fn prepare(&mut self, model: &Model, work: &Workspace, motion: Motion, environment: &Environment) {
-        for (alpha, damping) in self.alphas.iter_mut().zip(environment.damping) {
-            *alpha = damping.mass_1_s;
-        }
-        for (body, alpha) in model.bodies.iter().zip(&self.alphas) {
-            for n in body.first_node..=body.last_node() {
-                self.spots[n] = Spot::of(&work.nodes[n], *alpha);
-            }
-        }
-        self.inertia.prepare(model, &work.nodes, environment, &mut self.spots);
-        for (index, body) in model.bodies.iter().enumerate() {
-            if let Some(column) = self.joint_column(work, index, body) {
-                self.columns[body.joint.coordinate] = column;
-            }
-            for n in body.first_node..=body.last_node() {
-                self.prepare_link(model, work, motion, n);
-            }
-        }
+        with_fours(Preparation { derivative: self, model, work, motion, environment });
         self.spatial.iter_mut().for_each(|block| block.prepare(work, motion));
         self.sheared.iter_mut().for_each(|element| element.prepare(model, work, motion, &self.spots));
         self.loads.clear();
@@ -178,7 +169,8 @@ impl Derivative {
     }
 
     /// Arm, columns and forces of the link to a node.
-    fn prepare_link(&mut self, model: &Model, work: &Workspace, motion: Motion, n: usize) {
+    #[inline(always)]
+    fn prepare_link<V: Fours>(&mut self, fours: V, model: &Model, work: &Workspace, motion: Motion, n: usize) {
         let (link, node) = (&mut self.links[n], &work.nodes[n]);
         link.force = node.force;
         if let Some(carrier) = link.carrier {
@@ -194,7 +186,7 @@ impl Derivative {
                 self.columns[element.range()].copy_from_slice(&own);
             } else if let Some(index) = link.element {
                 let element = &model.elements[index];
-                let own = link::columns(element, motion, inner, &self.spots[carrier].second);
+                let own = link::columns(fours, element, motion, &self.spots[carrier]);
                 self.columns[element.range()].copy_from_slice(&own);
                 let local = |vector: &Vector3<f64>| inner.rotation.tr_mul(vector);
                 link.slopes = link::slopes(element, motion.q, &local(&node.force), &local(&node.moment));
@@ -202,6 +194,23 @@ impl Derivative {
         }
         for column in &mut self.columns[link.first..link.first + link.count] {
             column.set_turned(&node.force, &node.moment);
+        }
+    }
+
+    /// Adds the projection of wrenches on the nodes on the rows, eq. (D9). The wrenches on outboard parts are added to those on their carriers.
+    pub(crate) fn project(&self, wrenches: &mut [[Vector3<f64>; 2]], rows: &mut [f64]) {
+        for (n, link) in self.links.iter().enumerate().rev() {
+            let [force, moment] = wrenches[n];
+            for (row, column) in rows[link.range()].iter_mut().zip(&self.columns[link.range()]) {
+                *row += column.project(&force, &moment);
+            }
+            if self.spatial_at[n] > 0 {
+                self.spatial[self.spatial_at[n] - 1].project(&wrenches[n], rows);
+            }
+            if let Some(carrier) = link.carrier {
+                wrenches[carrier][0] += force;
+                wrenches[carrier][1] += moment + link.arm[0].cross(&force);
+            }
         }
     }
 
@@ -317,6 +326,42 @@ impl Derivative {
     }
 }
 
+/// The arguments of [`Derivative::prepare`].
+struct Preparation<'a> {
+    derivative: &'a mut Derivative,
+    model: &'a Model,
+    work: &'a Workspace,
+    motion: Motion<'a>,
+    environment: &'a Environment<'a>,
+}
+
+impl WithFours for Preparation<'_> {
+    type Output = ();
+
+    /// Nodes, links and joints with one degree of freedom.
+    #[inline(always)]
+    fn run<V: Fours>(self, fours: V) {
+        let Self { derivative, model, work, motion, environment } = self;
+        for (alpha, damping) in derivative.alphas.iter_mut().zip(environment.damping) {
+            *alpha = damping.mass_1_s;
+        }
+        for (body, alpha) in model.bodies.iter().zip(&derivative.alphas) {
+            for n in body.first_node..=body.last_node() {
+                derivative.spots[n] = Spot::of(&work.nodes[n], *alpha);
+            }
+        }
+        derivative.inertia.prepare(model, &work.nodes, environment, &mut derivative.spots);
+        for (index, body) in model.bodies.iter().enumerate() {
+            if let Some(column) = derivative.joint_column(work, index, body) {
+                derivative.columns[body.joint.coordinate] = column;
+            }
+            for n in body.first_node..=body.last_node() {
+                derivative.prepare_link(fours, model, work, motion, n);
+            }
+        }
+    }
+}
+
 /// Linear systems with `M + g C + g² K` of the tree, eqs. (X30)–(X33).
 impl Derivative {
     /// Whether [`Self::factorize`] covers a model: not with closed loops, joints with several degrees of freedom, sliding joints, modal
@@ -347,7 +392,6 @@ impl Derivative {
     }
 
     /// The same for `L` right-hand sides.
-    #[inline(always)]
     pub fn solve_lanes<const L: usize>(&self, model: &Model, sweep: &mut Sweep<L>, x: &mut [[f64; L]]) {
         self.exact.solve_lanes(&self.links, model, sweep, x);
     }
@@ -362,9 +406,20 @@ impl Derivative {
         self.loads.is_empty() && self.loops.is_empty() && !self.inertia.rotates()
     }
 
+    /// [`Self::forward_lanes`] along one direction; `false`, without a result, for machines and points that are not covered.
+    pub(crate) fn forward_plain(&mut self, mesh: (&Model, &[Damping]), along: Motion, sum: &mut [f64]) -> bool {
+        let covers = self.is_plain && self.has_lanes();
+        if covers {
+            let Self { links, spots, columns, alphas, single, .. } = self;
+            let along = [along.q, along.v, along.a].map(|rows| rows.as_chunks::<1>().0);
+            let linear = Linear { links, spots, columns, alphas };
+            with_fours(Product { linear, mesh, work: single, along, sum: sum.as_chunks_mut::<1>().0 });
+        }
+        covers
+    }
+
     /// `K δq + C δv + M δa` of the tree with the elastic and damping forces of the strains, without those of joints, along `L` directions,
     /// into `sum`.
-    #[inline(always)]
     pub fn forward_lanes<const L: usize>(
         &self,
         mesh: (&Model, &[Damping]),
@@ -373,7 +428,7 @@ impl Derivative {
         sum: &mut [[f64; L]],
     ) {
         let Self { links, spots, columns, alphas, .. } = self;
-        lanes::forward((links, spots, columns, alphas), mesh, work, along, sum);
+        with_fours(Product { linear: Linear { links, spots, columns, alphas }, mesh, work, along, sum });
     }
 }
 

@@ -190,6 +190,18 @@ impl SpatialBlock {
         }
     }
 
+    /// Adds the projection of a wrench on the body's first node on the rows.
+    pub fn project(&self, [force, moment]: &[Vector3<f64>; 2], rows: &mut [f64]) {
+        if self.joint.kind.floats() {
+            let own = &mut rows[self.joint.coordinate..][..6];
+            own.iter_mut().zip(force.iter().chain(moment.iter())).for_each(|(row, entry)| *row += entry);
+            return;
+        }
+        for (k, row) in self.torques().enumerate() {
+            rows[row] += self.axes.column(k).dot(moment);
+        }
+    }
+
     /// Displacement and rotation of the body's first node of multipliers of the rows, and the multiplier of the parent's rotation; adds
     /// those of the parameters. The transpose of [`Self::add_rows`].
     pub fn pull_rows(&self, w: &[f64], sums: [&mut [f64]; 3]) -> [Vector3<f64>; 3] {

@@ -72,6 +72,7 @@ impl Spot {
     };
 
     /// At a node, with the mass-proportional damping of its body.
+    #[inline(always)]
     pub fn of(node: &Node, alpha: f64) -> Self {
         let second = second(node);
         let axis = |k: usize| fixed(node, &second, node.rotation.column(k).into_owned());

@@ -338,29 +338,46 @@ fn directions_side_by_side_are_those_alone() {
     assert!(worst[0] < 1e-12 && worst[1] < 1e-9, "{:.1e} {:.1e}", worst[0], worst[1]);
 }
 
+/// Round-off of residuals in their central differences over a step of 1/8, as a share of the residual.
+const ROUND_OFF: f64 = 1e-14;
+
+/// A machine for derivatives by blocks and damping: with loops for seeds below 10, else without; every second has joints with several
+/// degrees of freedom.
+fn without_loads(seed: u64) -> Case {
+    let mut case = Case::with(seed, if seed % 2 == 1 { Extra::Spatial } else { Extra::None });
+    case.loads.clear();
+    if seed >= 10 {
+        case.model.closures.clear();
+    }
+    case
+}
+
 /// The residual with derivatives in place of the blocks is the derivative of the residual, which is linear in all blocks: central
-/// differences over a step of 1/8 are exact, to 1e-12 of the largest entry. A mesh with another length has no such derivative.
+/// differences over a step of 1/8 are exact, to 1e-12 of the largest entry and round-off of the residual. Stiffness and masses change, or
+/// one of them; the masses of the first body stay. A mesh with another length has no such derivative.
 #[test]
 fn block_slopes_are_the_slope_of_the_residual() {
     use crate::multibody::block_slopes::BlockSlopes;
-    for seed in 0..10 {
-        let mut case = Case::new(seed);
-        case.loads.clear();
+    for seed in 0..34 {
+        let mut case = without_loads(seed);
+        let [stiffens, weighs] = [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]][(seed % 3) as usize];
         for body in &mut case.model.bodies {
             body.joint.drive_inertia = 0.2;
         }
         let changed = |share: f64| {
             let mut model = case.model.clone();
             for (i, element) in model.elements.iter_mut().enumerate() {
-                let by = 1.0 + share * (1.0 + i as f64);
+                let by = 1.0 + stiffens * share * (1.0 + i as f64);
                 element.elastic.stiffness *= by;
                 element.elastic.coupling *= by;
-                element.cross_mass *= 1.0 + 2.0 * share;
+                if i >= model.bodies[1].first_element {
+                    element.cross_mass *= 1.0 + 2.0 * weighs * share;
+                }
             }
-            for node in &mut model.nodes {
-                node.beam *= 1.0 + 2.0 * share;
+            for node in &mut model.nodes[model.bodies[1].first_node..] {
+                node.beam *= 1.0 + 2.0 * weighs * share;
                 if let Some(attached) = &mut node.attached {
-                    *attached *= 1.0 - share;
+                    *attached *= 1.0 - weighs * share;
                 }
             }
             for body in &mut model.bodies {
@@ -381,15 +398,18 @@ fn block_slopes_are_the_slope_of_the_residual() {
         let mut found = vec![0.0; case.model.coordinates];
         let mut swept = Workspace::new(&case.model);
         residual(&case.model, &mut swept, motion, case.environment(), &mut found);
-        slopes.expect("equal meshes").residual(&swept, (&case.root, &case.damping), motion, &mut found);
-        let mut known = vec![0.0; case.model.coordinates];
+        let at = (&swept, &case.prepared(motion));
+        slopes.expect("equal meshes").residual(at, (&case.root, &case.damping), motion, &mut found);
+        let (mut known, mut whole) = (vec![0.0; case.model.coordinates], 0.0f64);
         for (weight, model) in weights.into_iter().zip(&models) {
             let mut one = vec![0.0; case.model.coordinates];
             residual(model, &mut Workspace::new(model), motion, case.environment(), &mut one);
+            whole = whole.max(largest(&one));
             known.iter_mut().zip(&one).for_each(|(sum, one)| *sum += weight * one);
         }
         let miss: Vec<f64> = found.iter().zip(&known).map(|(a, b)| a - b).collect();
-        assert!(largest(&miss) < 1e-12 * largest(&known), "{seed}: {:.1e}", largest(&miss) / largest(&known));
+        let allowed = 1e-12 * largest(&known) + ROUND_OFF * whole;
+        assert!(largest(&miss) < allowed, "{seed}: {:.1e}", largest(&miss) / allowed);
 
         let mut longer = case.model.clone();
         longer.elements[0].length_m *= 1.1;
@@ -398,19 +418,20 @@ fn block_slopes_are_the_slope_of_the_residual() {
 }
 
 /// GR-49: the derivative of the residual with respect to damping, which enters it linearly: central differences over a step of 1/8 are
-/// exact, to 1e-12 of the largest entry.
+/// exact, to 1e-12 of the largest entry and round-off of the residual.
 #[test]
 fn damping_slopes_are_the_slope_of_the_residual() {
     use crate::multibody::block_slopes::DampingSlope;
-    for seed in 0..10 {
-        let mut case = Case::new(seed);
-        case.loads.clear();
+    for seed in 0..34 {
+        let mut case = without_loads(seed);
         let own = case.damping.clone();
+        // damping by masses and by stiffness, or one of them
+        let [by_mass, by_stiffness] = [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]][(seed % 3) as usize];
         let changed = |share: f64| {
             let by = |(i, own): (usize, &Damping)| Damping {
-                mass_1_s: own.mass_1_s + share * (1.0 + i as f64),
-                stiffness_s: own.stiffness_s - 0.01 * share,
-                strain_inertia_s2: own.strain_inertia_s2 + 1e-5 * share,
+                mass_1_s: own.mass_1_s + by_mass * share * i as f64,
+                stiffness_s: own.stiffness_s - 0.01 * by_stiffness * share,
+                strain_inertia_s2: own.strain_inertia_s2 + 1e-5 * by_stiffness * share,
             };
             own.iter().enumerate().map(by).collect::<Vec<Damping>>()
         };
@@ -420,11 +441,12 @@ fn damping_slopes_are_the_slope_of_the_residual() {
         let weighted = || weights.into_iter().zip(others.iter().map(Vec::as_slice));
         let motion = case.motion.clone();
         let motion = Motion { q: &motion[0], v: &motion[1], a: &motion[2] };
-        let mut known = vec![0.0; case.model.coordinates];
+        let (mut known, mut whole) = (vec![0.0; case.model.coordinates], 0.0f64);
         for (weight, damping) in weighted() {
             let mut one = vec![0.0; case.model.coordinates];
             case.damping = damping.to_vec();
             residual(&case.model, &mut Workspace::new(&case.model), motion, case.environment(), &mut one);
+            whole = whole.max(largest(&one));
             known.iter_mut().zip(&one).for_each(|(sum, one)| *sum += weight * one);
         }
         case.damping = own.clone();
@@ -433,9 +455,10 @@ fn damping_slopes_are_the_slope_of_the_residual() {
         residual(&case.model, &mut swept, motion, case.environment(), &mut found);
         found.fill(0.0);
         let mut slope = DampingSlope::new(&case.model, &own, weighted()).expect("other damping");
-        slope.add_residual((&case.model, &swept), &case.root, motion, &mut found);
+        slope.add_residual((&case.model, &swept, &case.prepared(motion)), &case.root, motion, &mut found);
         let miss: Vec<f64> = found.iter().zip(&known).map(|(a, b)| a - b).collect();
-        assert!(largest(&miss) < 1e-12 * largest(&known), "{seed}: {:.1e}", largest(&miss) / largest(&known));
+        let allowed = 1e-12 * largest(&known) + ROUND_OFF * whole;
+        assert!(largest(&miss) < allowed, "{seed}: {:.1e}", largest(&miss) / allowed);
         let same = [(1.0, own.as_slice())].into_iter();
         assert!(DampingSlope::new(&case.model, &own, same).is_none());
     }
@@ -463,19 +486,5 @@ fn static_limit_is_the_exact_tangent() {
         let miss: Vec<f64> = case.forward(&direction).iter().zip(&known).map(|(a, b)| a - b).collect();
         let miss = largest(&miss) / largest(&known);
         assert!(miss < 1e-12, "{seed}: {miss:.1e}");
-    }
-}
-
-/// The third derivatives of the link's coefficients are the derivatives of the second ones, on both sides of the limit between series and
-/// closed form: central differences to 1e-7 of 1/5040.
-#[test]
-fn third_derivatives_of_the_coefficients() {
-    use crate::math::se3::Coefficients;
-    for x in [0.0, 0.01, 0.5, 2.2, 2.3, 9.0] {
-        let h = 1e-4;
-        let (up, down) = (Coefficients::at(x + h), Coefficients::at(x - h));
-        let [b3, c3] = Coefficients::at(x).third(x);
-        assert!((b3 - (up.b2 - down.b2) / (2.0 * h)).abs() < 1e-10, "{x}");
-        assert!((c3 - (up.c2 - down.c2) / (2.0 * h)).abs() < 1e-10, "{x}");
     }
 }
