@@ -1,4 +1,4 @@
-//! Forces on the degrees of freedom of joints: motors, springs, latches, locks, prescribed motions, NOTATION eqs. (A1)–(A11). A force may
+//! Forces on the degrees of freedom of joints: motors, springs, latches, locks, prescribed motions, NOTATION eqs. (A1)–(A14). A force may
 //! have indicators whose crossing is an event, transitions that dissipate energy, and kinks at known times.
 //!
 //! A force consists of one file and its arms in [`Force`]. The time integration does not depend on the types: it evaluates signed

@@ -319,10 +319,7 @@ fn torque_outputs(add: &mut JointRows) {
     let (topology, joint, now) = (add.topology, add.joint, OutputSet::JOINTS);
     let (command, torque) = (Cause::Command(joint), Cause::Torque(joint));
     let (motor_start, spring_start) = (Cause::MotorStart(joint), Cause::SpringStart(joint));
-    let applied = match topology.revolute(joint).dc_motor {
-        None => "sum of motor, spring and external torque on the outer body about the hinge axis",
-        Some(_) => "sum of motor, spring, external and DC motor torque on the outer body about the hinge axis",
-    };
+    let applied = "sum of motor, spring and external torque on the outer body about the hinge axis";
     let depends = Depends::new([command, torque], [motor_start, spring_start, torque]);
     add.real("total_torque", (offset_of!(JointOutputs, torque_applied_n_m), now), "Moment", depends, applied);
     let neutral = "neutral angle of the motor after the rate limit";
