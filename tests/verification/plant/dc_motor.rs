@@ -2,7 +2,7 @@
 
 use crate::agreement::agree;
 use crate::linear_rows::compare::{Rows, linear_rows_agree};
-use crate::plant::machines::{balance_j, start};
+use crate::plant::machines::{balance_j, hinge_of, start};
 use foldwing::machine::{Machine, Method};
 use foldwing::plant::{Holding, Hybrid, Plant, Snapshot};
 use nalgebra::{Matrix5, Vector5};
@@ -25,6 +25,11 @@ fn rotor(hinge: &str, dc_motor: &str, tail: &str) -> String {
          torque_constant_N_m_A = {constant}\n{dc_motor}\n{tail}"
     )
 }
+
+/// A second body on the rotor, on a tilted hinge with a motor.
+const SECOND: &str = "[rigid_body.other]\nmass_kg = 1.0\ncentre_of_mass_m = [0.1, 0.0, 0.05]\ninertia_kg_m2 = [0.1, 0.12, 0.1, 0.0, 0.0, 0.0]\n\
+     [joint.second]\ntype = 'revolute'\nparent = 'rotor'\nchild = 'other'\naxis = [0.0, 1.0, 0.5]\n[joint.second.dc_motor]\n\
+     resistance_ohm = 1.0\ninductance_H = 0.01\ntorque_constant_N_m_A = 0.3\nvoltage_V = 2.0\n";
 
 /// Angle, rate, current, voltage and rate of the voltage of [`rotor`] after a time: the exponential of the matrix of the linear equations.
 fn solution(time_s: f64, start: [f64; 5]) -> Vector5<f64> {
@@ -113,10 +118,11 @@ fn dc02_methods_have_their_orders_in_the_current() {
 fn dc03_a_linear_motor_reaches_its_no_load_velocity() {
     let text = "name = 'slider'\ngravity_m_s2 = [0.0, 0.0, 0.0]\n[rigid_body.slider]\nmass_kg = 2.0\n[joint.rail]\ntype = 'prismatic'\n\
                 parent = 'root'\nchild = 'slider'\naxis = [1.0, 0.0, 0.0]\n[joint.rail.dc_motor]\nresistance_ohm = 4.0\n\
-                inductance_H = 0.002\nforce_constant_N_A = 30.0\nvoltage_V = 24.0\n";
+                inductance_H = 0.002\nforce_constant_N_A = 30.0\nvoltage_V = 24.0\n[solver]\ntolerance = 1e-9\n";
     let mut plant = start(machine(text));
     plant.step(1e-6).expect("a step");
     let first = plant.outputs().dc_motors()[0].current_a;
+    // within 2e-3, R t/L, of which half is the decrease of the slope
     assert!((first - 24.0 / 0.002 * 1e-6).abs() < 2e-3 * first, "{first} A after 1 us");
     // the mechanical time constant is m R/K² = 8.9 ms
     plant.step(0.4).expect("a step");
@@ -254,7 +260,7 @@ fn dc08_linear_models_have_the_current_as_a_state() {
     ];
     assert!((a.trace() / sum - 1.0).abs() < 1e-12, "{a}");
     let minor = a[(1, 1)] * a[(2, 2)] - a[(1, 2)] * a[(2, 1)];
-    assert!((minor / product - 1.0).abs() < 1e-12 && a.determinant().abs() < 1e-12 * product, "{a}");
+    assert!((minor / product - 1.0).abs() < 1e-12 && a.determinant().abs() < 1e-10 * product, "{a}");
 
     let wing = "[aerodynamics]\nmodel = 'strip'\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -9.0, 0.5]\nstep_s = 2e-3\n[surface.arm]\n\
                 body = 'arm'\nstrips = 4\n";
@@ -262,9 +268,7 @@ fn dc08_linear_models_have_the_current_as_a_state() {
         ("rotor", rotor("start_rate_deg_s = 50.0", "voltage_V = 12.0\nstart_current_A = 2.0", "")),
         ("locked rotor beside a free one", {
             let own = rotor("release = false", "voltage_V = 12.0", "");
-            own + "[rigid_body.other]\nmass_kg = 1.0\ninertia_kg_m2 = [0.1, 0.1, 0.1, 0.0, 0.0, 0.0]\n[joint.second]\ntype = 'revolute'\nparent = 'rotor'\n\
-                   child = 'other'\naxis = [0.0, 1.0, 0.0]\n[joint.second.dc_motor]\nresistance_ohm = 1.0\ninductance_H = 0.01\n\
-                   torque_constant_N_m_A = 0.3\n"
+            own + SECOND
         }),
         ("arm", arm("voltage_V = -6.0\nstart_current_A = -1.0")),
         ("arm in air", arm("voltage_V = -6.0\nstart_current_A = -1.0") + wing),
@@ -277,20 +281,20 @@ fn dc08_linear_models_have_the_current_as_a_state() {
 }
 
 /// DC-09. Under an external integrator the current is a continuous state with its derivative, the charge is none: Runge–Kutta with
-/// 20 µs, with a step of the voltage between two of its steps, agrees with the internal integrator.
+/// 20 µs, with a step of the voltage between two of its steps, agrees with the internal integrator; two motors on two coupled joints.
 #[test]
 fn dc09_an_external_integrator_finds_the_same_run() {
-    let text = arm("voltage_V = -6.0").replace("tolerance = 1e-7", "tolerance = 1e-9");
+    let text = rotor("start_rate_deg_s = 60.0", "voltage_V = 6.0", "[solver]\ntolerance = 1e-9\n") + SECOND;
     let mut own = start(machine(&text));
     own.step(0.02).expect("a step");
     own.inputs_mut().dc_motors_mut()[0].voltage_v = -9.0;
     own.step(0.04).expect("a step");
 
     let mut plant = start(machine(&text));
-    assert_eq!(plant.exchange_currents(), ["fold.current"]);
-    let coordinates = plant.coordinates();
+    assert_eq!(plant.exchange_currents(), ["hinge.current", "second.current"]);
+    assert_eq!(plant.coordinates(), 4, "two angles and two charges");
     let mut hybrid = plant.hybrid().expect("a hybrid system");
-    assert_eq!(hybrid.states(), 2 * (coordinates - 1) + 1, "pairs, and one current");
+    assert_eq!(hybrid.states(), 6, "two pairs and two currents");
     let mut states = vec![0.0; hybrid.states()];
     hybrid.read(&mut states);
     let step_s = 2e-5;
@@ -303,16 +307,16 @@ fn dc09_an_external_integrator_finds_the_same_run() {
         hybrid.complete();
     }
     hybrid.set(0.04, &states);
-    let worst = {
-        let found = hybrid.outputs();
-        let pairs = [
-            (found.joints()[0].angle_rad, own.outputs().joints()[0].angle_rad, 1.0),
-            (found.joints()[0].rate_rad_s, own.outputs().joints()[0].rate_rad_s, 10.0),
-            (found.dc_motors()[0].current_a, own.outputs().dc_motors()[0].current_a, 3.0),
-        ];
-        pairs.map(|(found, due, scale)| (found - due).abs() / scale).into_iter().fold(0.0, f64::max)
-    };
-    println!("DC-09 {worst:.1e}");
+    let found = hybrid.outputs();
+    let mut worst = 0.0f64;
+    for k in 0..2 {
+        let (joint, due) = (found.joints()[k], own.outputs().joints()[k]);
+        let (motor, due_motor) = (found.dc_motors()[k], own.outputs().dc_motors()[k]);
+        worst =
+            worst.max((joint.angle_rad - due.angle_rad).abs()).max((joint.rate_rad_s - due.rate_rad_s).abs() / 10.0);
+        worst = worst.max((motor.current_a - due_motor.current_a).abs() / 3.0);
+    }
+    println!("DC-09 {worst:.1e}, {:?}", found.dc_motors());
     agree("DC-09", worst, 2e-6);
 }
 
@@ -360,7 +364,11 @@ fn dc10_motors_drive_closed_loops() {
 /// DC-11. Messages: every analysis and combination without the current names the joint, and what to do instead.
 #[test]
 fn dc11_what_is_not_covered_is_refused_by_name() {
-    let mut plant = start(machine(&rotor("", "voltage_V = 12.0", "")));
+    let mut own = machine(&rotor("", "voltage_V = 12.0", ""));
+    let mut plant = start(own.clone());
+    hinge_of(&mut own, 0).dc_motor.as_mut().expect("a motor").inductance_h = 0.0;
+    let faults = own.validate().iter().map(ToString::to_string).collect::<String>();
+    assert!(faults.contains("without inductance the motor is a damper"), "{faults}");
     let refused = plant.run_on_tape(&[0.01]).expect_err("no gradient").to_string();
     assert!(refused.contains("currents of electrical motors (hinge)"), "{refused}");
     let refused = plant.study().rotor(0.0, None).expect_err("no rotor analysis").to_string();
@@ -369,7 +377,7 @@ fn dc11_what_is_not_covered_is_refused_by_name() {
         "{refused}"
     );
     for (from, to, part) in [
-        ("inductance_H = 0.004", "inductance_H = 0.0", "without inductance the motor is a damper"),
+        ("inductance_H = 0.004", "inductance_H = 0.0", "a finite inductance > 0 H"),
         ("inductance_H = 0.004", "inductance_H = -1.0", "a finite inductance > 0 H"),
         ("resistance_ohm = 1.5", "resistance_ohm = 0.0", "resistance"),
         ("torque_constant_N_m_A = 0.05", "", "a finite torque constant > 0 N·m/A"),
