@@ -33,7 +33,10 @@ pub fn draw(seed: u64) -> Model {
             (slides || table.is("type", "revolute")).then(|| (place, table.name.clone(), slides))
         })
         .collect();
-    for (place, name, slides) in joints.into_iter().rev().filter(|_| !dice.once_in(4)) {
+    for (place, name, slides) in joints.into_iter().rev() {
+        if dice.once_in(4) {
+            continue;
+        }
         let constant = dice.size(0.1, 0.4);
         let resistance = dice.size(0.5, 5.0);
         let mut table = Table::new(format!("{name}.dc_motor"))
