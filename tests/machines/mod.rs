@@ -8,6 +8,7 @@
 mod air;
 mod airs;
 mod course;
+mod dc_motor;
 mod draw;
 mod model;
 mod no_slip;
@@ -20,6 +21,7 @@ mod view;
 
 pub use airs::AIRS;
 pub use course::Doing;
+pub use dc_motor::DC_MOTORS;
 pub use draw::{STEPS, draw};
 pub use model::{Model, Value};
 pub use no_slip::NO_SLIP;

@@ -129,6 +129,7 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         | "loads inside elements with shear"
         | "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
         "damping by ratios of modes" => key_removed(model, "body.", &["modal_damping_ratios"]),
+        "currents of electrical motors" => of_joint("dc_motor"),
         "rigid loops" => remove(&format!("loop.{place}")),
         part if part.starts_with("failures") => remove(&format!("failure.{place}")),
         "universal, ball and free joints in air" => Some(clamped(model, place)),

@@ -18,7 +18,9 @@ mod rows;
 mod share;
 
 use crate::dependencies::Outcome;
-use crate::machines::{AIRS, Model, NO_SLIP, RIGID, SLIDING, View, draw, rigid_seeds, seeds, shrink, sliding_seeds};
+use crate::machines::{
+    AIRS, DC_MOTORS, Model, NO_SLIP, RIGID, SLIDING, View, draw, rigid_seeds, seeds, shrink, sliding_seeds,
+};
 use crate::share::share;
 use foldwing::config;
 use foldwing::machine::{ElementKind, Machine, Parent};
@@ -422,6 +424,47 @@ fn x17_machines_with_several_airs() {
     hold_for("X-17 files", seeds(), invariants::files);
 }
 
+/// Machines with electrical motors, in any combination with joints, loops, latches, stops, air and events: they run, all but a few, and
+/// currents flow; rotated and mirrored as a whole they have the same motion; their energy accounts close; states are whole; communication
+/// steps do not matter; file and tables give the same machine; gradients and rotor analyses are refused by name.
+#[test]
+fn x18_machines_with_electrical_motors() {
+    let seeds = || DC_MOTORS..DC_MOTORS + 40_u64.div_ceil(share() as u64);
+    let (mut lost, mut flowing) = (0, 0);
+    for seed in seeds() {
+        let model = draw(seed);
+        let Ok(plant) = machine(&model, &View::plain()).and_then(start) else {
+            lost += 1;
+            continue;
+        };
+        if plant.machine().dc_motors().next().is_none() {
+            continue;
+        }
+        match run(plant, &model, &View::plain(), 1) {
+            Ok(outputs) => {
+                let current_a = |outputs: &foldwing::plant::Outputs| {
+                    outputs.dc_motors().iter().map(|motor| motor.current_a.abs()).fold(0.0, f64::max)
+                };
+                flowing += usize::from(outputs.iter().map(current_a).fold(0.0, f64::max) > 1e-3);
+            }
+            Err(error) => {
+                println!("X-18 seed {seed}: {error}");
+                lost += 1;
+            }
+        }
+    }
+    println!("X-18: {lost} machines do not run, currents flow in {flowing}");
+    assert!(lost <= 4 && 2 * flowing > seeds().count(), "{lost} do not run, {flowing} with currents");
+    hold_for("X-18 rotated", seeds(), |model| {
+        invariants::seen_otherwise(model, &View::turned([0.7, -1.1, 0.5].into()))
+    });
+    hold_for("X-18 mirrored", seeds(), |model| invariants::seen_otherwise(model, &View::mirrored()));
+    hold_for("X-18 energy", seeds(), invariants::energy);
+    hold_for("X-18 states", seeds(), invariants::states);
+    hold_for("X-18 communication", seeds(), invariants::communication);
+    hold_for("X-18 files", seeds(), invariants::files);
+}
+
 /// Parts of the format that the generator omits, with reasons.
 const NOT_DRAWN: [(&str, &str); 12] = [
     ("section.*.shape = \"angle\"", "its mirror image has no words: its legs point to +y and +z"),
@@ -450,6 +493,7 @@ fn x10_the_generator_draws_the_whole_format() {
         .chain(RIGID..RIGID + 20)
         .chain(NO_SLIP..NO_SLIP + 20)
         .chain(AIRS..AIRS + 200)
+        .chain(DC_MOTORS..DC_MOTORS + 20)
     {
         let file: toml::Table = draw(seed).text(&View::plain()).parse().expect("TOML");
         drawn.extend(keys::said(&schema, Some(&serde_json::to_value(&file).expect("JSON"))));

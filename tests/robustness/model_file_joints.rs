@@ -276,3 +276,36 @@ fn real_time_mode() {
     let solver = config::parse(&text, "wing.toml").unwrap_or_else(|error| panic!("{error}")).solver;
     assert_eq!((solver.method, solver.fixed_step_s, solver.most_iterations), (Method::Sdirk2, Some(1e-3), Some(4)));
 }
+
+/// Electrical motors: the constant in the unit of the joint, a joint that moves freely, and no failure of the current.
+#[test]
+fn electrical_motors() {
+    const LATCH: &str = "[joint.fold.latch]\n";
+    const MOTOR: &str = "[joint.fold.dc_motor]\nresistance_ohm = 1\ninductance_H = 1e-3\n";
+    assert_eq!(
+        message_of(&with(LATCH, &format!("{MOTOR}{LATCH}"))),
+        "wing.toml:36: key 'joint.fold.dc_motor.torque_constant_N_m_A' is missing; allowed: a finite torque constant > 0 N·m/A"
+    );
+    let whole = with(LATCH, &format!("{MOTOR}torque_constant_N_m_A = 0.1\n{LATCH}"));
+    assert_eq!(message_of(&whole), "accepted");
+    let locked = whole.replacen(&format!("{LATCH}stiffness_ratio = 1e4\n"), "", 1).replacen(
+        "start_angle_deg = 170\n",
+        "start_angle_deg = 170\nmotion = \"locked\"\n",
+        1,
+    );
+    assert_eq!(
+        message_of(&locked),
+        "wing.toml:37: key 'joint.fold.dc_motor': an electrical motor on a joint that does not move freely is not allowed; \
+         allowed: a dc_motor only with motion = \"free\""
+    );
+    let lost = whole.replacen(
+        "[gauge.root]",
+        "[failure.lost]\nkind = \"motor_loss\"\njoint = \"fold\"\nat_time_s = 1\n[gauge.root]",
+        1,
+    );
+    assert_eq!(
+        message_of(&lost),
+        "wing.toml:49: key 'failure.lost.joint': a joint with an electrical motor is not allowed; allowed: a joint without dc_motor: \
+         its current does not stop by a failure; set its voltage during the run"
+    );
+}

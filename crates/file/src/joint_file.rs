@@ -90,6 +90,8 @@ pub(super) struct JointFile {
     pub spring: Option<SpringFile>,
     /// Generator of a revolute joint.
     pub generator: Option<GeneratorFile>,
+    /// Electrical DC motor of a revolute, prismatic or sliding joint, in addition to `motor`.
+    pub dc_motor: Option<DcMotorFile>,
     /// Latch of a revolute or prismatic joint.
     pub latch: Option<LatchFile>,
     /// End stops of a revolute or prismatic joint.
@@ -377,7 +379,7 @@ pub(super) struct EndStopsFile {
     pub damping_n_s_m: f64,
 }
 
-/// Keys of the tables `motor`, `spring`, `latch` and `end_stops` of a revolute joint, with the corresponding keys of a prismatic joint.
+/// Keys of the tables `motor`, `spring`, `dc_motor`, `latch` and `end_stops` of a revolute joint, with the corresponding keys of a prismatic joint.
 pub(super) const PAIRS: &[(&str, &str, &str)] = &[
     ("motor", "stiffness_N_m_rad", "stiffness_N_m"),
     ("motor", "damping_N_m_s_rad", "damping_N_s_m"),
@@ -389,6 +391,7 @@ pub(super) const PAIRS: &[(&str, &str, &str)] = &[
     ("spring", "stiffness_N_m_rad", "stiffness_N_m"),
     ("spring", "damping_N_m_s_rad", "damping_N_s_m"),
     ("spring", "rest_angle_deg", "rest_position_m"),
+    ("dc_motor", "torque_constant_N_m_A", "force_constant_N_A"),
     ("latch", "angle_deg", "position_m"),
     ("latch", "stiffness_N_m_rad", "stiffness_N_m"),
     ("latch", "capture_deg", "capture_m"),
@@ -422,6 +425,36 @@ pub(super) struct GeneratorFile {
     /// Start value of the input `<joint>.generator_on`: false disconnects it. Default true.
     #[serde(default = "yes")]
     pub on: bool,
+}
+
+/// Electrical DC motor with permanent magnets: the armature current `i` follows from the input `<joint>.voltage` `u`,
+/// `L di/dt + R i + K N θ̇ = u`, and the torque on the outer body about the hinge is `K N i`, with the gear ratio `N` of
+/// `[joint.<name>.motor]`, 1 if it has none. A prismatic joint's motor has a force of the same form, without a ratio.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DcMotorFile {
+    /// Resistance `R` of the armature.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub resistance_ohm: f64,
+    /// Inductance `L` of the armature.
+    #[serde(rename = "inductance_H")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub inductance_h: f64,
+    /// Torque `K` per current on the motor's shaft, equal to the voltage per speed in V·s/rad. Required for revolute joints.
+    #[serde(rename = "torque_constant_N_m_A")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub torque_constant_n_m_a: Option<f64>,
+    /// Force per current of a prismatic or sliding joint's motor, equal to the voltage per velocity in V·s/m. Required for
+    /// these joints.
+    #[serde(rename = "force_constant_N_A")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub force_constant_n_a: Option<f64>,
+    /// Start value of the input `<joint>.voltage`, default 0.
+    #[serde(default, rename = "voltage_V")]
+    pub voltage_v: f64,
+    /// Current at the start, default 0. A start in equilibrium has the current `u/R`.
+    #[serde(default, rename = "start_current_A")]
+    pub start_current_a: f64,
 }
 
 /// Quantity that is constant above the table of a generator.

@@ -206,6 +206,9 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     if let Some(generator) = crate::generator::build(name, joint, checker) {
         built = built.generator(generator);
     }
+    if let Some(dc_motor) = crate::dc_motor::build(name, joint, checker) {
+        built = built.dc_motor(dc_motor);
+    }
     if let Some(latch) = joint.latch.as_ref().and_then(|latch| build_latch(name, latch, joint.travel(), checker)) {
         built = built.latch(latch);
     }

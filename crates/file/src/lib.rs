@@ -18,6 +18,7 @@ mod body;
 mod body_file;
 mod checker;
 mod copies;
+mod dc_motor;
 mod document;
 mod embedded;
 mod error;

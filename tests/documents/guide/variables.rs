@@ -79,7 +79,7 @@ to_m = 0.2
 hinge_fraction = 0.75
 "#;
 
-/// A rotor with a generator and a modal blade.
+/// A rotor with a generator, a DC motor and a modal blade.
 pub const ROTOR: &str = r#"
 name = "Rotor"
 [rigid_body.bodynamea]
@@ -92,6 +92,7 @@ child = "bodynamea"
 axis = [1, 0, 0]
 motor = { gear_ratio = 97.0 }
 generator = { table_rpm_N_m = [[1000.0, 10.0]] }
+dc_motor = { resistance_ohm = 1.0, inductance_H = 1e-3, torque_constant_N_m_A = 0.1 }
 [modal_body.bodyname]
 length_m = 10.0
 nodes = 5
@@ -156,6 +157,10 @@ latch = { stiffness_ratio = 1e4 }
 /// Condition for variables whose name begins with this text.
 const WHERE: &[(&str, &str)] = &[
     ("<joint>.generator", "revolute joints with a generator"),
+    ("<joint>.voltage", DC_MOTOR),
+    ("<joint>.current", DC_MOTOR),
+    ("<joint>.dc_motor", DC_MOTOR),
+    ("<joint>.electrical_power", DC_MOTOR),
     ("rotor.", "with `aerodynamics.model = \"bem\"`"),
     ("failure.", "each failure"),
     ("aero.control_surface.", "each control surface"),
@@ -193,6 +198,9 @@ const WHERE: &[(&str, &str)] = &[
     ("tip.<body>", "each free end; `tip` where there is only one"),
     ("body.", "each body"),
 ];
+
+/// Electrical motors.
+const DC_MOTOR: &str = "revolute and prismatic joints with a `dc_motor`";
 
 /// Modal bodies.
 const MODAL: &str = "each modal body";

@@ -445,7 +445,8 @@ impl Compared<'_> {
         let mut idle = Plant::new(Arc::new(plant.machine().clone()));
         let given = self.places(&mut idle);
         let names: Vec<&str> = model.states[2 * n..].iter().map(|state| state.name.as_str()).collect();
-        assert_eq!(plant.exchange_lags(), names, "lag states of the hybrid system and of the linear model");
+        let others = [plant.exchange_lags(), plant.exchange_currents()].concat();
+        assert_eq!(others, names, "lag states and currents of the hybrid system and of the linear model");
         let mut hybrid = plant.hybrid().expect("a hybrid system");
         hybrid.follow_inputs();
         let mut base = vec![0.0; hybrid.states()];

@@ -8,6 +8,7 @@ pub(crate) mod machines;
 mod carried;
 mod chains;
 mod corners;
+mod dc_motor;
 mod deployment;
 mod double_pendulum;
 mod energy;

@@ -9,7 +9,7 @@ use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::instance::LOG_CATEGORIES;
 use foldwing_fmi::interface::{
-    Causality, Dependencies, DependencyKind, Initial, RealType, TYPES, UNITS, Unit, Value, Variability, Variable,
+    BASES, Causality, Dependencies, DependencyKind, Initial, RealType, TYPES, UNITS, Unit, Value, Variability, Variable,
 };
 use std::io;
 use std::sync::Arc;
@@ -120,7 +120,7 @@ pub(super) fn write_units(xml: &mut Xml, variables: &[Variable]) -> io::Result<(
     nest(xml, "UnitDefinitions", &vec![], |xml| {
         used.iter().try_for_each(|unit| {
             nest(xml, "Unit", &vec![("name", unit.name.to_owned())], |xml| {
-                let exponents: Attributes = ["kg", "m", "s", "rad"]
+                let exponents: Attributes = BASES
                     .into_iter()
                     .zip(unit.exponents)
                     .filter(|(_, exponent)| *exponent != 0)

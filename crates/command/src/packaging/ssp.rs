@@ -7,7 +7,7 @@ use crate::packaging::archive::{Entry, archive};
 use crate::packaging::xml::{self, Attributes, Xml, leaf, nest, real};
 use crate::packaging::{Kinds, TOOL, VERSION};
 use foldwing_engine::machine::Machine;
-use foldwing_fmi::interface::{Causality, TYPES, UNITS, Unit, Value, Variable};
+use foldwing_fmi::interface::{BASES, Causality, TYPES, UNITS, Unit, Value, Variable};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::io;
@@ -216,7 +216,7 @@ fn write_units(xml: &mut Xml, element: &str, variables: &[Variable]) -> io::Resu
 
 fn write_unit(xml: &mut Xml, name: &str, unit: &Unit, factor: Option<f64>) -> io::Result<()> {
     nest(xml, "ssc:Unit", &vec![("name", name.to_owned())], |xml| {
-        let bases = ["kg", "m", "s", "rad"].into_iter().zip(unit.exponents);
+        let bases = BASES.into_iter().zip(unit.exponents);
         let mut attributes: Attributes =
             bases.filter(|(_, power)| *power != 0).map(|(base, power)| (base, power.to_string())).collect();
         attributes.extend(factor.map(|factor| ("factor", real(factor))));

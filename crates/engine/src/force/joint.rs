@@ -2,6 +2,7 @@
 
 use crate::force::attitude::AttitudeSpring;
 use crate::force::borders::Borders;
+use crate::force::dc_motor::Armature;
 use crate::force::drive::DriveTorque;
 use crate::force::external::External;
 use crate::force::friction::SlippingBrake;
@@ -430,6 +431,16 @@ impl JointForces {
     /// Torque of the motor at a state; zero without one.
     pub fn motor_torque(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> DriveTorque {
         self.motor().map_or(DriveTorque::default(), |motor| motor.torque(time_s, angle_rad, rate_rad_s))
+    }
+
+    /// Armature of the joint's electrical motor, if any.
+    pub fn armature(&self) -> Option<&Armature> {
+        self.motor()?.armature.as_ref()
+    }
+
+    /// Torque of the joint's electrical motor in N·m at the rates of all coordinates, or its derivative in time at their accelerations.
+    pub fn armature_torque_n_m(&self, rates: &[f64]) -> f64 {
+        self.armature().map_or(0.0, |armature| armature.circuit.torque_n_m(rates))
     }
 
     /// Torque of the joint's spring and damper at a state in N·m.

@@ -1,4 +1,4 @@
-//! Forces on the degrees of freedom of joints: motors, springs, latches, locks, prescribed motions, NOTATION eqs. (A1)–(A11). A force may
+//! Forces on the degrees of freedom of joints: motors, springs, latches, locks, prescribed motions, NOTATION eqs. (A1)–(A14). A force may
 //! have indicators whose crossing is an event, transitions that dissipate energy, and kinks at known times.
 //!
 //! A force consists of one file and its arms in [`Force`]. The time integration does not depend on the types: it evaluates signed
@@ -9,6 +9,7 @@ pub mod attitude;
 pub mod borders;
 pub mod brake;
 mod contract;
+pub mod dc_motor;
 pub mod drive;
 pub mod end_stops;
 pub mod external;
@@ -482,9 +483,7 @@ impl Force {
         let between = |end: f64| start_rad + factor * (end - start_rad);
         match (self, whole) {
             (Self::Motor(motor), Self::Motor(whole)) => {
-                motor.slew.from_rad = between(whole.slew.at(time_s).0);
-                motor.slew.target_rad = motor.slew.from_rad;
-                motor.drive.constant_torque_n_m = factor * whole.drive.constant_torque_n_m;
+                motor.scale(whole, between(whole.slew.at(time_s).0), factor);
             }
             (Self::Spring(spring), Self::Spring(whole)) => spring.rest_angle_rad = between(whole.rest_angle_rad),
             (Self::External(external), Self::External(whole)) => external.torque_n_m = factor * whole.torque_n_m,

@@ -1,5 +1,6 @@
 //! Motor of a joint: its torque law, the slew of its neutral angle, and the active piece of its limits.
 
+use crate::force::dc_motor::Armature;
 use crate::force::drive::{Drive, DriveTorque, Piece, Pieces, Slew, SlewPiece};
 use crate::force::memory::{JointMemory, Told};
 use crate::force::{Here, Outcome, Push};
@@ -23,6 +24,8 @@ pub struct Motor {
     pub held: Option<HeldMotor>,
     /// Whether the motor ignores commands (runaway failure).
     pub deaf: bool,
+    /// Armature of an electrical motor on the same joint, eqs. (A12)–(A14). Limits, slew and failures do not act on it.
+    pub armature: Option<Armature>,
 }
 
 /// Tangent of a motor about a state: the active piece of the limits is fixed, and the potential is linear.
@@ -121,6 +124,9 @@ impl Motor {
             sum.tangent.stiffness += self.drive.stiffness_n_m_rad;
             sum.tangent.damping += self.drive.damping_n_m_s_rad;
         }
+        if let Some(armature) = &self.armature {
+            sum.torque_n_m += armature.circuit.torque_n_m(here.v);
+        }
     }
 
     /// Adds work and dissipation, NOTATION eq. (A5).
@@ -131,6 +137,9 @@ impl Motor {
         let pieces = self.pieces(angle_rad, rate_rad_s, neutral_rad);
         powers.work += self.drive.slew_power_on_w(pieces, angle_rad, neutral_rad, slew_rate_rad_s);
         powers.dissipated += self.drive.dissipation_w(pieces, torque, [angle_rad, rate_rad_s], neutral_rad);
+        if let Some(armature) = &self.armature {
+            armature.add_powers(here, powers);
+        }
     }
 
     /// Distances to both torque limits in N·m, negative beyond them; 1 without limits.
@@ -167,6 +176,15 @@ impl Motor {
         }
         let piece = self.drive.piece(self.wanted_n_m(time_s, angle_rad, rate_rad_s), self.piece);
         self.piece.replace(piece) != Some(piece)
+    }
+
+    /// Moves the neutral angle to `neutral_rad`, and scales constant torque and voltage to a fraction of those of `whole`.
+    pub(super) fn scale(&mut self, whole: &Self, neutral_rad: f64, factor: f64) {
+        (self.slew.from_rad, self.slew.target_rad) = (neutral_rad, neutral_rad);
+        self.drive.constant_torque_n_m = factor * whole.drive.constant_torque_n_m;
+        if let (Some(armature), Some(whole)) = (&mut self.armature, &whole.armature) {
+            armature.voltage_v = factor * whole.voltage_v;
+        }
     }
 
     /// Restores the slew of the neutral angle from the memory.

@@ -1,5 +1,6 @@
 //! All forces on the joints of a model.
 
+use crate::force::dc_motor::Armature;
 use crate::force::joint::JointForces;
 use crate::force::memory::JointMemory;
 use crate::force::{Place, Stored};
@@ -54,6 +55,16 @@ impl Forces {
     /// Forces on joints with several degrees of freedom, mutable.
     pub fn spatial_mut(&mut self) -> &mut [JointForces] {
         &mut self.list[self.with_one_freedom..]
+    }
+
+    /// Armatures of the electrical motors, in the order of their joints.
+    pub fn armatures(&self) -> impl Iterator<Item = &Armature> {
+        self.joints().iter().filter_map(JointForces::armature)
+    }
+
+    /// Armatures of the electrical motors, mutable.
+    pub fn armatures_mut(&mut self) -> impl Iterator<Item = &mut Armature> {
+        self.joints_mut().iter_mut().filter_map(|joint| joint.motor_mut()?.armature.as_mut())
     }
 
     /// Whether another machine has equal forces on all joints, in equal states.

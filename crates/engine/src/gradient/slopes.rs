@@ -204,6 +204,9 @@ impl System {
         if let Some(joint) = machine.sliding_joint() {
             return refuse("sliding joints", joint);
         }
+        if let Some((joint, _)) = machine.dc_motors().next() {
+            return refuse("currents of electrical motors", self.joint_name(joint));
+        }
         if let Some(closure) = machine.closures.iter().find(|closure| closure.rigid) {
             return refuse("rigid loops", &closure.name);
         }

@@ -1,7 +1,7 @@
 //! Types of bodies: rigid bodies, modal bodies and beams; selections of bodies by their joints and children.
 
 use crate::beam::element::ElementKind;
-use crate::machine::{Body, GeneratorLaw, JointMotion, Machine, OneFreedom, Parent, Spatial};
+use crate::machine::{Body, DcMotor, GeneratorLaw, JointMotion, Machine, OneFreedom, Parent, Spatial};
 use crate::math::strain::{SHEARED, STRAINS};
 
 impl Machine {
@@ -21,6 +21,12 @@ impl Machine {
     pub fn generators(&self) -> impl Iterator<Item = (usize, &GeneratorLaw)> {
         let joints = self.one_freedoms().enumerate().filter(|(_, (_, joint))| joint.motion == JointMotion::Free);
         joints.filter_map(|(index, (_, joint))| Some((index, joint.generator.as_ref()?)))
+    }
+
+    /// Electrical DC motors on joints with free motion: indices into [`Machine::one_freedoms`], with their data.
+    pub fn dc_motors(&self) -> impl Iterator<Item = (usize, &DcMotor)> {
+        let joints = self.one_freedoms().enumerate().filter(|(_, (_, joint))| joint.motion == JointMotion::Free);
+        joints.filter_map(|(index, (_, joint))| Some((index, joint.dc_motor.as_ref()?)))
     }
 
     /// Bodies with a reference frame for the deflection of their outer end: modal bodies, and beams with an axis given by points.

@@ -34,6 +34,7 @@ pub use crate::beam::element::ElementKind;
 pub use crate::beam::law::{NaturalStrain, SectionLaw, SectionStation};
 pub use crate::beam::modal::{MAXIMUM_MODES, ModalLaw, Shape};
 use crate::beam::recovery::{axial_row, gauge_row};
+pub use crate::force::dc_motor::DcMotor;
 pub use crate::force::end_stops::EndStops;
 pub use crate::force::generator::{Beyond, GeneratorLaw};
 pub use crate::force::latch::LatchKind;

@@ -1,6 +1,6 @@
 //! Joints with a rotation about an axis or a translation along it.
 
-use crate::machine::{EndStops, GeneratorLaw, JointMotion, Latch, Motor, Spring};
+use crate::machine::{DcMotor, EndStops, GeneratorLaw, JointMotion, Latch, Motor, Spring};
 use nalgebra::Vector3;
 
 /// A joint with one degree of freedom, either a rotation about its axis or a translation along it: [`Travel`](crate::machine::Travel).
@@ -27,6 +27,8 @@ pub struct OneFreedom {
     pub spring: Option<Spring>,
     /// Generator on the high-speed shaft of the motor; for revolute joints.
     pub generator: Option<GeneratorLaw>,
+    /// Electrical DC motor, in addition to `motor`.
+    pub dc_motor: Option<DcMotor>,
     /// Latch of the joint.
     pub latch: Option<Latch>,
     /// Stops at the ends of its travel.
@@ -49,6 +51,7 @@ impl OneFreedom {
             motor: Motor::default(),
             spring: None,
             generator: None,
+            dc_motor: None,
             latch: None,
             end_stops: None,
         }

@@ -28,6 +28,7 @@ const WORDS: &[(&str, &str)] = &[
     ("stiffness_n_m_rad", "stiffness_n_m"),
     ("damping_n_m_s_rad", "damping_n_s_m"),
     ("torque_limit_n_m", "force_limit_n"),
+    ("torque_constant_n_m_a", "force_constant_n_a"),
     ("inertia_kg_m2", "mass_kg"),
     ("command_rad", "command_m"),
     ("slip_rad_s", "slip_m_s"),

@@ -34,7 +34,7 @@ impl Model {
         }
     }
 
-    /// Coordinates of the tree; those of the multipliers of the constraints follow.
+    /// Coordinates of the tree, with the charges of circuits; those of the multipliers of the constraints follow.
     pub fn tree_coordinates(&self) -> usize {
         self.coordinates - ROWS * self.constraints()
     }

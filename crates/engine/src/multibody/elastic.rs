@@ -18,6 +18,22 @@ pub struct Damping {
     pub strain_inertia_s2: f64,
 }
 
+impl Model {
+    /// Unstrained coordinates: natural strains, zero joint angles, other joints in their mounted attitude.
+    pub fn natural_coordinates(&self) -> Vec<f64> {
+        let mut q = vec![0.0; self.coordinates];
+        for body in &self.bodies {
+            body.joint.rest(&body.mount, &mut q);
+        }
+        for element in &self.elements {
+            for (strain, q) in q[element.range()].iter_mut().enumerate() {
+                *q = element.natural_strain_of(strain);
+            }
+        }
+        q
+    }
+}
+
 /// Computes the elastic and damping forces of the strains, eq. (D8); joint entries are set to zero.
 pub(super) fn elastic_forces(
     model: &Model,

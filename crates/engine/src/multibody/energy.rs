@@ -90,7 +90,9 @@ pub fn kinetic(model: &Model, work: &Workspace, mut per_body: impl FnMut(usize, 
 /// Kinetic energy in J of the inertias that rotate with the joint angles only, eq. (D16).
 pub fn kinetic_of_drives(model: &Model, work: &Workspace, v: &[f64]) -> f64 {
     let driven = model.bodies.iter().zip(&work.joints).filter(|(body, _)| body.joint.drive_inertia != 0.0);
-    driven.map(|(body, scratch)| 0.5 * body.joint.drive_inertia * rotor_rate(body, scratch, work, v).powi(2)).sum()
+    let rotors: f64 =
+        driven.map(|(body, scratch)| 0.5 * body.joint.drive_inertia * rotor_rate(body, scratch, work, v).powi(2)).sum();
+    rotors + model.circuits.iter().map(|circuit| circuit.energy_j(v)).sum::<f64>()
 }
 
 /// Rate of a motor's rotor divided by its gear ratio, in rad/s, or in m/s for a prismatic joint, eq. (D17).

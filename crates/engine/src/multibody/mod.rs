@@ -4,6 +4,7 @@ pub(crate) mod block_slopes;
 pub(crate) mod carriage;
 mod carried;
 mod cholesky;
+pub mod circuit;
 pub mod closure;
 pub(crate) mod constraint;
 mod damped_mode;

@@ -72,6 +72,7 @@ impl Model {
             no_slips: Vec::new(),
             damped_modes: Vec::new(),
             slides: Vec::new(),
+            circuits: Vec::new(),
             reference_length_m: self.reference_length_m,
         }
     }

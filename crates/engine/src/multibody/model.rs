@@ -9,6 +9,7 @@ use crate::beam::modal::ModalElement;
 use crate::load::LoadFrame;
 use crate::math::strain::{SHEARED, Strain, StrainMatrix};
 use crate::multibody::carriage::Slide;
+use crate::multibody::circuit::Circuit;
 use crate::multibody::damped_mode::DampedMode;
 pub use crate::multibody::element::{Elastic, Element, Strained};
 use crate::multibody::joint::{Joint, JointKind};
@@ -198,6 +199,8 @@ pub struct Model {
     pub damped_modes: Vec<DampedMode>,
     /// Sliding joints.
     pub slides: Vec<Slide>,
+    /// Armature circuits of motors; their charges are the last coordinates of the tree.
+    pub circuits: Vec<Circuit>,
     /// Number of coordinates.
     pub coordinates: usize,
     /// Whether at least one body has elements with six strains.
@@ -228,6 +231,7 @@ impl Model {
             no_slips: Vec::new(),
             damped_modes: Vec::new(),
             slides: Vec::new(),
+            circuits: Vec::new(),
             coordinates: 0,
             sheared: false,
             reference_length_m: 0.0,
@@ -446,20 +450,6 @@ impl Model {
             ElementKind::Constant => (self.elements[element].length_m, 1),
             ElementKind::Linear => (self.elements[element].length_m + self.elements[element + 1].length_m, 2),
         }
-    }
-
-    /// Unstrained coordinates: natural strains, zero joint angles, other joints in their mounted attitude.
-    pub fn natural_coordinates(&self) -> Vec<f64> {
-        let mut q = vec![0.0; self.coordinates];
-        for body in &self.bodies {
-            body.joint.rest(&body.mount, &mut q);
-        }
-        for element in &self.elements {
-            for (strain, q) in q[element.range()].iter_mut().enumerate() {
-                *q = element.natural_strain_of(strain);
-            }
-        }
-        q
     }
 }
 

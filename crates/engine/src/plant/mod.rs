@@ -7,7 +7,7 @@ pub use crate::run::{
     Settled, Turn,
 };
 pub use crate::signal::{
-    BodyParameters, Count, FACTOR_RANGE, FlapInputs, InputLayout, Inputs, JointInputs, JointParameters,
+    BodyParameters, Count, DcMotorInputs, FACTOR_RANGE, FlapInputs, InputLayout, Inputs, JointInputs, JointParameters,
     ParameterLayout, Parameters, SolverParameters, SpatialParameters, Switch,
 };
 pub use crate::study::{
@@ -17,10 +17,10 @@ pub use crate::study::{
     change_of_sign, reduce, reduce_in_band, reduce_sampled, sampled,
 };
 pub use crate::system::{
-    AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, EnergyOutputs, FailureOutputs, FastestMotion,
-    FlapOutputs, FlightMode, Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump, LatchOutputs,
-    LoopOutputs, ModalOutputs, ModeShape, NoSlipOutputs, NodeMotion, NotHybrid, OutputLayout, OutputSet, Outputs,
-    PlantError, PointOutputs, RotorLoads, SHEAR_SHARE, SectionChange, SectionPlace, SectionShape, SectionState,
-    SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare,
+    AccountRates, CLOSED_PANELS, CoordinateName, CoordinateQuantity, DcMotorOutputs, EnergyOutputs, FailureOutputs,
+    FastestMotion, FlapOutputs, FlightMode, Freedom, GeneratorOutputs, Hybrid, JointOutputs, JointStatus, Jump,
+    LatchOutputs, LoopOutputs, ModalOutputs, ModeShape, NoSlipOutputs, NodeMotion, NotHybrid, OutputLayout, OutputSet,
+    Outputs, PlantError, PointOutputs, RotorLoads, SHEAR_SHARE, SectionChange, SectionPlace, SectionShape,
+    SectionState, SectionStrain, Snapshot, SpatialOutputs, Statistics, SurfaceGap, SurfaceLattice, System, WhirlShare,
     energy_share_names,
 };

@@ -23,6 +23,14 @@ pub struct JointInputs {
     pub generator_on: Switch,
 }
 
+/// Inputs of one electrical DC motor.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct DcMotorInputs {
+    /// Voltage at the armature in V.
+    pub voltage_v: f64,
+}
+
 /// Inputs of one control surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
@@ -48,6 +56,8 @@ pub struct InputLayout {
     pub failures: Segment<Switch>,
     /// See [`Inputs::flaps`].
     pub flaps: Segment<FlapInputs>,
+    /// See [`Inputs::dc_motors`].
+    pub dc_motors: Segment<DcMotorInputs>,
     /// Length of the vector.
     end: usize,
 }
@@ -64,6 +74,7 @@ impl InputLayout {
             wind_m_s: Segment::append(&mut end, 1),
             failures: Segment::append(&mut end, machine.failures.len()),
             flaps: Segment::append(&mut end, machine.air.as_ref().map_or(0, |air| air.flaps.len())),
+            dc_motors: Segment::append(&mut end, machine.dc_motors().count()),
             end,
         }
     }
@@ -112,6 +123,9 @@ impl Inputs {
         for (own, flap) in inputs.flaps_mut().iter_mut().zip(flaps) {
             own.command_rad = flap.command_rad;
         }
+        for (own, (_, dc_motor)) in inputs.dc_motors_mut().iter_mut().zip(machine.dc_motors()) {
+            own.voltage_v = dc_motor.voltage_v;
+        }
         *inputs.wind_m_s_mut() = machine.air.as_ref().map_or(Vector3::zeros(), |air| air.wind_m_s);
         inputs
     }
@@ -141,6 +155,8 @@ impl Inputs {
         failures, failures_mut: [Switch];
         /// Inputs of each control surface, in the order of [`crate::machine::Air::flaps`].
         flaps, flaps_mut: [FlapInputs];
+        /// Inputs of each electrical DC motor, in the order of [`Machine::dc_motors`].
+        dc_motors, dc_motors_mut: [DcMotorInputs];
         ;
         /// Gravity and motion of the root.
         root, root_mut: RootMotion;

@@ -7,7 +7,7 @@
 mod inputs;
 mod parameters;
 
-pub use inputs::{FlapInputs, InputLayout, Inputs, JointInputs};
+pub use inputs::{DcMotorInputs, FlapInputs, InputLayout, Inputs, JointInputs};
 pub use parameters::{
     BodyParameters, FACTOR_RANGE, JointParameters, ParameterLayout, Parameters, SolverParameters, SpatialParameters,
 };

@@ -30,9 +30,14 @@ pub(crate) struct Aeroelastic {
 }
 
 impl Study<'_> {
-    /// Mass, damping and stiffness including the aerodynamic ones, and the lag states. Without strips or a rotor there are no aerodynamic
-    /// ones, and the aerodynamic loads are constant.
+    /// Mass, damping and stiffness including the aerodynamic ones, the aerodynamic lag states and, after them, the currents of electrical
+    /// motors. Without strips or a rotor there are no aerodynamic ones, and the aerodynamic loads are constant.
     pub(crate) fn lagged(&mut self, gusts: bool) -> Result<(Lagged, Option<Aeroelastic>), PlantError> {
+        let (lagged, air) = self.lagged_in_air(gusts)?;
+        Ok((self.with_currents(lagged), air))
+    }
+
+    fn lagged_in_air(&mut self, gusts: bool) -> Result<(Lagged, Option<Aeroelastic>), PlantError> {
         let second = self.second_order()?;
         if !self.system.air_is_linearised() {
             return Ok((Lagged::without(second), None));
@@ -81,7 +86,7 @@ impl Study<'_> {
     /// sixth-order differences.
     pub(super) fn section_slopes(&mut self, freedoms: &[Freedom]) -> [DMatrix<f64>; 3] {
         let now = self.system.state.now.clone();
-        let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
+        let rest = self.system.has_no_motion();
         let zero = vec![0.0; now.q.len()];
         let sections = self.system.equations.model.stations.len() - self.system.equations.load_stations;
         let mut by = [0; 3].map(|_| DMatrix::zeros(SECTION_VARIABLES * sections, freedoms.len()));

@@ -85,7 +85,9 @@ impl Study<'_> {
         let now = &self.system.state.now;
         let tree = self.system.equations.model.tree_coordinates();
         let multipliers: Vec<f64> = zero[..tree].iter().chain(&now.q[tree..]).copied().collect();
-        self.system.equations.residual(time_s, &now.q, &zero, &multipliers, &mut self.system.scratch[0]);
+        let mut still = zero;
+        self.system.equations.stand(&mut still);
+        self.system.equations.residual(time_s, &now.q, &still, &multipliers, &mut self.system.scratch[0]);
         let pulls = |i: &usize| {
             let forces = &self.system.equations.forces.joints()[*i];
             let Some(latch) = forces.latch().map(|catching| catching.latch) else { return false };

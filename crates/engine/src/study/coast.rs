@@ -113,7 +113,9 @@ impl Study<'_> {
     /// multiplied by the model's length.
     fn hinge_torques(&mut self, time_s: f64, hinges: &[usize]) -> DVector<f64> {
         let zero = vec![0.0; self.system.state.now.q.len()];
-        self.system.equations.residual(time_s, &self.system.state.now.q, &zero, &zero, &mut self.system.scratch[0]);
+        let mut still = zero.clone();
+        self.system.equations.stand(&mut still);
+        self.system.equations.residual(time_s, &self.system.state.now.q, &still, &zero, &mut self.system.scratch[0]);
         let torque = |hinge: &usize| {
             self.system.scratch[0][self.system.equations.forces.joints()[*hinge].coordinate] * self.scale(*hinge)
         };
@@ -130,7 +132,7 @@ impl Study<'_> {
         }
         // static equations, for any rates at the start
         let kept = self.system.state.now.clone();
-        self.system.state.now.v.fill(0.0);
+        self.system.equations.stand(&mut self.system.state.now.v);
         self.system.state.now.a.fill(0.0);
         let stiffness = self.lagged(false).ok().and_then(|(lagged, _)| lagged.rest_stiffness());
         self.system.state.now = kept;

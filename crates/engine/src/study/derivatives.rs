@@ -117,7 +117,8 @@ impl Study<'_> {
                 (now.q[joint.coordinate], now.v[joint.coordinate], now.a[joint.coordinate]);
             let (neutral, slew_rate) = motor.slew.at(now.time_s);
             let external_n_m_s = self.system.equations.course.rates.joints()[i].torque_n_m;
-            sum.joints_mut()[i].add_drive(joint, now.time_s, [angle, rate, acceleration], external_n_m_s);
+            let others_n_m_s = [external_n_m_s, joint.armature_torque_n_m(&now.a)];
+            sum.joints_mut()[i].add_drive(joint, now.time_s, [angle, rate, acceleration], others_n_m_s);
             let power_w = motor.drive.slew_power_w(angle, neutral, slew_rate);
             let energy = sum.energy_mut();
             energy.motor += power_w;

@@ -40,7 +40,7 @@ pub enum Beside<'f> {
     Position(&'f Freedom, f64),
     /// The rate of a degree of freedom, changed by an amount.
     Rate(&'f Freedom, f64),
-    /// An aerodynamic lag state, by its index in linear models, changed by an amount in its unit.
+    /// An aerodynamic lag state or, after these, a current, by its index in linear models, changed by an amount in its unit.
     Lag(usize, f64),
 }
 
@@ -51,7 +51,7 @@ pub struct InstantRates {
     pub rates: Vec<f64>,
     /// Accelerations of all coordinates.
     pub accelerations: Vec<f64>,
-    /// Rates of the aerodynamic lag states in their units per s, in the order of linear models.
+    /// Rates of the aerodynamic lag states and of the currents in their units per s, in the order of linear models.
     pub of_lags: Vec<f64>,
     /// Outputs at the instant.
     pub outputs: Outputs,
@@ -65,7 +65,7 @@ impl Study<'_> {
         let mut unused = vec![0.0; self.system.coordinates()];
         let now = &self.system.state.now;
         self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut unused);
-        let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
+        let rest = self.system.has_no_motion();
         if !rest && !self.system.equations.spatial.is_empty() {
             return Err(PlantError::Linearization {
                 time_s: now.time_s,
@@ -205,9 +205,8 @@ impl Study<'_> {
         &mut self,
         take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
     ) -> Result<T, PlantError> {
-        let now = &self.system.state.now;
         let is_current = self.system.state.inputs == self.system.state.applied_inputs;
-        let rests = is_current && now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
+        let rests = is_current && self.system.has_no_motion();
         if self.instant || rests {
             return take(self);
         }
@@ -252,15 +251,17 @@ impl Study<'_> {
                 }
                 Beside::Lag(lag, amount) => {
                     let mut there = study.system.present_lags(false).unwrap_or_default();
-                    if let Some(value) = there.get_mut(lag) {
-                        *value += amount;
+                    match there.get_mut(lag) {
+                        Some(value) => *value += amount,
+                        None => study.add_to_current(lag - there.len(), amount),
                     }
                     lags = Some(there);
                 }
             }
-            let of_lags = study.system.settle_present(lags.as_deref())?;
+            let mut of_lags = study.system.settle_present(lags.as_deref())?;
             study.system.evaluate();
             let now = &study.system.state.now;
+            of_lags.extend(study.system.equations.model.circuits.iter().map(|circuit| now.a[circuit.coordinate]));
             Ok(InstantRates {
                 rates: now.v.clone(),
                 accelerations: now.a.clone(),

@@ -3,6 +3,7 @@
 mod aeroelastic;
 mod at_rest_in_air;
 mod coast;
+mod currents;
 mod derivatives;
 mod differences;
 mod flight;

@@ -84,7 +84,7 @@ impl Study<'_> {
         self.system.state.air = None;
         self.system.configure();
         let mut effort = self.settle_at_rest(time_s, holding)?;
-        self.system.state.now.v.fill(0.0);
+        self.system.equations.stand(&mut self.system.state.now.v);
         self.system.state.now.a.fill(0.0);
         let still = self.correction_in_air(time_s, holding, 0.0)?.determinant;
         let (mut reached, mut step, mut determinant) = (0.0_f64, 1.0_f64, still);

@@ -119,6 +119,7 @@ impl Study<'_> {
     /// If there is no rotor, or if its blades are not copies of one blade rotated by equal angles around the shaft.
     pub fn rotor(&mut self, time_s: f64, shaft: Option<&str>) -> Result<Rotor, PlantError> {
         self.system.refuse_constraints("rotor analysis")?;
+        self.system.refuse_dc_motor("rotor analysis")?;
         let kept = self.system.state.clone();
         let found = self.undeformed(time_s).map(|()| self.find_rotor(shaft));
         self.system.put_back(kept);

@@ -88,6 +88,13 @@ impl Study<'_> {
         let (mut force, mut by_input) = (columns_of(&forces, freedoms.len()), columns_of(&by_input, count));
         let mut impulse = DMatrix::zeros(freedoms.len(), inputs.len());
         let mut follow = DMatrix::zeros(system.lag.nrows(), inputs.len());
+        let currents = self.system.equations.model.circuits.len();
+        let of_air = system.lag.nrows() - currents;
+        for (column, input) in inputs.iter().enumerate() {
+            follow.view_mut((of_air, column), (currents, 1)).copy_from(&self.currents_of_input(input));
+        }
+        let shown = self.outputs_of_currents(count, read);
+        by_lag.columns_mut(of_air, currents).copy_from(&shown);
         if let Some(Aeroelastic { slopes: answers, air_force, air_rate_force, .. }) = &air {
             let kept = self.system.inputs().clone();
             let shares: Vec<DVector<f64>> = inputs.iter().map(|input| DVector::from(air_of(input, &kept))).collect();
@@ -96,13 +103,15 @@ impl Study<'_> {
                 force += air_force * &share;
                 impulse += air_rate_force * share.rows(0, air_rate_force.ncols());
                 let rows = answers.load_rows;
-                follow += answers.air.rows(rows, answers.lags.len()) * &share;
+                let mut lags = follow.rows_mut(0, of_air);
+                lags += answers.air.rows(rows, answers.lags.len()) * &share;
                 by_input += self.outputs_of_air(&(&answers.air * &share), count, read);
             }
             for (slopes, answers) in slopes.iter_mut().zip(&answers.motion) {
                 *slopes += self.outputs_of_air(answers, count, read);
             }
-            by_lag += self.outputs_of_air(&answers.lag, count, read);
+            let mut lags = by_lag.columns_mut(0, of_air);
+            lags += self.outputs_of_air(&answers.lag, count, read);
         }
         let [position, rate] = slopes.each_mut().map(std::mem::take);
         let slopes = OutputSlopes { position, rate, input: by_input };

@@ -128,7 +128,8 @@ struct AtRest<'a> {
     dense: Option<DenseTangent>,
     target: Target,
     time_s: f64,
-    zero: Vec<f64>,
+    /// Rates: zero, except the currents.
+    still: Vec<f64>,
     /// Accelerations: zero, with the multipliers of rigid loops, which the unknowns have at their coordinates.
     multipliers: Vec<f64>,
     /// Weight of each coordinate in the arc length of a path.
@@ -142,7 +143,7 @@ impl<'a> AtRest<'a> {
         Self {
             tangent: Tangent::new(&equations.model),
             dense,
-            zero: vec![0.0; start.len()],
+            still: vec![0.0; start.len()],
             multipliers: vec![0.0; start.len()],
             target,
             time_s,
@@ -197,7 +198,7 @@ impl<'a> AtRest<'a> {
 fn path_weights(model: &Model) -> Vec<f64> {
     let length_m = model.reference_length_m;
     let mut weights = vec![1.0; model.coordinates];
-    weights[model.tree_coordinates()..].fill(0.0);
+    weights[model.tree_coordinates() - model.circuits.len()..].fill(0.0);
     for body in &model.bodies {
         let first = body.joint.coordinate;
         weights[first..first + body.joint.kind.translations()].fill(length_m.powi(-2));
@@ -214,7 +215,7 @@ fn path_weights(model: &Model) -> Vec<f64> {
 
 impl StaticEquations for AtRest<'_> {
     fn coordinates(&self) -> usize {
-        self.zero.len()
+        self.still.len()
     }
 
     fn load(&mut self, factor: f64) {
@@ -240,8 +241,11 @@ impl StaticEquations for AtRest<'_> {
         let tree = self.equations.model.tree_coordinates();
         self.multipliers[tree..].copy_from_slice(&q[tree..]);
         self.equations.seat_at(q);
-        self.equations.residual(self.time_s, q, &self.zero, &self.multipliers, residual);
+        self.equations.stand(&mut self.still);
+        self.equations.residual(self.time_s, q, &self.still, &self.multipliers, residual);
         let Equations { model, work, .. } = &*self.equations;
+        // the currents are those at rest
+        model.circuits.iter().for_each(|circuit| residual[circuit.coordinate] = 0.0);
         for (index, closure) in model.rigid_loops.iter().enumerate() {
             residual[model.multipliers(index)].copy_from_slice(closure.gap(work).position_m.as_slice());
         }
@@ -405,11 +409,11 @@ impl Study<'_> {
     /// Starts without initial rates: the aerodynamic loads are static ones from the first search on.
     fn start_at_rest(&mut self, time_s: f64) {
         self.system.start(time_s);
-        self.system.state.now.v.fill(0.0);
+        self.system.equations.stand(&mut self.system.state.now.v);
     }
 
     fn conclude_rest(&mut self, time_s: f64) -> Result<(), PlantError> {
-        self.system.state.now.v.fill(0.0);
+        self.system.equations.stand(&mut self.system.state.now.v);
         self.system.state.now.a.fill(0.0);
         // the multipliers are stored with the coordinates in the search, but with the accelerations in a motion
         let tree = self.system.equations.model.tree_coordinates();

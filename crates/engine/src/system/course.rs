@@ -80,6 +80,12 @@ impl Course {
         }
     }
 
+    /// Voltage of an electrical motor at a time in V.
+    pub fn voltage_v(&self, dc_motor: usize, time_s: f64) -> f64 {
+        let (base, rate) = (&self.base.dc_motors()[dc_motor], &self.rates.dc_motors()[dc_motor]);
+        base.voltage_v + rate.voltage_v * (time_s - self.from_s)
+    }
+
     /// External torque of a revolute joint at a time in N·m.
     pub fn torque_n_m(&self, joint: usize, time_s: f64) -> f64 {
         self.base.joints()[joint].torque_n_m + self.rates.joints()[joint].torque_n_m * (time_s - self.from_s)

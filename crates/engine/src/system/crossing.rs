@@ -78,6 +78,17 @@ impl System {
         }
     }
 
+    /// Returns an error that names an analysis if an electrical motor does not permit it.
+    pub(crate) fn refuse_dc_motor(&self, analysis: &'static str) -> Result<(), PlantError> {
+        match self.machine.dc_motors().next() {
+            None => Ok(()),
+            Some((joint, _)) => {
+                let (time_s, joint) = (self.state.now.time_s, self.joint_name(joint).to_owned());
+                Err(PlantError::DcMotor { time_s, joint, analysis })
+            }
+        }
+    }
+
     /// Returns an error that names an analysis that a machine with sliding joints does not permit: with rigid loops, or with too many
     /// coordinates for a dense matrix.
     pub(crate) fn refuse_sliding(&self, analysis: &'static str) -> Result<(), PlantError> {

@@ -58,6 +58,10 @@ pub(crate) struct Equations {
     /// Whether energies are booked; not during trial marches, which are undone.
     pub booked: bool,
     pub tangents: Vec<FreedomTangent>,
+    /// Weights of the last factorisation.
+    weights: Weights,
+    /// Per circuit: damping of its joint without it, during a factorisation.
+    own_damping: Vec<f64>,
     /// Time of the next failure known in advance, in s; infinite if there is none.
     pub failure_s: f64,
     /// Elements before any failure, for models with bodies that may be weakened.
@@ -143,6 +147,11 @@ impl Equations {
         for (index, body) in machine.bodies.iter().enumerate() {
             model.damp_modes(index, &body.modal_damping_ratios);
         }
+        for (joint, own) in machine.dc_motors() {
+            let constant_n_m_a = own.torque_constant_n_m_a * own.gear_ratio;
+            let (body, _) = machine.one_freedoms().nth(joint).expect("a joint with a motor");
+            model.add_circuit(body, [own.inductance_h, own.resistance_ohm, constant_n_m_a]);
+        }
         let load_stations = model.stations.len();
         add_sections(machine, &mut model);
         let mut tangents = vec![FreedomTangent::HELD; model.bodies.len()];
@@ -169,6 +178,8 @@ impl Equations {
             forces: joint_forces::of_machine(machine, &model),
             spatial: SpatialJoint::of_machine(machine, &model),
             tangents,
+            weights: Weights { mass: 1.0, damping: 0.0, stiffness: 0.0 },
+            own_damping: vec![0.0; model.circuits.len()],
             branch_s: 0.0,
             booked: true,
             failure_s: f64::INFINITY,
@@ -191,6 +202,17 @@ impl Equations {
                     external.torque_n_m = self.course.torque_n_m(i, time_s);
                 }
             }
+            for (i, armature) in self.forces.armatures_mut().enumerate() {
+                armature.voltage_v = self.course.voltage_v(i, time_s);
+            }
+        }
+    }
+
+    /// Sets all rates to zero except the currents, which become those at rest, eq. (A13).
+    pub(crate) fn stand(&self, v: &mut [f64]) {
+        v.fill(0.0);
+        for armature in self.forces.armatures() {
+            v[armature.circuit.coordinate] = armature.rest_current_a();
         }
     }
 
@@ -305,6 +327,11 @@ impl EquationsOfMotion for Equations {
         };
         dynamics::residual(&self.model, &mut self.work, Motion { q, v, a }, environment, residual);
         self.forces.apply(time_s, [q, v], &self.work, residual, &mut self.tangents);
+        if !self.model.circuits.is_empty() {
+            for armature in self.forces.armatures() {
+                residual[armature.circuit.coordinate] = armature.circuit.residual_v(v, a, armature.voltage_v);
+            }
+        }
         for joint in self.spatial.iter().filter(|joint| joint.held) {
             residual[joint.range()].fill(0.0);
         }
@@ -325,16 +352,34 @@ impl EquationsOfMotion for Equations {
 
     fn factorize(&mut self, mass: f64, damping: f64, stiffness: f64) -> Result<(), Singular> {
         let weights = Weights { mass, damping, stiffness };
-        factor::factorize(&self.model, &mut self.work, weights, &self.damping, &self.tangents)
-            .map_err(|pivot| Singular { coordinate: pivot.coordinate })
+        self.weights = weights;
+        for (circuit, kept) in self.model.circuits.iter().zip(&mut self.own_damping) {
+            let damping = &mut self.tangents[circuit.body].damping;
+            *kept = *damping;
+            *damping += circuit.added_damping(weights);
+        }
+        let factors = factor::factorize(&self.model, &mut self.work, weights, &self.damping, &self.tangents);
+        for (circuit, kept) in self.model.circuits.iter().zip(&self.own_damping) {
+            self.tangents[circuit.body].damping = *kept;
+        }
+        factors.map_err(|pivot| Singular { coordinate: pivot.coordinate })
     }
 
     fn solve(&mut self, x: &mut [f64]) -> f64 {
-        factor::solve(&self.model, &mut self.work, x)
+        for circuit in &self.model.circuits {
+            circuit.reduce(self.weights, x);
+        }
+        let mut norm = factor::solve(&self.model, &mut self.work, x);
+        for circuit in &self.model.circuits {
+            circuit.expand(self.weights, x);
+            norm = circuit.include(norm, x);
+        }
+        norm
     }
 
     fn norm(&mut self, change: &[f64]) -> f64 {
-        norm::kinematic_norm(&self.model, &mut self.work, change)
+        let norm = norm::kinematic_norm(&self.model, &mut self.work, change);
+        self.model.circuits.iter().fold(norm, |norm, circuit| circuit.include(norm, change))
     }
 
     fn powers(&mut self, time_s: f64, q: &[f64], v: &[f64], a: &[f64]) -> Powers {

@@ -237,6 +237,19 @@ pub enum PlantError {
         /// The analysis.
         analysis: &'static str,
     },
+    /// An analysis that models with electrical motors do not support.
+    #[error(
+        "no {analysis} at t = {time_s} s: the current of the dc_motor of joint {joint:?} is a state that this analysis does not include; \
+         compute the motion over time, or omit the table [joint.{joint}.dc_motor]"
+    )]
+    DcMotor {
+        /// Time in s.
+        time_s: f64,
+        /// Name of the joint.
+        joint: String,
+        /// The analysis.
+        analysis: &'static str,
+    },
     /// A wheel whose axis, or a skate whose blade, is along the normal of the plane.
     #[error(
         "at t = {time_s} s the {kind} {name:?} {lies}: its {part} is at {angle_deg:.2}° to the normal of the plane, along which it has no \
@@ -299,6 +312,7 @@ impl PlantError {
             | Self::Sliding { .. }
             | Self::RigidLoop { .. }
             | Self::NoSlip { .. }
+            | Self::DcMotor { .. }
             | Self::NoHeading { .. }
             | Self::Linearization { .. }
             | Self::Periodic { .. }

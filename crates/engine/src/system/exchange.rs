@@ -3,6 +3,7 @@
 
 use crate::machine::Travel;
 use crate::math::strain::{CURVATURES, NAMES};
+use crate::multibody::circuit::Circuit;
 use crate::system::hybrid::NotHybrid;
 use crate::system::nominal::{self, OF_JOINTS};
 use crate::system::outside::Outside;
@@ -85,15 +86,27 @@ impl System {
         self.exchange.strain_inertia_s2 = if limited { limit_rad_s.powi(-2) } else { 0.0 };
     }
 
-    /// Number of continuous states: coordinates that move, their rates, lag states of strips and, if they are kept, work and dissipation.
+    /// Number of continuous states: coordinates that move, their rates, lag states of strips, currents of electrical motors and, if they are
+    /// kept, work and dissipation.
     pub fn exchange_state_count(&self) -> usize {
-        2 * self.moving.len() + self.lag_count() + self.account_count()
+        2 * self.moving.len() + self.lag_count() + self.circuits().len() + self.account_count()
     }
 
     /// Names of the lag states, in the order of the states.
     pub fn exchange_lags(&self) -> Vec<String> {
         let continuous = self.air.as_ref().and_then(|air| air.continuous.as_ref());
         continuous.map_or(Vec::new(), |air| self.lag_names(air.gusts))
+    }
+
+    /// Names of the currents, in the order of the states, after the lag states.
+    pub fn exchange_currents(&self) -> Vec<String> {
+        let name = |circuit: &Circuit| format!("{}.current", self.machine.bodies[circuit.body].joint.name);
+        self.circuits().iter().map(name).collect()
+    }
+
+    /// Circuits of the model.
+    pub(super) fn circuits(&self) -> &[Circuit] {
+        &self.equations.model.circuits
     }
 
     /// Number of event indicators: those of the forces, then two for each motor.
@@ -154,13 +167,15 @@ impl System {
     pub fn exchange_state(&self, state: usize) -> f64 {
         let (now, n) = (&self.state.now, self.moving.len());
         let lags = 2 * n + self.lag_count();
+        let currents = lags + self.circuits().len();
         match &self.state.outside {
             Some(outside) => outside.states[state],
             None if !self.state.initialized => 0.0,
             None if state < n => now.q[self.moving[state]],
             None if state < 2 * n => now.v[self.moving[state - n]],
             None if state < lags => self.own_lag(state - 2 * n)[0],
-            None => [now.work, now.dissipated][state - lags],
+            None if state < currents => now.v[self.circuits()[state - lags].coordinate],
+            None => [now.work, now.dissipated][state - currents],
         }
     }
 
@@ -168,13 +183,15 @@ impl System {
     pub fn exchange_derivative(&self, state: usize) -> f64 {
         let (now, n) = (&self.state.now, self.moving.len());
         let lags = 2 * n + self.lag_count();
+        let currents = lags + self.circuits().len();
         match &self.state.outside {
             Some(_) => self.told.derivatives.get(state).copied().unwrap_or(0.0),
             None if !self.state.initialized => 0.0,
             None if state < n => now.v[self.moving[state]],
             None if state < 2 * n => now.a[self.moving[state - n]],
             None if state < lags => self.own_lag(state - 2 * n)[1],
-            None => [now.powers.work, now.powers.dissipated][state - lags],
+            None if state < currents => now.a[self.circuits()[state - lags].coordinate],
+            None => [now.powers.work, now.powers.dissipated][state - currents],
         }
     }
 

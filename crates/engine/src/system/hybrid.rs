@@ -16,8 +16,8 @@ use crate::system::{OutputSet, System};
 
 /// An initialised model, without aerodynamics or with strip theory, under an external integrator.
 ///
-/// The states are the coordinates that forces can move, then their rates, then the lag states of strips; their number is constant, even
-/// while joints are held. Coordinates of universal, ball and free joints are redundant parameters: [`Hybrid::complete`] projects them onto
+/// The states are the coordinates that forces can move, then their rates, then the lag states of strips, then the currents of electrical
+/// motors; their number is constant, even while joints are held. Coordinates of universal, ball and free joints are redundant parameters: [`Hybrid::complete`] projects them onto
 /// their constraints. Between events, derivatives are smooth in states and time, except at the torque limits of motors, which have no event
 /// indicator here.
 pub struct Hybrid<'a> {
@@ -106,17 +106,20 @@ impl System {
         Hybrid { system: self }
     }
 
-    /// Coordinates that are states of [`System::hybrid`]: all except those that are prescribed or permanently locked.
+    /// Coordinates that are states of [`System::hybrid`]: all except those that are prescribed or permanently locked, and the charges of
+    /// circuits, on which nothing depends.
     pub(super) fn moving_coordinates(equations: &Equations) -> Vec<usize> {
         let given = |c: usize| equations.forces.joints().iter().any(|joint| joint.coordinate == c && !joint.driven);
-        (0..equations.model.coordinates).filter(|&c| !given(c)).collect()
+        let circuits = &equations.model.circuits;
+        let charge = |c: usize| circuits.iter().any(|circuit| circuit.coordinate == c);
+        (0..equations.model.coordinates).filter(|&c| !given(c) && !charge(c)).collect()
     }
 }
 
 impl Hybrid<'_> {
     /// Number of continuous states.
     pub fn states(&self) -> usize {
-        2 * self.system.moving.len() + self.system.lag_count()
+        2 * self.system.moving.len() + self.system.lag_count() + self.system.circuits().len()
     }
 
     /// Indices in the vectors of the equations of the coordinates that are states, in the order of the states; their rates follow in the
@@ -134,8 +137,7 @@ impl Hybrid<'_> {
     pub fn read(&self, states: &mut [f64]) {
         let now = &self.system.state.now;
         self.copy_to(states, &now.q, &now.v);
-        let lags = &mut states[2 * self.system.moving.len()..];
-        lags.copy_from_slice(self.air().map_or(&[], |air| &air.lags_m_s));
+        self.copy_others(states, self.air().map_or(&[], |air| &air.lags_m_s), &now.v);
     }
 
     /// Copies coordinates that move and their rates, or rates and accelerations.
@@ -146,6 +148,15 @@ impl Hybrid<'_> {
         }
     }
 
+    /// Copies lag states and currents, or their rates, behind those of the coordinates.
+    fn copy_others(&self, states: &mut [f64], of_lags: &[f64], of_charges: &[f64]) {
+        let (lags, currents) = states[2 * self.system.moving.len()..].split_at_mut(self.system.lag_count());
+        lags.copy_from_slice(of_lags);
+        for (current, circuit) in currents.iter_mut().zip(self.system.circuits()) {
+            *current = of_charges[circuit.coordinate];
+        }
+    }
+
     fn air(&self) -> Option<&ContinuousAir> {
         self.system.air.as_ref()?.continuous.as_ref()
     }
@@ -153,12 +164,16 @@ impl Hybrid<'_> {
     /// Sets time and states, and returns the constraint violation of the redundant parameters. Allocates nothing, like the other functions
     /// of this type.
     pub fn set(&mut self, time_s: f64, states: &[f64]) -> f64 {
-        self.system.set_lags(&states[2 * self.system.moving.len()..]);
+        let (lags, currents) = states[2 * self.system.moving.len()..].split_at(self.system.lag_count());
+        self.system.set_lags(lags);
         let System { state, equations, moving, .. } = &mut *self.system;
         let now = &mut state.now;
         let (first, second) = states[..2 * moving.len()].split_at(moving.len());
         for (i, &c) in moving.iter().enumerate() {
             (now.q[c], now.v[c]) = (first[i], second[i]);
+        }
+        for (circuit, current) in equations.model.circuits.iter().zip(currents) {
+            now.v[circuit.coordinate] = *current;
         }
         now.time_s = time_s;
         now.a.fill(0.0);
@@ -213,8 +228,7 @@ impl Hybrid<'_> {
         }
         let now = &self.system.state.now;
         self.copy_to(derivatives, &now.v, &now.a);
-        let lag_rates = &mut derivatives[2 * self.system.moving.len()..];
-        lag_rates.copy_from_slice(self.air().map_or(&[], |air| air.lag_rates_m_s2()));
+        self.copy_others(derivatives, self.air().map_or(&[], |air| air.lag_rates_m_s2()), &now.a);
         Ok(AccountRates { dissipated_w: now.powers.dissipated, work_w: now.powers.work })
     }
 
@@ -293,6 +307,7 @@ impl Hybrid<'_> {
         }
         applied.stations_mut().copy_from_slice(inputs.stations());
         applied.flaps_mut().copy_from_slice(inputs.flaps());
+        applied.dc_motors_mut().copy_from_slice(inputs.dc_motors());
         *applied.root_mut() = *inputs.root();
         *applied.wind_m_s_mut() = *inputs.wind_m_s();
         *applied_from_s = now.time_s;

@@ -4,6 +4,7 @@ use crate::force::Force;
 use crate::force::attitude::AttitudeSpring;
 use crate::force::borders::Borders;
 use crate::force::brake::Brake;
+use crate::force::dc_motor::Armature;
 use crate::force::end_stops::TwoSidedStops;
 use crate::force::external::External;
 use crate::force::generator::Generator;
@@ -23,7 +24,8 @@ use crate::system::failure_memory;
 /// Forces on all joints of a model; inputs and parameters are set later.
 pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
     let joints = machine.one_freedoms().map(|(body, own)| {
-        let mut forces = of_joint(own);
+        let circuit = model.circuits.iter().find(|circuit| circuit.body == body);
+        let mut forces = of_joint(own, circuit.map(|circuit| Armature { circuit: *circuit, voltage_v: 0.0 }));
         forces.extend(failure_memory::forces_on(machine, body));
         if let Base::Axis(slide) = model.bodies[body].base {
             forces.push(Force::Borders(Borders::new(model.slides[slide].borders_m(model))));
@@ -40,10 +42,10 @@ pub(crate) fn of_machine(machine: &Machine, model: &Model) -> Forces {
 }
 
 /// Forces on a joint, in the order in which their torques are added.
-fn of_joint(own: &OneFreedom) -> Vec<Force> {
+fn of_joint(own: &OneFreedom, armature: Option<Armature>) -> Vec<Force> {
     let mut forces = match &own.motion {
         JointMotion::Free => vec![
-            Force::Motor(Motor::default()),
+            Force::Motor(Motor { armature, ..Motor::default() }),
             Force::Spring(Spring::default()),
             Force::External(External::default()),
             Force::Brake(Brake),
@@ -99,6 +101,7 @@ pub(crate) fn set(forces: &mut Forces, inputs: &Inputs, parameters: &Parameters)
             latch.stiffness_n_m_rad = own.latch_stiffness_n_m_rad;
         }
     }
+    forces.armatures_mut().zip(inputs.dc_motors()).for_each(|(armature, own)| armature.voltage_v = own.voltage_v);
     for (joint, own) in forces.spatial_mut().iter_mut().zip(parameters.spatial()) {
         if let Some(spring) = joint.attitude_mut() {
             spring.stiffness_n_m_rad = own.stiffness_n_m_rad;

@@ -42,8 +42,8 @@ pub use fastest::FastestMotion;
 pub use freedoms::Freedom;
 pub use hybrid::{AccountRates, Hybrid, Jump, NotHybrid};
 pub use outputs::{
-    EnergyOutputs, FailureOutputs, FlapOutputs, GeneratorOutputs, JointOutputs, LatchOutputs, LoopOutputs,
-    ModalOutputs, NoSlipOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
+    DcMotorOutputs, EnergyOutputs, FailureOutputs, FlapOutputs, GeneratorOutputs, JointOutputs, LatchOutputs,
+    LoopOutputs, ModalOutputs, NoSlipOutputs, OutputLayout, OutputSet, Outputs, PointOutputs, SpatialOutputs,
 };
 pub(crate) use shape::ENERGY_SHARES;
 pub use shape::{

@@ -118,6 +118,9 @@ impl System {
                 return format!("element {element} of {count} of body {}", machine.name);
             }
         }
+        if let Some(circuit) = model.circuits.iter().find(|circuit| circuit.coordinate == coordinate) {
+            return format!("the current of joint {}", self.machine.bodies[circuit.body].joint.name);
+        }
         "no joint and no element".to_owned()
     }
 
@@ -156,6 +159,9 @@ impl System {
             let travel = travel.unwrap_or(Travel::Rotation);
             offer(joint.torque_n_m, travel.effort_unit(), &|| format!("{name}.{}", travel.words("external_torque")));
             offer(joint.command_rad, travel.units()[0], &|| format!("{name}.{}", travel.words("angle_command")));
+        }
+        for (own, (joint, _)) in inputs.dc_motors().iter().zip(self.machine.dc_motors()) {
+            offer(own.voltage_v, "V", &|| format!("{}.voltage", self.joint_name(joint)));
         }
         let stations =
             self.machine.bodies.iter().flat_map(|body| (0..body.station_positions_m.len()).map(move |i| (body, i)));

@@ -72,6 +72,9 @@ impl System {
             joints.push(state);
         }
 
+        for (circuit, (_, own)) in self.equations.model.circuits.iter().zip(self.machine.dc_motors()) {
+            v[circuit.coordinate] = own.start_current_a;
+        }
         for (body, described) in self.equations.model.bodies.iter().zip(&self.machine.bodies) {
             if let (Some(modal), Some(law)) = (&body.modal, described.section.modal()) {
                 for (q, (_, shape)) in q[modal.range()].iter_mut().zip(law.shapes()) {

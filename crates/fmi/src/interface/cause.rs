@@ -14,6 +14,8 @@ pub(super) enum Cause {
     AnyCommand,
     /// Connection of a joint's generator.
     Generator(usize),
+    /// Voltage of a joint's electrical motor.
+    Voltage(usize),
     /// External torque of a joint.
     Torque(usize),
     /// Gravity and the root's linear acceleration.

@@ -107,6 +107,7 @@ fn is_cause(topology: &Topology, cause: Cause, known: Known) -> bool {
         Cause::AnyCommand => matches!(known, Known::Input(Input::Joint(_, JointInput::Command))),
         Cause::Torque(joint) => turns_joint(joint, known),
         Cause::Generator(joint) => known == Known::Input(Input::Joint(joint, JointInput::GeneratorOn)),
+        Cause::Voltage(joint) => known == Known::Input(Input::Joint(joint, JointInput::Voltage)),
         Cause::Weight => matches!(known, Known::Input(Input::Gravity | Input::RootAcceleration)),
         Cause::Prescribed(joint) => known == Known::Time && topology.is_prescribed(joint),
         Cause::Travel(body) => known == Known::Time && moved(topology, body),
@@ -234,7 +235,8 @@ fn pushes(topology: &Topology, reach: Reach, known: Known) -> bool {
             Input::Joint(joint, JointInput::Command | JointInput::Torque | JointInput::GeneratorOn) => {
                 reach.holds(topology, topology.revolutes[joint])
             }
-            Input::Joint(_, JointInput::Release | JointInput::LatchEnable) => false,
+            // a voltage acts on the rate of the current, which is a state
+            Input::Joint(_, JointInput::Release | JointInput::LatchEnable | JointInput::Voltage) => false,
             Input::Load(station) => reach.holds(topology, topology.stations[station].0),
             Input::Gravity | Input::RootAcceleration | Input::RootAngularVelocity | Input::RootAngularAcceleration => {
                 reach.feels(topology, input)

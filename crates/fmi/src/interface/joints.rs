@@ -4,14 +4,14 @@ use crate::interface::DependencyKind;
 use crate::interface::Variability;
 use crate::interface::cause::{Cause, Depends};
 use crate::interface::hinge_dependencies::starts_closed;
-use crate::interface::known::{JointParameter, Parameter, SpatialParameter};
+use crate::interface::known::{Input, JointInput, JointParameter, Parameter, SpatialParameter};
 use crate::interface::table::{NON_NEGATIVE, ParameterRow, Shape, TURN, Table, Text, Type, place, wrench};
 use crate::interface::topology::Topology;
 use foldwing_engine::load::Wrench;
 use foldwing_engine::machine::Travel;
 use foldwing_engine::plant::{
-    GeneratorOutputs, JointOutputs, JointParameters, LatchOutputs, ModalOutputs, OutputSet, SpatialOutputs,
-    SpatialParameters,
+    DcMotorInputs, DcMotorOutputs, GeneratorOutputs, JointOutputs, JointParameters, LatchOutputs, ModalOutputs,
+    OutputSet, SpatialOutputs, SpatialParameters,
 };
 use std::mem::offset_of;
 
@@ -198,6 +198,7 @@ pub(super) fn revolute_outputs(table: &mut Table, topology: &Topology, joint: us
         torque_outputs(&mut add);
     }
     generator_outputs(table, topology, joint);
+    dc_motor_outputs(table, topology, joint);
     reaction_outputs(table, topology, topology.revolutes[joint]);
 }
 
@@ -218,6 +219,41 @@ fn generator_outputs(table: &mut Table, topology: &Topology, joint: usize) {
     let torque = "generator torque on its shaft, positive against the motion";
     add("torque", offset_of!(GeneratorOutputs, torque_n_m), "Moment", gives(), torque);
     add("power", offset_of!(GeneratorOutputs, power_w), "Power", gives(), "electrical power of the generator");
+}
+
+/// Index of a joint's electrical motor among those of the machine, if it has one.
+fn dc_motor_of(topology: &Topology, joint: usize) -> Option<usize> {
+    topology.machine.dc_motors().position(|(place, _)| place == joint)
+}
+
+/// Voltage of a joint's electrical motor, if it has one.
+pub(super) fn voltage_input(table: &mut Table, topology: &Topology, joint: usize) {
+    let Some(index) = dc_motor_of(topology, joint) else { return };
+    let name = topology.joint_name(joint);
+    let text = Text::new(format!("{name}.voltage"), format!("joint {name}: voltage of the DC motor"));
+    let place = table.inputs.layout().dc_motors.place(index, offset_of!(DcMotorInputs, voltage_v));
+    table.input(Input::Joint(joint, JointInput::Voltage), place, Shape::Scalar, Type::Real("Voltage"), text);
+}
+
+/// Outputs of a joint's electrical motor, if it has one. The current is a state; in equilibrium it follows from the voltage.
+fn dc_motor_outputs(table: &mut Table, topology: &Topology, joint: usize) {
+    let Some(index) = dc_motor_of(topology, joint) else { return };
+    let (name, travel) = (topology.joint_name(joint), topology.travel(joint));
+    let mut add = |key: &str, offset, declared, depends, meaning: &str| {
+        let place = (table.outputs.dc_motors.place(index, offset), OutputSet::JOINTS);
+        let text =
+            Text::new(format!("{name}.{}", travel.words(key)), format!("joint {name}: {}", travel.words(meaning)));
+        table.output(place, Shape::Scalar, declared, depends, text);
+    };
+    let of_state = || Depends::new([], []);
+    let current = "armature current of the DC motor";
+    add("current", offset_of!(DcMotorOutputs, current_a), "Current", of_state(), current);
+    let torque = "torque of the DC motor on the outer body about the hinge axis";
+    let declared = travel.declared("Moment");
+    add("dc_motor_torque", offset_of!(DcMotorOutputs, torque_n_m), declared, of_state(), torque);
+    let depends = Depends::new([Cause::Voltage(joint)], [Cause::Voltage(joint)]);
+    let power = "electrical power at the terminals of the DC motor";
+    add("electrical_power", offset_of!(DcMotorOutputs, power_w), "Power", depends, power);
 }
 
 /// Outputs of modal bodies and of beams with a curved axis: deflection of the outer end and load at the inner end, in the frame of the

@@ -49,6 +49,8 @@ pub(super) enum JointInput {
     LatchEnable,
     /// Connection of the generator.
     GeneratorOn,
+    /// Voltage of the electrical motor.
+    Voltage,
 }
 
 /// A parameter; indices as in [`foldwing_engine::plant::Parameters`].

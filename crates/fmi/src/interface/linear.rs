@@ -29,8 +29,8 @@ pub struct LinearModel {
     /// The loads of a vortex lattice are held constant in the model: it includes no wind, aerodynamic damping or flutter. False with strip
     /// theory, whose loads and lag states are included.
     pub without_air: bool,
-    /// States: free coordinates, then their rates, then the aerodynamic states: for strips the lag states, for a lattice the changes of the
-    /// rates at the aerodynamic steps, of the circulations and of the loads.
+    /// States: free coordinates, then their rates, then the aerodynamic states, for strips the lag states, for a lattice the changes of the
+    /// rates at the aerodynamic steps, of the circulations and of the loads, then the currents of electrical motors.
     pub states: Vec<LinearSignal>,
     /// Inputs.
     pub inputs: Vec<LinearSignal>,
@@ -259,6 +259,11 @@ impl Interface {
                 value,
             }))
             .chain(plant.air_lags(!gusts.is_empty()).into_iter().map(|(name, unit, value)| LinearSignal {
+                name,
+                unit: unit.to_owned(),
+                value,
+            }))
+            .chain(plant.current_states().into_iter().map(|(name, unit, value)| LinearSignal {
                 name,
                 unit: unit.to_owned(),
                 value,

@@ -35,7 +35,7 @@ pub use guid::guid;
 pub use linear::{GUSTS, LinearModel, LinearSignal, Reduction, reduce_any};
 pub use operating_point::{Acting, JointPoint, OperatingPoint};
 pub use table::{Shape, Signal};
-pub use units::{RealType, TYPES, UNITS, Unit};
+pub use units::{BASES, RealType, TYPES, UNITS, Unit};
 pub use variable::{Causality, Dependencies, DependencyKind, Initial, MAXIMUM_LISTED, Value, Variability, Variable};
 
 use access::Slot;

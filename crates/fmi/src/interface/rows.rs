@@ -72,6 +72,7 @@ fn inputs(table: &mut Table, topology: &Topology) {
             let on = offset_of!(JointInputs, generator_on);
             add(JointInput::GeneratorOn, on, "generator_on", Type::Boolean, "generator is connected");
         }
+        joints::voltage_input(table, topology, joint);
     }
     for (station, &(body, number)) in topology.stations.iter().enumerate() {
         let body = &topology.machine.bodies[body];

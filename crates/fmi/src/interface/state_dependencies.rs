@@ -78,7 +78,10 @@ impl Interface {
                     let joint = (0..coordinates).filter(of_joint);
                     found.running = list(joint.flat_map(|c| [states[c], states[coordinates + c]]).collect());
                 }
-                Place::Derivative(state) if state < 2 * coordinates && !one_tree => {
+                // currents of electrical motors act on the accelerations too
+                Place::Derivative(state)
+                    if state < 2 * coordinates && !one_tree && machine.dc_motors().next().is_none() =>
+                {
                     let own = tree(state - coordinates);
                     let motion = (0..coordinates).filter(|&c| tree(c) == own);
                     let motion = motion.flat_map(|c| [states[c], states[coordinates + c]]);
@@ -151,6 +154,8 @@ fn acts(topology: &Topology, tree: usize, known: Known) -> bool {
             }
             // act through events, which change discrete states
             Input::Joint(_, JointInput::Release | JointInput::LatchEnable) | Input::Failure(_) => false,
+            // acts on the rate of the current only
+            Input::Joint(_, JointInput::Voltage) => false,
             // the aerodynamic loads connect all trees
             Input::Wind | Input::Flap(_) | Input::FlapRate(_) => false,
         },

@@ -20,6 +20,9 @@ const NOMINAL_ENERGY_J: f64 = 1.0;
 /// Typical magnitude of a lag state in m/s.
 const NOMINAL_LAG_M_S: f64 = 1.0;
 
+/// Typical magnitude of a current in A.
+const NOMINAL_CURRENT_A: f64 = 1.0;
+
 /// Adds the rows: all states, then the derivatives in the same order. Returns the bodies of the coordinates, whose rates follow them.
 pub(super) fn add(table: &mut Table, plant: &Plant) -> Vec<usize> {
     let coordinates = plant.exchange_coordinates();
@@ -43,6 +46,10 @@ pub(super) fn add(table: &mut Table, plant: &Plant) -> Vec<usize> {
     for name in plant.exchange_lags() {
         let meaning = format!("aerodynamic lag state {name}");
         add(table, format!("state.{name}"), ["Velocity", "Acceleration"], NOMINAL_LAG_M_S, &meaning);
+    }
+    for name in plant.exchange_currents() {
+        let meaning = format!("armature current {name}");
+        add(table, format!("state.{name}"), ["Current", "CurrentSlope"], NOMINAL_CURRENT_A, &meaning);
     }
     for (name, meaning) in ACCOUNTS.into_iter().filter(|_| plant.keeps_exchange_accounts()) {
         add(table, format!("state.energy.{name}"), ["Energy", "Power"], NOMINAL_ENERGY_J, meaning);

@@ -5,8 +5,8 @@
 pub struct Unit {
     /// Name, e.g. `N.m`.
     pub name: &'static str,
-    /// Exponents of kg, m, s, rad.
-    pub exponents: [i32; 4],
+    /// Exponents of kg, m, s, A, rad: [`BASES`].
+    pub exponents: [i32; 5],
     /// Display unit: name and factor from base to display.
     pub display: Option<(&'static str, f64)>,
 }
@@ -25,11 +25,11 @@ pub struct RealType {
 /// Degrees per radian.
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-const fn unit(name: &'static str, exponents: [i32; 4]) -> Unit {
+const fn unit(name: &'static str, exponents: [i32; 5]) -> Unit {
     Unit { name, exponents, display: None }
 }
 
-const fn shown(name: &'static str, exponents: [i32; 4], display: &'static str, factor: f64) -> Unit {
+const fn shown(name: &'static str, exponents: [i32; 5], display: &'static str, factor: f64) -> Unit {
     Unit { name, exponents, display: Some((display, factor)) }
 }
 
@@ -37,33 +37,39 @@ const fn real(name: &'static str, quantity: &'static str, unit: &'static str) ->
     RealType { name, quantity, unit }
 }
 
-/// Units that the table uses; exponents of kg, m, s, rad.
+/// Base units of [`Unit::exponents`], as the FMI standard names them.
+pub const BASES: [&str; 5] = ["kg", "m", "s", "A", "rad"];
+
+/// Units that the table uses; exponents of kg, m, s, A, rad.
 pub const UNITS: &[Unit] = &[
-    unit("1", [0, 0, 0, 0]),
-    unit("s", [0, 0, 1, 0]),
-    unit("1/s", [0, 0, -1, 0]),
-    unit("m", [0, 1, 0, 0]),
-    unit("m/s", [0, 1, -1, 0]),
-    unit("m/s2", [0, 1, -2, 0]),
-    shown("rad", [0, 0, 0, 1], "deg", DEGREES),
-    shown("rad/s", [0, 0, -1, 1], "deg/s", DEGREES),
-    shown("rad/s2", [0, 0, -2, 1], "deg/s2", DEGREES),
-    unit("N", [1, 1, -2, 0]),
-    unit("N.m", [1, 2, -2, 0]),
-    unit("N.s", [1, 1, -1, 0]),
-    unit("N.m.s", [1, 2, -1, 0]),
-    unit("N/m", [1, 0, -2, 0]),
-    unit("N.s/m", [1, 0, -1, 0]),
-    unit("N.m/rad", [1, 2, -2, -1]),
-    unit("N.m.s/rad", [1, 2, -1, -1]),
-    unit("m2/s", [0, 2, -1, 0]),
-    unit("kg/m3", [1, -3, 0, 0]),
-    unit("J", [1, 2, -2, 0]),
-    unit("W", [1, 2, -3, 0]),
-    unit("1/s2", [0, 0, -2, 0]),
-    unit("1/m", [0, -1, 0, 0]),
-    unit("1/(m.s)", [0, -1, -1, 0]),
-    unit("1/(m.s2)", [0, -1, -2, 0]),
+    unit("1", [0, 0, 0, 0, 0]),
+    unit("s", [0, 0, 1, 0, 0]),
+    unit("1/s", [0, 0, -1, 0, 0]),
+    unit("m", [0, 1, 0, 0, 0]),
+    unit("m/s", [0, 1, -1, 0, 0]),
+    unit("m/s2", [0, 1, -2, 0, 0]),
+    shown("rad", [0, 0, 0, 0, 1], "deg", DEGREES),
+    shown("rad/s", [0, 0, -1, 0, 1], "deg/s", DEGREES),
+    shown("rad/s2", [0, 0, -2, 0, 1], "deg/s2", DEGREES),
+    unit("N", [1, 1, -2, 0, 0]),
+    unit("N.m", [1, 2, -2, 0, 0]),
+    unit("N.s", [1, 1, -1, 0, 0]),
+    unit("N.m.s", [1, 2, -1, 0, 0]),
+    unit("N/m", [1, 0, -2, 0, 0]),
+    unit("N.s/m", [1, 0, -1, 0, 0]),
+    unit("N.m/rad", [1, 2, -2, 0, -1]),
+    unit("N.m.s/rad", [1, 2, -1, 0, -1]),
+    unit("m2/s", [0, 2, -1, 0, 0]),
+    unit("kg/m3", [1, -3, 0, 0, 0]),
+    unit("J", [1, 2, -2, 0, 0]),
+    unit("W", [1, 2, -3, 0, 0]),
+    unit("V", [1, 2, -3, -1, 0]),
+    unit("A", [0, 0, 0, 1, 0]),
+    unit("A/s", [0, 0, -1, 1, 0]),
+    unit("1/s2", [0, 0, -2, 0, 0]),
+    unit("1/m", [0, -1, 0, 0, 0]),
+    unit("1/(m.s)", [0, -1, -1, 0, 0]),
+    unit("1/(m.s2)", [0, -1, -2, 0, 0]),
 ];
 
 /// Real types that the table uses.
@@ -90,6 +96,9 @@ pub const TYPES: &[RealType] = &[
     real("Density", "Density", "kg/m3"),
     real("Energy", "Energy", "J"),
     real("Power", "Power", "W"),
+    real("Voltage", "ElectricPotential", "V"),
+    real("Current", "ElectricCurrent", "A"),
+    real("CurrentSlope", "CurrentSlope", "A/s"),
     real("RatioRate", "RatioRate", "1/s"),
     real("RatioAcceleration", "RatioAcceleration", "1/s2"),
     real("StrainRate", "StrainRate", "1/s"),

@@ -13,8 +13,8 @@ use crate::machine::fault::{Checker, array_text};
 use crate::machine::units::{quoted, shortest};
 use crate::machine::validate::joint::{ACROSS, check_motion};
 use crate::machine::{
-    EndStops, GeneratorLaw, Joint, JointKind, JointMotion, Motion, Motor, OneFreedom, Parent, Spatial, SpatialFreedom,
-    Spring, Travel,
+    DcMotor, EndStops, GeneratorLaw, Joint, JointKind, JointMotion, Motion, Motor, OneFreedom, Parent, Spatial,
+    SpatialFreedom, Spring, Travel,
 };
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -50,6 +50,7 @@ pub struct JointBuilder {
     motor: Option<Motor>,
     spring: Option<Spring>,
     generator: Option<GeneratorLaw>,
+    dc_motor: Option<DcMotor>,
     latch: Option<LatchBuilder>,
     end_stops: Option<EndStops>,
 }
@@ -76,6 +77,7 @@ impl Joint {
             motor: None,
             spring: None,
             generator: None,
+            dc_motor: None,
             latch: None,
             end_stops: None,
         }
@@ -126,6 +128,7 @@ impl Joint {
             motor,
             spring,
             generator,
+            dc_motor,
             latch,
             end_stops,
         } = joint;
@@ -137,6 +140,7 @@ impl Joint {
             motor: Some(motor),
             spring,
             generator,
+            dc_motor,
             latch: latch.map(LatchBuilder::from),
             end_stops,
             ..Self::builder(name, kind)
@@ -278,6 +282,11 @@ impl JointBuilder {
         Self { generator: Some(generator), ..self }
     }
 
+    /// Electrical DC motor of a revolute, prismatic or sliding joint, in addition to its motor.
+    pub fn dc_motor(self, dc_motor: DcMotor) -> Self {
+        Self { dc_motor: Some(dc_motor), ..self }
+    }
+
     /// Builds the joint on a known parent; invalid values are replaced after an error.
     pub(super) fn build(&self, parent: Parent, start_time_s: f64, checker: &mut Checker) -> Joint {
         self.refuse_strangers(checker);
@@ -332,10 +341,12 @@ impl JointBuilder {
         let latch = self.latch.as_ref().map(|_| "a latch".to_owned());
         let end_stops = self.end_stops.map(|_| "end_stops".to_owned());
         let generator = self.generator.as_ref().map(|_| "a generator".to_owned());
-        let machinery: [(&str, &[Type], Option<String>); 3] = [
+        let dc_motor = self.dc_motor.map(|_| "a DC motor".to_owned());
+        let machinery: [(&str, &[Type], Option<String>); 4] = [
             ("latch", &[Revolute, Prismatic, Sliding], latch),
             ("end_stops", &[Revolute, Prismatic, Sliding], end_stops),
             ("generator", &[Revolute], generator),
+            ("dc_motor", &[Revolute, Prismatic, Sliding], dc_motor),
         ];
         for (key, types, found) in stated.into_iter().chain(machinery) {
             if let (Some(found), false) = (found, types.contains(&self.kind)) {
@@ -382,6 +393,7 @@ impl JointBuilder {
             motor,
             spring,
             generator: self.generator.clone(),
+            dc_motor: self.dc_motor,
             latch: self.latch.as_ref().map(|latch| latch.build(name, travel, own_n_m_rad, checker)),
             end_stops: self.end_stops,
         }

@@ -76,7 +76,15 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
         checker.number(&["failure", name, key], value, Range::Within(least, 1.0));
     };
     match *effect {
-        Effect::MotorLoss { body } | Effect::MotorJam { body } | Effect::LockRelease { body } => {
+        Effect::MotorLoss { body } => {
+            let own = free_joint(machine, &joint, body, checker);
+            if own.is_some_and(|(_, own)| own.dc_motor.is_some()) {
+                let allowed =
+                    "a joint without dc_motor: its current does not stop by a failure; set its voltage during the run";
+                checker.refuse_state(&joint, "a joint with an electrical motor", allowed);
+            }
+        }
+        Effect::MotorJam { body } | Effect::LockRelease { body } => {
             free_joint(machine, &joint, body, checker);
         }
         Effect::MotorRunaway { body, to_rad, rate_rad_s } => {

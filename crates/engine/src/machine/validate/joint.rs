@@ -2,7 +2,7 @@
 
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::units::shortest;
-use crate::machine::validate::unit_vector;
+use crate::machine::validate::{dc_motor, unit_vector};
 use crate::machine::{
     Beyond, EndStops, GeneratorLaw, Joint, JointKind, JointMotion, Latch, LatchKind, Motion, Motor, OneFreedom, Parent,
     Spatial, SpatialFreedom, Spring, Travel, UNLIMITED,
@@ -93,6 +93,9 @@ fn check_one_freedom(name: &str, travel: Travel, joint: &OneFreedom, checker: &m
     }
     if let Some(generator) = &joint.generator {
         check_generator(name, joint, generator, checker);
+    }
+    if let Some(dc_motor) = &joint.dc_motor {
+        dc_motor::check(name, travel, joint, dc_motor, checker);
     }
     if let Some(latch) = &joint.latch {
         check_latch(name, travel, joint, latch, checker);

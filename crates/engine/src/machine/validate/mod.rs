@@ -6,6 +6,7 @@ mod attached;
 mod basics;
 pub(crate) mod body;
 mod damped_modes;
+mod dc_motor;
 mod failure;
 pub mod joint;
 mod modal;

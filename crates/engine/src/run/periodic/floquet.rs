@@ -130,6 +130,7 @@ impl Plant {
     /// [`PlantError::RigidLoop`]; errors of [`Plant::step`].
     pub fn periodic(&mut self, turn: &Turn, accuracy: f64) -> Result<PeriodicMotion, PlantError> {
         self.system.refuse_constraints("periodic motion")?;
+        self.system.refuse_dc_motor("periodic motion")?;
         Shooting::new(self, *turn).close(accuracy)
     }
 

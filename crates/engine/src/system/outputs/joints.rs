@@ -14,7 +14,7 @@ pub struct JointOutputs {
     pub rate_rad_s: f64,
     /// Neutral angle of the motor after its rate limit, in rad; 0 for joints without a motor.
     pub neutral_angle_rad: f64,
-    /// Sum of motor, spring and external torque on the outer body in the direction of `+θ`, in N·m.
+    /// Sum of motor, spring and external torque, and that of an electrical DC motor, on the outer body in the direction of `+θ`, in N·m.
     pub torque_applied_n_m: f64,
     /// Torque of the motor after its limit, in N·m.
     pub motor_torque_n_m: f64,
@@ -31,13 +31,13 @@ pub struct JointOutputs {
 
 impl JointOutputs {
     /// Adds the motor's contribution to the time derivatives of the outputs, on the current branch of its limits and slews: `motion` is
-    /// angle, rate and acceleration, `external_n_m_s` the rate of the external torque.
+    /// angle, rate and acceleration, `others_n_m_s` the rates of the external torque and of the torque of an electrical motor.
     pub(crate) fn add_drive(
         &mut self,
         joint: &JointForces,
         time_s: f64,
         [angle, rate, acceleration]: [f64; 3],
-        external_n_m_s: f64,
+        [external_n_m_s, electrical_n_m_s]: [f64; 2],
     ) {
         let Some(motor) = joint.motor() else { return };
         let (drive, slew_rate) = (&motor.drive, motor.slew.at(time_s).1);
@@ -50,7 +50,8 @@ impl JointOutputs {
         };
         self.spring_torque_n_m = -spring.stiffness_n_m_rad * rate - spring.damping_n_m_s_rad * acceleration;
         self.external_torque_n_m = external_n_m_s;
-        self.torque_applied_n_m = self.motor_torque_n_m + self.spring_torque_n_m + self.external_torque_n_m;
+        self.torque_applied_n_m =
+            self.motor_torque_n_m + self.spring_torque_n_m + self.external_torque_n_m + electrical_n_m_s;
     }
 }
 
@@ -65,7 +66,7 @@ pub(crate) fn fill(outputs: &mut [JointOutputs], present: &Present) {
             angle_rad: angle,
             rate_rad_s: rate,
             neutral_angle_rad: joint.motor().map_or(0.0, |motor| motor.neutral(time_s).0),
-            torque_applied_n_m: motor + spring + external,
+            torque_applied_n_m: motor + spring + external + joint.armature_torque_n_m(present.motion.v),
             motor_torque_n_m: motor,
             spring_torque_n_m: spring,
             external_torque_n_m: external,

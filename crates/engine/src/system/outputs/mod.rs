@@ -1,6 +1,7 @@
 //! Outputs: one flat vector, with one source file per group, and their values at the current time.
 
 mod attitudes;
+mod dc_motors;
 mod energies;
 mod failures;
 mod feedthrough;
@@ -17,6 +18,7 @@ mod present;
 mod spatial;
 mod values;
 
+pub use dc_motors::DcMotorOutputs;
 pub use energies::EnergyOutputs;
 pub use failures::FailureOutputs;
 pub use flaps::FlapOutputs;
@@ -108,6 +110,7 @@ impl System {
             latches::fill(outputs.latches_mut(), &present);
             failures::fill(outputs.failures_mut(), &present);
             generators::fill(outputs.generators_mut(), &present);
+            dc_motors::fill(outputs.dc_motors_mut(), &present);
         }
         if wanted.meets(OutputSet::HOLDING) {
             joints::fill_holding(outputs.joints_mut(), &present);

@@ -4,6 +4,7 @@ use crate::aero::RotorLoads;
 use crate::load::Wrench;
 use crate::machine::Machine;
 use crate::signal::{Segment, are_finite, views};
+use crate::system::outputs::dc_motors::DcMotorOutputs;
 use crate::system::outputs::energies::EnergyOutputs;
 use crate::system::outputs::failures::FailureOutputs;
 use crate::system::outputs::flaps::FlapOutputs;
@@ -55,6 +56,8 @@ pub struct OutputLayout {
     pub flaps: Segment<FlapOutputs>,
     /// See [`Outputs::generators`].
     pub generators: Segment<GeneratorOutputs>,
+    /// See [`Outputs::dc_motors`].
+    pub dc_motors: Segment<DcMotorOutputs>,
     /// See [`Outputs::modal`].
     pub modal: Segment<ModalOutputs>,
     /// See [`Outputs::latches`].
@@ -124,6 +127,7 @@ impl OutputLayout {
             rotor: Segment::append(&mut end, machine.air.as_ref().map_or(0, |air| air.rotors().count())),
             flaps: Segment::append(&mut end, machine.air.as_ref().map_or(0, |air| air.flaps.len())),
             generators: Segment::append(&mut end, machine.generators().count()),
+            dc_motors: Segment::append(&mut end, machine.dc_motors().count()),
             modal: Segment::append(&mut end, machine.framed_bodies().count()),
             continuous: end,
             latches: Segment::append(&mut end, one_freedoms),
@@ -178,6 +182,8 @@ impl Outputs {
         flaps, flaps_mut: [FlapOutputs];
         /// Per generator, in the order of their joints.
         generators, generators_mut: [GeneratorOutputs];
+        /// Per electrical DC motor, in the order of their joints.
+        dc_motors, dc_motors_mut: [DcMotorOutputs];
         /// Per modal body, in the order of the bodies.
         modal, modal_mut: [ModalOutputs];
         ;
