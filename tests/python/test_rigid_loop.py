@@ -117,18 +117,16 @@ def test_lp37_a_triangle_from_code_carries_its_weight():
 
 
 def test_lp38_what_rigid_loops_refuse_is_named(tmp_path):
-    """LP-38. Gradients, modes, linear models, periodic motions, FMUs with a linear model or for Model Exchange, a static equilibrium in air
-    and a penalty beside `rigid` are refused with the name of the loop or the cure."""
+    """LP-38. Gradients, linear models of moving states, periodic motions, FMUs with such a linear model or for Model Exchange and a penalty
+    beside `rigid` are refused with the name of the loop or the cure."""
     model = fw.Model(rigid(FOUR_BAR))
     tied = fw.Model(TIED)
     refusals = [
         (lambda: model.gradient("motor.angle", "motor.motor_damping"), fw.FoldwingError, "gradients do not cover rigid loops.*front"),
-        (lambda: model.linearize("start"), fw.FoldwingError, 'no linear model.*the loop "front" is rigid.*stiffness_N_m'),
-        (lambda: model.modes(3, state="undeformed"), fw.FoldwingError, 'the loop "front" is rigid.*stiffness_N_m'),
+        (lambda: model.linearize("start"), fw.FoldwingError, 'rigid loops are linearised at rest only.*"front" stiffness_N_m'),
         (lambda: model.periodic(60.0, shaft="motor"), fw.FoldwingError, 'no periodic motion.*the loop "front" is rigid.*stiffness_N_m'),
         (lambda: model.package(tmp_path / "a.fmu", interface="me"), fw.FoldwingError, "rigid.*stiffness_N_m"),
         (lambda: model.package(tmp_path / "b.fmu", linear="start"), fw.FoldwingError, "rigid.*stiffness_N_m"),
-        (lambda: tied.static(), fw.StaticsError, 'no static equilibrium in air.*the loop "tie" is rigid.*stiffness_N_m'),
         (lambda: bars(rigid=True, stiffness_N_m=1e5), fw.ModelError, "no penalty in a loop with rigid = true"),
     ]
     for refused, kind, words in refusals:
@@ -137,3 +135,16 @@ def test_lp38_what_rigid_loops_refuse_is_named(tmp_path):
     assert not list(tmp_path.iterdir())
     run = tied.simulate(stop=0.02, outputs=["loop.tie.force.z", "loop.tie.gap.z"])
     assert np.abs(run["loop.tie.gap.z"]).max() < 1e-14 and np.abs(run["loop.tie.force.z"]).max() > 1.0
+
+
+def test_lp48_statics_modes_and_linear_models_from_python():
+    """LP-48. A tied wing in the wind, whose hinge only the rigid tie holds: its equilibrium, modes and linear model are near those with a tie of
+    1e8 N/m, of which the strains and the angle are states."""
+    tied = fw.Model(TIED)
+    soft = fw.Model(TIED.replace("rigid = true", "stiffness_N_m = 1e8"))
+    rest, other = tied.static(), soft.static()
+    assert rest.stable and other.stable
+    assert np.abs(rest.root_force_N - other.root_force_N).max() < 1e-4 * np.abs(rest.root_force_N).max()
+    assert np.allclose(tied.modes(3).frequency_Hz, soft.modes(3).frequency_Hz, rtol=1e-4)
+    linear, others = (model.linearize(inputs=["wind.x"], outputs=["loop.tie.force.z"]) for model in (tied, soft))
+    assert linear.A.shape[0] == others.A.shape[0] - 6, "a ball joint on a hinged wing leaves three degrees of freedom less"

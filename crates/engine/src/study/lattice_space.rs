@@ -155,8 +155,7 @@ impl Study<'_> {
         let Some(step_s) = self.system.air_step_s().filter(|_| self.system.has_linear_lattice()) else {
             return Err(refused("only a vortex lattice (aerodynamics.model = \"uvlm\") has a discrete-time model"));
         };
-        let now = &self.system.state.now;
-        if now.v.iter().chain(&now.a).any(|rate| *rate != 0.0) {
+        if !self.system.stands_still() {
             return Err(refused("a lattice can be linearised only about a state of rest; use the equilibrium"));
         }
         let second = self.second_order()?;

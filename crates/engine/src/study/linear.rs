@@ -60,17 +60,14 @@ pub struct InstantRates {
 impl Study<'_> {
     /// Mass, damping and stiffness about the current state with its accelerations, over [`crate::system::System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
-        self.system.refuse_constraints("linear model")?;
+        self.system.refuse_no_slip("linear model")?;
         let freedoms = self.system.freedoms();
         let mut unused = vec![0.0; self.system.coordinates()];
         let now = &self.system.state.now;
         self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut unused);
-        let rest = now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
-        if !rest && !self.system.equations.spatial.is_empty() {
-            return Err(PlantError::Linearization {
-                time_s: now.time_s,
-                cause: "models with universal, ball or free joints are linearised at rest only".into(),
-            });
+        let rest = self.system.stands_still();
+        if !rest && let Some(cause) = self.system.only_at_rest() {
+            return Err(PlantError::Linearization { time_s: now.time_s, cause });
         }
         let stiffness = if rest && self.system.machine.sliding_joint().is_none() {
             let mut tangent = Tangent::new(&self.system.equations.model);
@@ -187,6 +184,7 @@ impl Study<'_> {
     fn outputs_at(&mut self, there: Point) -> Outputs {
         let kept = std::mem::replace(&mut self.system.state.now, there);
         self.with_present_inputs();
+        self.support();
         self.system.evaluate();
         let beside = self.system.outputs.clone();
         self.system.state.now = kept;
@@ -205,9 +203,8 @@ impl Study<'_> {
         &mut self,
         take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
     ) -> Result<T, PlantError> {
-        let now = &self.system.state.now;
         let is_current = self.system.state.inputs == self.system.state.applied_inputs;
-        let rests = is_current && now.v.iter().chain(&now.a).all(|rate| *rate == 0.0);
+        let rests = is_current && self.system.stands_still();
         if self.instant || rests {
             return take(self);
         }
@@ -281,7 +278,9 @@ impl Study<'_> {
             study.with_present_inputs();
             let now = &study.system.state.now;
             study.system.equations.forces.linearize(now.time_s, &now.q, &now.v);
+            study.supports = study.find_supports();
             let taken = take(study);
+            study.supports = None;
             study.system.equations.forces.drop_tangents();
             study.system.configure();
             taken

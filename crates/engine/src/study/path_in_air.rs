@@ -64,6 +64,9 @@ impl Study<'_> {
         let Some(air) = &self.system.air else { return false };
         air.continuous.is_some()
             && air.settings.established
+            // its corrections leave multipliers and the elements of carriages unchanged
+            && !self.system.is_constrained()
+            && self.system.machine.sliding_joint().is_none()
             // hinges with only aerodynamic stiffness are outer unknowns, eq. (Q6)
             && (holding == Holding::Stopped || self.free_hinges().is_empty())
     }

@@ -9,6 +9,28 @@ impl System {
     /// Whether the current state is a static equilibrium: all velocities are zero and the forces balance.
     pub fn is_at_rest(&self) -> bool {
         let now = &self.state.now;
-        now.v.iter().all(|rate| *rate == 0.0) && now.a.iter().all(|acceleration| acceleration.abs() <= ROUND_OFF)
+        let tree = self.equations.model.tree_coordinates();
+        now.v.iter().all(|rate| *rate == 0.0)
+            && now.a.iter().take(tree).all(|acceleration| acceleration.abs() <= ROUND_OFF)
+    }
+
+    /// Reason why there are linear models about states of rest only; `None` if there is none.
+    pub(crate) fn only_at_rest(&self) -> Option<String> {
+        if !self.equations.spatial.is_empty() {
+            return Some("models with universal, ball or free joints are linearised at rest only".to_owned());
+        }
+        let closure = self.machine.closures.iter().find(|closure| closure.rigid)?;
+        Some(format!(
+            "models with rigid loops are linearised at rest only; use the equilibrium, or give the loop {:?} stiffness_N_m in place of \
+             rigid = true",
+            closure.name
+        ))
+    }
+
+    /// Whether all velocities and accelerations are exactly zero; the forces of constraints may act.
+    pub(crate) fn stands_still(&self) -> bool {
+        let now = &self.state.now;
+        let accelerations = now.a.iter().take(self.equations.model.tree_coordinates());
+        now.v.iter().chain(accelerations).all(|rate| *rate == 0.0)
     }
 }
