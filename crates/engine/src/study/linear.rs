@@ -15,6 +15,7 @@ use crate::solve::linearize::SecondOrder;
 use crate::solve::point::Point;
 use crate::study::Study;
 use crate::study::differences::{Bare, add_elastic, direction, displaced, pick, select, sixth_order, stiffness};
+use crate::study::supports::Supports;
 use crate::system::Outputs;
 use crate::system::PlantError;
 use crate::system::freedoms::Freedom;
@@ -184,7 +185,9 @@ impl Study<'_> {
     fn outputs_at(&mut self, there: Point) -> Outputs {
         let kept = std::mem::replace(&mut self.system.state.now, there);
         self.with_present_inputs();
-        self.support();
+        if let Some(supports) = &self.supports {
+            supports.set(self.system);
+        }
         self.system.evaluate();
         let beside = self.system.outputs.clone();
         self.system.state.now = kept;
@@ -278,7 +281,7 @@ impl Study<'_> {
             study.with_present_inputs();
             let now = &study.system.state.now;
             study.system.equations.forces.linearize(now.time_s, &now.q, &now.v);
-            study.supports = study.find_supports();
+            study.supports = Supports::of(study.system);
             let taken = take(study);
             study.supports = None;
             study.system.equations.forces.drop_tangents();

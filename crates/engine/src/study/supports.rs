@@ -2,8 +2,8 @@
 //! forces on the independent ones, the multipliers of the loops those on the dependent ones.
 
 use crate::solve::EquationsOfMotion;
-use crate::study::Study;
 use crate::study::differences::Bare;
+use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
 /// Singular value relative to the largest one below which a combination of multipliers exerts no force.
@@ -18,38 +18,36 @@ pub(super) struct Supports {
     by_force: DMatrix<f64>,
 }
 
-impl Study<'_> {
-    /// The supports at the current state; `None` without rigid loops, or if they restrain nothing.
-    pub(super) fn find_supports(&self) -> Option<Supports> {
-        let dependent = self.system.dependent();
+impl Supports {
+    /// The supports at the current state of a system; `None` without rigid loops, or if they restrain nothing.
+    pub fn of(system: &System) -> Option<Self> {
+        let dependent = system.dependent();
         if dependent.is_empty() {
             return None;
         }
-        let tree = self.system.equations.model.tree_coordinates();
-        let count = self.system.coordinates();
-        let mut bare = Bare::without_stiffness(self.system);
+        let (tree, count) = (system.equations.model.tree_coordinates(), system.coordinates());
+        let mut bare = Bare::without_stiffness(system);
         let columns = (tree..count).map(|multiplier| {
             let mut unit = vec![0.0; count];
             unit[multiplier] = 1.0;
-            let forces = bare.of_accelerations(&self.system.state.now.q, &unit);
+            let forces = bare.of_accelerations(&system.state.now.q, &unit);
             DVector::from_iterator(dependent.len(), dependent.iter().map(|index| forces[*index]))
         });
         let forces = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let least = IDLE * forces.singular_values().max();
         let by_force = forces.pseudo_inverse(least).ok()?;
-        Some(Supports { dependent, by_force })
+        Some(Self { dependent, by_force })
     }
 
     /// Sets the multipliers of the rigid loops to those that balance the forces on the dependent degrees of freedom at the state and the
     /// loads of the equations.
-    pub(super) fn support(&mut self) {
-        let Some(Supports { dependent, by_force }) = &self.supports else { return };
-        let tree = self.system.equations.model.tree_coordinates();
-        let mut residual = vec![0.0; self.system.coordinates()];
-        let now = &mut self.system.state.now;
-        self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut residual);
-        let left = DVector::from_iterator(dependent.len(), dependent.iter().map(|index| residual[*index]));
-        let change = by_force * left;
+    pub fn set(&self, system: &mut System) {
+        let tree = system.equations.model.tree_coordinates();
+        let mut residual = vec![0.0; system.coordinates()];
+        let now = &mut system.state.now;
+        system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut residual);
+        let left = self.dependent.iter().map(|index| residual[*index]);
+        let change = &self.by_force * DVector::from_iterator(self.dependent.len(), left);
         now.a[tree..].iter_mut().zip(change.iter()).for_each(|(multiplier, change)| *multiplier -= change);
     }
 }
