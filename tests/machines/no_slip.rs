@@ -1,5 +1,6 @@
 //! Machines with skates and wheels, in a separate range of seeds.
 
+use crate::machines::air;
 use crate::machines::draw::{Dice, begin, end};
 use crate::machines::model::{Model, Table, Value};
 use crate::machines::rigid::{End, on_body, placed, tree, without_equilibrium};
@@ -17,13 +18,28 @@ pub fn draw(seed: u64) -> Model {
     tree(&mut dice, &mut draft);
     let members = draft.members.len();
     let ends: Vec<End> = (0..dice.whole(1, 2)).map(|_| on_body(&mut dice, &draft, dice_index(seed, members))).collect();
-    let mut model = without_equilibrium(end(&mut dice, draft, seed), |_| true);
+    // without a random number of the tree, so that it is unchanged
+    let mut others = Dice(fastrand::Rng::with_seed(seed ^ 0x00a1_7000));
+    match seed % 4 {
+        1 => air::strips(&mut others, &mut draft),
+        3 => air::lattice(&mut others, &mut draft),
+        _ => {}
+    }
+    let model = without_equilibrium(end(&mut dice, draft, seed), |_| true);
+    with_runners(&mut dice, model, ends)
+}
+
+/// A model with a skate or a wheel at each of the points, on a plane through it.
+pub(super) fn with_runners(dice: &mut Dice, mut model: Model, ends: Vec<End>) -> Model {
+    if ends.is_empty() {
+        return model;
+    }
     // a machine that is refused without the constraints is refused with them
     let Ok(machine) = config::parse(&model.text(&View::plain()), "machine.toml") else { return model };
     let at = model.tables.len() - 1;
     for (number, own) in ends.into_iter().enumerate() {
-        let normal = unit(&mut dice);
-        let direction = unit(&mut dice);
+        let normal = unit(dice);
+        let direction = unit(dice);
         let (attitude, point) = placed(&machine, &own);
         let is_wheel = dice.once_in(2);
         let mut table = Table::new(format!("{}.n{number}", if is_wheel { "wheel" } else { "skate" }));

@@ -27,7 +27,7 @@ pub fn draw(seed: u64) -> Model {
             table.set("rigid", true);
         }
         draft.loops.retain(|name| name == "l2");
-        return without_equilibrium_in_air(end(&mut dice, draft, seed));
+        return end(&mut dice, draft, seed);
     }
     tree(&mut dice, &mut draft);
     match dice.whole(0, 4) {
@@ -40,7 +40,7 @@ pub fn draw(seed: u64) -> Model {
     for _ in 0..dice.whole(1, 2) {
         ends.extend(pair(&mut dice, &draft, is_free));
     }
-    let model = without_equilibrium_in_air(end(&mut dice, draft, seed));
+    let model = end(&mut dice, draft, seed);
     closed(model, ends)
 }
 
@@ -141,11 +141,6 @@ fn position_m(machine: &Machine, end: &End) -> Vector3<f64> {
 /// Offset of an end that is at a point of the root frame, in m.
 fn offset_m(machine: &Machine, end: &End, point: Vector3<f64>) -> Vector3<f64> {
     frame(machine, end).map_or(point, |frame| frame.attitude.transpose() * (point - frame.position_m))
-}
-
-/// The model without a start in equilibrium if it has aerodynamics, for which rigid loops refuse it.
-fn without_equilibrium_in_air(model: Model) -> Model {
-    without_equilibrium(model, |model| model.has("aerodynamics"))
 }
 
 /// The model without a start in equilibrium, under a condition.

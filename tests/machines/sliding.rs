@@ -1,9 +1,12 @@
-//! Machines with bodies that slide along a beam.
+//! Machines with bodies that slide along a beam, some of them in the air of strips or of a vortex lattice, some with a skate or a wheel.
 //!
 //! They have a separate range of seeds, so that the machines of all other seeds do not change.
 
+use crate::machines::air;
 use crate::machines::draw::{Dice, Draft, Kind, Member, begin, body, end, joint, one_freedom};
 use crate::machines::model::{Model, Table, Value};
+use crate::machines::no_slip::with_runners;
+use crate::machines::rigid::on_body;
 use crate::machines::view::Frame;
 use nalgebra::Vector3;
 
@@ -35,9 +38,18 @@ pub fn draw(seed: u64) -> Model {
     for _ in 0..dice.whole(1, 2) {
         rider(&mut dice, &mut draft, (beam, elements));
     }
+    // without a random number of the tree, so that it is unchanged
+    let mut others = Dice(fastrand::Rng::with_seed(seed ^ 0x00a1_7000));
+    match seed % 4 {
+        1 => air::strips(&mut others, &mut draft),
+        3 => air::lattice(&mut others, &mut draft),
+        _ => {}
+    }
+    let last = draft.members.len() - 1;
+    let runners = if seed % 6 == 2 { vec![on_body(&mut others, &draft, last)] } else { Vec::new() };
     let mut model = end(&mut dice, draft, seed);
     allowed(&mut model, if is_constant { None } else { Some(beam) });
-    model
+    with_runners(&mut others, model, runners)
 }
 
 /// A body on a sliding joint: a point mass, a rigid body in any attitude, a beam, or a massless carriage with a body on a joint.
@@ -64,10 +76,11 @@ fn rider(dice: &mut Dice, draft: &mut Draft, (beam, elements): (usize, usize)) {
         _ => {
             // without shear: the slopes of a beam with shear have independent velocities, for which no impulse is derived
             let section = format!("s{index}");
+            member.width_m = dice.number(0.02, 0.04);
             draft.add(
                 Table::new(format!("section.{section}"))
                     .with("shape", "rectangle")
-                    .with("width_m", dice.number(0.02, 0.04))
+                    .with("width_m", member.width_m)
                     .with("height_m", dice.number(0.003, 0.006))
                     .with("density_kg_m3", 2000.0)
                     .with("youngs_modulus_Pa", dice.size(3e9, 7e10))

@@ -272,8 +272,8 @@ pub(super) struct LoopFile {
     #[serde(default)]
     #[schemars(extend("x-allowed" = "an array of 2 arrays of 3 finite lengths in m"))]
     pub offsets_m: [[f64; 3]; 2],
-    /// Whether the points coincide to round-off, by constraint forces in place of the penalty. There is no Model Exchange, no linear model
-    /// and no gradient with such a loop, and no static equilibrium in air.
+    /// Whether the points coincide to round-off, by constraint forces in place of the penalty. There is no Model Exchange and no gradient
+    /// with such a loop; linear models are about states of rest.
     #[serde(default)]
     pub rigid: bool,
     /// Penalty stiffness `k`: the gap is the force divided by `k`. Required, except with `rigid = true`.

@@ -22,7 +22,7 @@ fn built(builder: MachineBuilder) -> Machine {
 }
 
 /// A four-bar linkage of slender rigid bars in the plane `x`–`z` rotated by `turn`, on which its motion does not depend.
-fn rigid_bars(motion: JointMotion, solver: Solver, turn: Rotation3<f64>) -> Machine {
+pub(super) fn rigid_bars(motion: JointMotion, solver: Solver, turn: Rotation3<f64>) -> Machine {
     let (coupler_rad, rocker_rad, _) = kinematics(START_RAD);
     let bar = |name: &str, i: usize| {
         let about = MASSES_KG[i] * BARS_M[i].powi(2) / 12.0;
@@ -95,7 +95,7 @@ fn rates(crank_rad: f64) -> [f64; 2] {
 }
 
 /// Inertia of the linkage of rigid bars about its crank in kg·m², and potential in J, at a crank angle.
-fn crank_energy(crank_rad: f64) -> [f64; 2] {
+pub(super) fn crank_energy(crank_rad: f64) -> [f64; 2] {
     let (b, c, _) = kinematics(crank_rad);
     let [coupler_rate, rocker_rate] = rates(crank_rad);
     let along = |angle: f64| Vector2::new(angle.cos(), angle.sin());
@@ -387,16 +387,18 @@ fn lp28_redundant_rows_of_a_planar_linkage() {
     assert!(miss < 2e-3, "{miss:.1e} rad");
 }
 
-/// LP-29. Features that are not supported with rigid loops are errors that name them: external integrators, linear models, modes,
-/// gradients, penalties and failures of the loop; prescribed motions that contradict a loop are errors too.
+/// LP-29. Features that are not supported with rigid loops are errors that name them: external integrators, linear models and
+/// modes of moving states, rotor analyses, gradients, penalties and failures of the loop; prescribed motions that contradict a loop are errors too.
 #[test]
 fn lp29_refusals_name_the_loop() {
     let mut plant = start(elastic(JointMotion::Free, None, solver(Method::Esdirk4, 1e-6)));
     assert_eq!(plant.hybrid().err(), Some(NotHybrid::RigidLoop));
     for refused in [plant.study().second_order().map(|_| ()), plant.study().modes(3).map(|_| ())] {
         let text = refused.expect_err("no linear model").to_string();
-        assert!(text.contains("the loop \"pin\" is rigid") && text.contains("stiffness_N_m"), "{text}");
+        assert!(text.contains("rigid loops are linearised at rest only"), "{text}");
     }
+    let text = plant.study().rotor(0.0, None).map(|_| ()).expect_err("no rotor analysis").to_string();
+    assert!(text.contains("the loop \"pin\" is rigid") && text.contains("stiffness_N_m"), "{text}");
     let mut held = Plant::new(Arc::new(elastic(JointMotion::Locked, None, solver(Method::Esdirk4, 1e-6))));
     held.study().equilibrium(0.0, Holding::AsReleased).expect("an equilibrium");
     assert_eq!(held.study().stability().expect("by pivots").static_directions(), 0);

@@ -430,19 +430,6 @@ fn sj08_refusals_name_the_joint() {
     assert!(leaving.time_s() < 0.26, "{} s", leaving.time_s());
 }
 
-/// SJ-08. Parts of a model file that are not allowed with a sliding joint are rejected with an error that names the joint.
-#[test]
-fn sj08_parts_that_exclude_it() {
-    let text = include_str!("sliding.toml");
-    let air = "[aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 0.0]\n[surface.beam]\n\
-               body = \"beam\"\nchord_m = 0.1\nstrips = 2\n";
-    let skate = "[skate.blade]\nbody = \"bead\"\nhold_normal = false\n";
-    for (part, key) in [(air, "'aerodynamics'"), (skate, "'skate.blade'")] {
-        let refused = foldwing::config::parse(&format!("{text}\n{part}"), "sliding.toml").expect_err(key).to_string();
-        assert!(refused.contains(key) && refused.contains("in a model with a sliding joint (\"slide\")"), "{refused}");
-    }
-}
-
 /// SJ-09. A model file with a sliding joint gives the same machine as the builder.
 #[test]
 fn sj09_model_file() {

@@ -86,7 +86,7 @@ impl Study<'_> {
     /// sixth-order differences.
     pub(super) fn section_slopes(&mut self, freedoms: &[Freedom]) -> [DMatrix<f64>; 3] {
         let now = self.system.state.now.clone();
-        let rest = self.system.has_no_motion();
+        let rest = self.system.stands_still();
         let zero = vec![0.0; now.q.len()];
         let sections = self.system.equations.model.stations.len() - self.system.equations.load_stations;
         let mut by = [0; 3].map(|_| DMatrix::zeros(SECTION_VARIABLES * sections, freedoms.len()));

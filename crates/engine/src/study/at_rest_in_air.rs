@@ -30,9 +30,6 @@ impl Study<'_> {
     /// # Errors
     /// If there is no equilibrium, or if the only one lies beyond such a latch.
     pub(crate) fn settle_in_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
-        if self.system.air.is_some() {
-            self.system.refuse_constraints("static equilibrium in air")?;
-        }
         let (start, joints) = (self.system.state.now.q.clone(), self.system.state.joints.clone());
         let effort = self.settle_with_latches(time_s, holding)?;
         let pulling = self.pulling_latches(time_s, &start, &joints);
@@ -121,7 +118,8 @@ impl Study<'_> {
         }
         self.restart_search(&start, &joints);
         let hinges = self.free_hinges();
-        if hinges.is_empty() { settled } else { self.coast(time_s, &hinges) }
+        // joints of a rigid loop do not move one by one
+        if hinges.is_empty() || self.system.is_constrained() { settled } else { self.coast(time_s, &hinges) }
     }
 
     /// Solves alternately for the structure under constant loads and for the flow around it until both agree: eq. (Q5). If that diverges,
@@ -165,6 +163,7 @@ impl Study<'_> {
 
     fn iterate_with_air(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let start = self.system.state.now.q.clone();
+        self.system.follow_carriages();
         let joints = self.system.state.joints.clone();
         self.system.start_air(time_s)?;
         let mut change = f64::NAN;
@@ -177,6 +176,7 @@ impl Study<'_> {
             self.system.configure();
             let guess = self.system.state.air.as_ref().map(|history| history.loads.clone());
             let effort = self.settle_at_rest(time_s, holding)?;
+            self.system.follow_carriages();
             self.system.start_air(time_s)?;
             let (Some(air), Some(history), Some(guess)) = (&mut self.system.air, &mut self.system.state.air, guess)
             else {

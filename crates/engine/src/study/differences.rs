@@ -58,7 +58,7 @@ pub(super) fn stiffness(equations: &Equations, bare: &mut Bare, motion: Motion, 
 /// Change of the coordinates of some equations due to a unit of a degree of freedom.
 pub(super) fn direction(equations: &Equations, freedom: &Freedom) -> Vec<f64> {
     let mut unit = vec![0.0; equations.model.coordinates];
-    unit[freedom.index] = 1.0;
+    freedom.spread(1.0, &mut unit);
     Tangent::to_coordinates(&equations.model, &equations.work, &mut unit);
     unit
 }
@@ -170,11 +170,19 @@ pub(super) fn sixth_order(at: &mut dyn FnMut(f64) -> DVector<f64>, step: f64) ->
 }
 
 pub(super) fn pick(vector: &[f64], freedoms: &[Freedom]) -> DVector<f64> {
-    DVector::from_iterator(freedoms.len(), freedoms.iter().map(|freedom| vector[freedom.index]))
+    DVector::from_iterator(freedoms.len(), freedoms.iter().map(|freedom| freedom.gather(vector)))
 }
 
 pub(super) fn select(matrix: &DMatrix<f64>, freedoms: &[Freedom]) -> DMatrix<f64> {
-    DMatrix::from_fn(freedoms.len(), freedoms.len(), |i, j| matrix[(freedoms[i].index, freedoms[j].index)])
+    if freedoms.iter().all(|freedom| freedom.follow.is_empty()) {
+        return DMatrix::from_fn(freedoms.len(), freedoms.len(), |i, j| matrix[(freedoms[i].index, freedoms[j].index)]);
+    }
+    let columns = freedoms.iter().map(|freedom| {
+        let mut unit = DVector::zeros(matrix.ncols());
+        freedom.spread(1.0, unit.as_mut_slice());
+        pick((matrix * unit).as_slice(), freedoms)
+    });
+    DMatrix::from_columns(&columns.collect::<Vec<_>>())
 }
 
 /// The static tangent of a machine with sliding joints as a dense matrix; the elements of the carriages are those of the equations.

@@ -156,8 +156,7 @@ impl Study<'_> {
             return Err(refused("only a vortex lattice (aerodynamics.model = \"uvlm\") has a discrete-time model"));
         };
         self.system.refuse_dc_motor("linear model in discrete time")?;
-        let now = &self.system.state.now;
-        if now.v.iter().chain(&now.a).any(|rate| *rate != 0.0) {
+        if !self.system.stands_still() {
             return Err(refused("a lattice can be linearised only about a state of rest; use the equilibrium"));
         }
         let second = self.second_order()?;

@@ -15,6 +15,7 @@ use crate::solve::linearize::SecondOrder;
 use crate::solve::point::Point;
 use crate::study::Study;
 use crate::study::differences::{Bare, add_elastic, direction, displaced, pick, select, sixth_order, stiffness};
+use crate::study::supports::Supports;
 use crate::system::Outputs;
 use crate::system::PlantError;
 use crate::system::freedoms::Freedom;
@@ -60,17 +61,14 @@ pub struct InstantRates {
 impl Study<'_> {
     /// Mass, damping and stiffness about the current state with its accelerations, over [`crate::system::System::freedoms`].
     pub fn second_order(&mut self) -> Result<SecondOrder, PlantError> {
-        self.system.refuse_constraints("linear model")?;
+        self.system.refuse_no_slip("linear model")?;
         let freedoms = self.system.freedoms();
         let mut unused = vec![0.0; self.system.coordinates()];
         let now = &self.system.state.now;
         self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut unused);
-        let rest = self.system.has_no_motion();
-        if !rest && !self.system.equations.spatial.is_empty() {
-            return Err(PlantError::Linearization {
-                time_s: now.time_s,
-                cause: "models with universal, ball or free joints are linearised at rest only".into(),
-            });
+        let rest = self.system.stands_still();
+        if !rest && let Some(cause) = self.system.only_at_rest() {
+            return Err(PlantError::Linearization { time_s: now.time_s, cause });
         }
         let stiffness = if rest && self.system.machine.sliding_joint().is_none() {
             let mut tangent = Tangent::new(&self.system.equations.model);
@@ -187,6 +185,9 @@ impl Study<'_> {
     fn outputs_at(&mut self, there: Point) -> Outputs {
         let kept = std::mem::replace(&mut self.system.state.now, there);
         self.with_present_inputs();
+        if let Some(supports) = &self.supports {
+            supports.set(self.system);
+        }
         self.system.evaluate();
         let beside = self.system.outputs.clone();
         self.system.state.now = kept;
@@ -206,7 +207,7 @@ impl Study<'_> {
         take: impl FnOnce(&mut Self) -> Result<T, PlantError>,
     ) -> Result<T, PlantError> {
         let is_current = self.system.state.inputs == self.system.state.applied_inputs;
-        let rests = is_current && self.system.has_no_motion();
+        let rests = is_current && self.system.stands_still();
         if self.instant || rests {
             return take(self);
         }
@@ -282,7 +283,9 @@ impl Study<'_> {
             study.with_present_inputs();
             let now = &study.system.state.now;
             study.system.equations.forces.linearize(now.time_s, &now.q, &now.v);
+            study.supports = Supports::of(study.system);
             let taken = take(study);
+            study.supports = None;
             study.system.equations.forces.drop_tangents();
             study.system.configure();
             taken

@@ -19,6 +19,7 @@ mod stability;
 mod state_space;
 mod statics;
 mod steady_turn;
+mod supports;
 mod whirl;
 
 pub use crate::solve::arc_length::PathPoint;
@@ -42,6 +43,7 @@ pub use statics::{Branch, Departure, Holding, LoadPath, Rest, Search};
 
 use crate::system::System;
 use statics::Quest;
+use supports::Supports;
 
 /// Analyses of the current state of a system. Equilibria replace the state; all others restore it.
 pub struct Study<'a> {
@@ -50,10 +52,12 @@ pub struct Study<'a> {
     quest: Quest,
     /// Whether the state is that of an instant, [`Study::at_instant`].
     instant: bool,
+    /// Forces of rigid loops by those on the dependent degrees of freedom, while a linear model is computed.
+    supports: Option<Supports>,
 }
 
 impl<'a> Study<'a> {
     pub(crate) fn new(system: &'a mut System) -> Self {
-        Self { system, quest: Quest::default(), instant: false }
+        Self { system, quest: Quest::default(), instant: false, supports: None }
     }
 }

@@ -62,7 +62,7 @@ impl Study<'_> {
         self.system.equations.linearize_at_rest(&mut tangent, &self.system.state.now.q);
         let mut part = |read: fn(&Complex<f64>) -> f64| {
             let mut x = vec![0.0; model.coordinates];
-            freedoms.iter().zip(mode.shape.iter()).for_each(|(freedom, value)| x[freedom.index] = read(value));
+            freedoms.iter().zip(mode.shape.iter()).for_each(|(freedom, value)| freedom.spread(read(value), &mut x));
             let moved = tangent.node_displacements(model, &x);
             (x, moved)
         };

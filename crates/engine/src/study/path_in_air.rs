@@ -4,6 +4,7 @@
 use crate::multibody::norm::kinematic_norm;
 use crate::solve::EquationsOfMotion;
 use crate::solve::equilibrium::Effort;
+use crate::study::supports::Supports;
 use crate::study::whirl::scaled_solution;
 use crate::study::{Holding, Study};
 use crate::system::PlantError;
@@ -64,6 +65,8 @@ impl Study<'_> {
         let Some(air) = &self.system.air else { return false };
         air.continuous.is_some()
             && air.settings.established
+            // its corrections leave the elements of carriages unchanged
+            && self.system.machine.sliding_joint().is_none()
             // hinges with only aerodynamic stiffness are outer unknowns, eq. (Q6)
             && (holding == Holding::Stopped || self.free_hinges().is_empty())
     }
@@ -97,6 +100,10 @@ impl Study<'_> {
                     effort.load_steps += 1;
                     (reached, determinant) = (tried, found);
                     if reached == 1.0 {
+                        let tree = self.system.equations.model.tree_coordinates();
+                        let now = &mut self.system.state.now;
+                        // as after a search without air
+                        now.q[tree..].copy_from_slice(&now.a[tree..]);
                         return Ok(effort);
                     }
                     // the first correction is proportional to the step; a step that has just failed is not tried again immediately
@@ -138,6 +145,9 @@ impl Study<'_> {
             let mut rates = [vec![0.0; q.len()], vec![0.0; q.len()]];
             let [v, a] = &mut rates;
             self.system.equations.project(q, v, a);
+            if self.system.equations.close_point(&mut self.system.state.now).is_err() {
+                return Ok(None);
+            }
             if size <= TOLERANCE {
                 self.system.start_air(time_s)?;
                 return Ok(Some((determinant, first)));
@@ -159,6 +169,9 @@ impl Study<'_> {
             let joints = self.system.equations.forces.joints_mut().iter_mut();
             joints.filter(|joint| !joint.is_latched()).for_each(|joint| joint.held = true);
         }
+        if let Some(supports) = Supports::of(self.system) {
+            supports.set(self.system);
+        }
         let freedoms = self.system.freedoms();
         let model = &self.system.equations.model;
         let flying = |index: usize| {
@@ -171,7 +184,7 @@ impl Study<'_> {
         let now = &self.system.state.now;
         let mut residual = vec![0.0; now.q.len()];
         self.system.equations.residual(time_s, &now.q, &now.v, &now.a, &mut residual);
-        let right = DVector::from_iterator(own.len(), own.iter().map(|i| -residual[freedoms[*i].index]));
+        let right = DVector::from_iterator(own.len(), own.iter().map(|i| -freedoms[*i].gather(&residual)));
         let mut change = vec![0.0; residual.len()];
         let singular = Determinant { logarithm: f64::NEG_INFINITY, negative: false };
         let Some(stiffness) = stiffness else {

@@ -139,15 +139,9 @@ impl Study<'_> {
         let by_pivots = potential && !neutral;
         let coordinates = self.system.coordinates();
         let too_many = coordinates > MAXIMUM_COORDINATES;
-        let rigid = self.system.is_constrained();
-        let growing =
-            if by_pivots && negative_directions == 0 || too_many || rigid { Vec::new() } else { self.growing()? };
-        let not_judged = (!by_pivots).then_some(()).and_then(|()| match (rigid, too_many) {
-            (true, _) => Some("a model with rigid loops has no modes; use stiffness_N_m in the loops".to_owned()),
-            (false, true) => Some(format!(
-                "{coordinates} coordinates exceed {MAXIMUM_COORDINATES}, the maximum for modes; use fewer elements"
-            )),
-            (false, false) => None,
+        let growing = if by_pivots && negative_directions == 0 || too_many { Vec::new() } else { self.growing()? };
+        let not_judged = (!by_pivots && too_many).then(|| {
+            format!("{coordinates} coordinates exceed {MAXIMUM_COORDINATES}, the maximum for modes; use fewer elements")
         });
         Ok(Stability { negative_directions, potential, neutral, growing, in_lattice: false, not_judged })
     }

@@ -50,6 +50,17 @@ impl System {
         Ok(())
     }
 
+    /// Moves the carriages of sliding joints into the elements at the positions of the current state, without an impulse.
+    pub(crate) fn follow_carriages(&mut self) {
+        let Self { state, equations, .. } = self;
+        for (joint, memory) in equations.forces.joints().iter().zip(&mut state.joints) {
+            if let Some(borders) = joint.borders() {
+                memory.element = borders.element_at(state.now.q[joint.coordinate], 0.0);
+            }
+        }
+        equations.seat(&state.joints);
+    }
+
     /// Whether there are constraints by multipliers: rigid loops, skates and wheels.
     pub(crate) fn is_constrained(&self) -> bool {
         self.equations.model.constraints() > 0

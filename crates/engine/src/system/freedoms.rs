@@ -25,18 +25,41 @@ pub struct Freedom {
     pub rate_unit: &'static str,
     /// Step of the finite difference.
     pub(crate) step: f64,
+    /// Degrees of freedom that rigid loops move with it: indices in the vectors of the equations, with their change per unit, eq. (L49).
+    pub(crate) follow: Vec<(usize, f64)>,
+}
+
+impl Freedom {
+    /// Adds a change of this degree of freedom, with those of the dependent ones, to a vector of the equations.
+    pub(crate) fn spread(&self, amount: f64, vector: &mut [f64]) {
+        vector[self.index] += amount;
+        for (index, share) in &self.follow {
+            vector[*index] += share * amount;
+        }
+    }
+
+    /// Force on it, of the forces on all coordinates.
+    pub(crate) fn gather(&self, vector: &[f64]) -> f64 {
+        self.follow.iter().fold(vector[self.index], |sum, (index, share)| sum + share * vector[*index])
+    }
 }
 
 impl System {
     /// Degrees of freedom at the current state: angles of joints that are not held, rotations and displacements of universal, ball and free
-    /// joints, strains; body by body.
+    /// joints, strains; body by body. With rigid loops only the independent ones, eq. (L49): as far as possible those of the last joints
+    /// depend on the others.
     pub fn freedoms(&self) -> Vec<Freedom> {
+        self.independent(self.freedoms_of_tree())
+    }
+
+    /// Degrees of freedom without the constraints of rigid loops.
+    pub(super) fn freedoms_of_tree(&self) -> Vec<Freedom> {
         let mut list = Vec::new();
         let equations = &self.equations;
         for (index, (body, described)) in equations.model.bodies.iter().zip(&self.machine.bodies).enumerate() {
             let joint = &described.joint.name;
             let mut add = |index: usize, name: String, [unit, rate_unit]: [&'static str; 2], step: f64| {
-                list.push(Freedom { index, name, unit, rate_unit, step });
+                list.push(Freedom { index, name, unit, rate_unit, step, follow: Vec::new() });
             };
             let held = equations.forces.joints().iter().any(|joint| joint.body == index && joint.held);
             let (kind, first) = (body.joint.kind, body.joint.coordinate);

@@ -16,6 +16,7 @@ pub(crate) mod failures;
 mod fastest;
 pub(crate) mod freedoms;
 mod hybrid;
+mod independent;
 mod joint_forces;
 pub(crate) mod magnitude;
 mod model_magnitude;

@@ -257,7 +257,7 @@ impl System {
         let (model, now) = (&self.equations.model, &self.state.now);
         let still = vec![0.0; model.coordinates];
         let mut v = still.clone();
-        self.freedoms().iter().zip(change).for_each(|(freedom, x)| v[freedom.index] = *x);
+        self.freedoms().iter().zip(change).for_each(|(freedom, x)| freedom.spread(*x, &mut v));
         let mut work = self.equations.work.clone();
         Tangent::to_coordinates(model, &work, &mut v);
         // velocities relative to the root are linear in the rates

@@ -33,24 +33,11 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     }
     carried(&machine.bodies, checker);
     let Some(joint) = machine.sliding_joint() else { return };
-    if let Some(no_slip) = machine.no_slips.first() {
-        let allowed = format!("no skate and no wheel in a model with a sliding joint ({joint:?})");
-        checker.refuse_state(&[no_slip.table(), &no_slip.name], format!("a {}", no_slip.table()), allowed);
-    }
     for body in machine.bodies.iter().filter(|body| body.modal_damping_ratios.iter().any(|ratio| *ratio > 0.0)) {
         let allowed = format!(
             "no modal damping in a model with a sliding joint ({joint:?}); write stiffness_damping_s on the body"
         );
         checker.refuse(&["body", &body.name, "modal_damping_ratios"], array_text(&body.modal_damping_ratios), allowed);
-    }
-}
-
-/// Reports aerodynamics in a model with a sliding joint.
-pub(super) fn in_air(machine: &Machine, checker: &mut Checker) {
-    if let (Some(joint), true) = (machine.sliding_joint(), machine.air.is_some()) {
-        let allowed =
-            format!("no aerodynamics in a model with a sliding joint ({joint:?}); apply loads at load stations");
-        checker.refuse_state(&["aerodynamics"], "aerodynamics", allowed);
     }
 }
 
