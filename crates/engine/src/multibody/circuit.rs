@@ -6,8 +6,6 @@
 //! the rate of its joint: it is eliminated before the tree and follows after it, and the rest of the matrix stays symmetric.
 
 use crate::multibody::elimination::Weights;
-use crate::multibody::joint::JointKind;
-use crate::multibody::model::Model;
 
 /// Circuit of a motor on a joint with one degree of freedom.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +23,7 @@ pub struct Circuit {
     /// Torque per current at the joint, `K N` in N·m/A, or force in N/A; also the voltage per joint rate.
     pub constant_n_m_a: f64,
     /// Length in m by which the displacement of the joint is divided in the kinematic norm; 1 for a rotation.
-    scale_m: f64,
+    pub scale_m: f64,
 }
 
 impl Circuit {
@@ -78,30 +76,6 @@ impl Circuit {
     pub fn include(&self, norm: f64, change: &[f64]) -> f64 {
         let own = (change[self.coordinate] * self.resistance_ohm / (self.constant_n_m_a * self.scale_m)).abs();
         if own > norm || own.is_nan() { own } else { norm }
-    }
-}
-
-impl Model {
-    /// Appends a circuit to a model on the joint of a body, with its coordinate.
-    pub fn add_circuit(&mut self, body: usize, [inductance_h, resistance_ohm, constant_n_m_a]: [f64; 3]) {
-        let joint = &self.bodies[body].joint;
-        let scale_m = match joint.kind {
-            JointKind::Prismatic { .. } | JointKind::Sliding => self.reference_length_m,
-            JointKind::Clamped
-            | JointKind::Revolute { .. }
-            | JointKind::Universal { .. }
-            | JointKind::Ball
-            | JointKind::Free => 1.0,
-        };
-        let (joint, coordinate) = (joint.coordinate, self.tree_coordinates());
-        self.circuits.push(Circuit { body, joint, coordinate, inductance_h, resistance_ohm, constant_n_m_a, scale_m });
-        self.coordinates += 1;
-    }
-
-    /// Whether all rates are zero except the currents of circuits.
-    pub(crate) fn is_still(&self, v: &[f64]) -> bool {
-        let current = |c: usize| self.circuits.iter().any(|circuit| circuit.coordinate == c);
-        v.iter().enumerate().all(|(c, rate)| *rate == 0.0 || current(c))
     }
 }
 

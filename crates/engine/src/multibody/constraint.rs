@@ -1,6 +1,9 @@
-//! Constraints by multipliers: rigid loops and no-slip constraints, three rows each, whose multipliers follow the coordinates of the tree.
+//! Coordinates behind those of the bodies: charges of circuits, then multipliers of constraints, rigid loops and no-slip constraints with
+//! three rows each.
 
+use crate::multibody::circuit::Circuit;
 use crate::multibody::closure::{Closure, Gap, load_unit_force};
+use crate::multibody::joint::JointKind;
 use crate::multibody::model::Model;
 use crate::multibody::no_slip::{NoSlip, ROWS};
 use crate::multibody::workspace::{Pair, Workspace};
@@ -37,6 +40,28 @@ impl Model {
     /// Coordinates of the tree, with the charges of circuits; those of the multipliers of the constraints follow.
     pub fn tree_coordinates(&self) -> usize {
         self.coordinates - ROWS * self.constraints()
+    }
+
+    /// Appends a circuit to a model on the joint of a body, with its coordinate.
+    pub fn add_circuit(&mut self, body: usize, [inductance_h, resistance_ohm, constant_n_m_a]: [f64; 3]) {
+        let joint = &self.bodies[body].joint;
+        let scale_m = match joint.kind {
+            JointKind::Prismatic { .. } | JointKind::Sliding => self.reference_length_m,
+            JointKind::Clamped
+            | JointKind::Revolute { .. }
+            | JointKind::Universal { .. }
+            | JointKind::Ball
+            | JointKind::Free => 1.0,
+        };
+        let (joint, coordinate) = (joint.coordinate, self.tree_coordinates());
+        self.circuits.push(Circuit { body, joint, coordinate, inductance_h, resistance_ohm, constant_n_m_a, scale_m });
+        self.coordinates += 1;
+    }
+
+    /// Whether all rates are zero except the currents of circuits.
+    pub(crate) fn is_still(&self, v: &[f64]) -> bool {
+        let current = |c: usize| self.circuits.iter().any(|circuit| circuit.coordinate == c);
+        v.iter().enumerate().all(|(c, rate)| *rate == 0.0 || current(c))
     }
 
     /// Indices of the multipliers of a constraint in vectors of accelerations, rigid loops first. Of a rigid loop they are the components of
