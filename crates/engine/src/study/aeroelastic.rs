@@ -33,6 +33,9 @@ impl Study<'_> {
     /// Mass, damping and stiffness including the aerodynamic ones, and the lag states. Without strips or a rotor there are no aerodynamic
     /// ones, and the aerodynamic loads are constant.
     pub(crate) fn lagged(&mut self, gusts: bool) -> Result<(Lagged, Option<Aeroelastic>), PlantError> {
+        if self.system.has_several_airs() {
+            return Err(self.system.several_airs());
+        }
         let second = self.second_order()?;
         if !self.system.air_is_linearised() {
             return Ok((Lagged::without(second), None));
