@@ -55,29 +55,21 @@ fn pointed(joint: &str, mass_kg: f64, air: &str, more: &str) -> String {
 }
 
 /// SB-09. A body on a slide across its axis, pushed by gravity in still air, accelerates as its mass with the apparent mass `ρ V`: for bodies
-/// of ten times to a twentieth of the apparent mass. Position after 1 s; the iteration starts with the acceleration without air, an error
-/// of one aerodynamic step.
+/// of ten times to a twentieth of the apparent mass. Velocity after 1 s; the run starts with the acceleration without air, and the averages
+/// of (Q4) forget that the more slowly the lighter the body is.
 #[test]
 fn sb09_apparent_mass_on_a_slide() {
-    for ratio in [10.0, 1.0, 0.2, 0.05] {
+    for (ratio, bound) in [(10.0, 1e-10), (1.0, 1e-10), (0.2, 1e-6), (0.05, 5e-4)] {
         let mass_kg = ratio * apparent_kg();
         let text = pointed("type = \"prismatic\"\naxis = [0.0, 0.0, 1.0]", mass_kg, "step_s = 0.01", "")
             .replace("name = \"Pointed\"", "name = \"Pointed\"\ngravity_m_s2 = [0.0, 0.0, 2.0]");
         let mut plant = started(&text);
         plant.step(1.0).unwrap_or_else(|error| panic!("ratio {ratio}: {error}"));
         let due_m_s = 2.0 * ratio / (ratio + 1.0);
-        let [before, now] = [0.5, 1.0].map(|time_s| {
-            let mut plant = started(&text);
-            plant.step(time_s).unwrap_or_else(|error| panic!("ratio {ratio}: {error}"));
-            plant.outputs().joints()[0].rate_rad_s
-        });
-        let error = ((now - before) / (0.5 * due_m_s) - 1.0).abs();
+        let error = (plant.outputs().joints()[0].rate_rad_s / due_m_s - 1.0).abs();
         let solutions = plant.statistics().air_solutions as f64 / 100.0;
-        println!(
-            "SB-09: mass / apparent mass {ratio}: {error:.1e}, start {:.1e}; {solutions:.1} solutions per step",
-            now / due_m_s - 1.0
-        );
-        assert!(error < 1e-6, "{ratio}: {error:e}");
+        println!("SB-09: mass / apparent mass {ratio}: {error:.1e}; {solutions:.1} solutions per step");
+        assert!(error < bound, "{ratio}: {error:e}");
     }
 }
 
@@ -255,7 +247,8 @@ fn sb15_faulty_slender_bodies_are_refused_by_key() {
             &["aerodynamics.fuselage.body", "fuselage"],
         ),
         (
-            GLIDER.replace("body = \"fuselage\"\nradius_m", "body = \"right_wing\"\nradius_m"),
+            with("radius_m = [[0.0, 0.0], [0.3, 0.1]]")
+                .replace("body = \"fuselage\"\nradius_m", "body = \"fin\"\nradius_m"),
             &["without a lifting surface"],
         ),
         (with(""), &["aerodynamics.fuselage.radius_m", "position in m, radius in m"]),

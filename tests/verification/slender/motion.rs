@@ -29,10 +29,12 @@ fn sb05_apparent_mass_and_inertia() {
             let wind = flow(-gained_m_s, &[]);
             let [_, [windy_n, _]] = step(&options, [&rest, &rest], [&still, &wind], step_s);
             approx::assert_relative_eq!(windy_n, force_n, max_relative = 1e-12);
-            let spin_rad_s = Vector3::new(3.0, 0.4, -0.3);
+            let spin_rad_s = Vector3::new(0.0, 0.4, -0.3);
             let turning = at(Vector3::zeros(), spin_rad_s);
             let [_, [_, moment_n_m]] = step(&options, [&rest, &turning], [&still, &still], step_s);
-            let due_n_m = Vector3::new(0.0, -0.4, 0.3) * (DENSITY_KG_M3 * moment(&POINTED, 2) / step_s);
+            // the forces are turned by half of the rotation in the step, about the axis of the moment
+            let half_turned = (0.5 * spin_rad_s.norm() * step_s).cos();
+            let due_n_m = Vector3::new(0.0, -0.4, 0.3) * (DENSITY_KG_M3 * moment(&POINTED, 2) * half_turned / step_s);
             approx::assert_relative_eq!(moment_n_m, due_n_m, max_relative = 1e-9);
             let light = foldwing::aero::slender::SlenderBodyOptions { apparent_mass: false, ..options.clone() };
             let [_, [none_n, _]] = step(&light, [&rest, &moving], [&still, &still], step_s);
@@ -83,9 +85,9 @@ fn sb06_steady_turn_in_a_wind() {
 }
 
 /// Mean thrust against the flow of a body of constant radius that waves with a small amplitude growing along it, with its open end behind.
-fn waving_thrust_n(parts: usize, steps: usize) -> f64 {
+fn waving_thrust_n(parts: usize, steps: usize, amplitude_m: f64) -> f64 {
     let (length_m, radius_m, speed_m_s) = (2.0, 0.1, 6.0);
-    let (number_1_m, frequency_rad_s, amplitude_m) = (3.0, 25.0, 1e-3);
+    let (number_1_m, frequency_rad_s) = (3.0, 25.0);
     let rows: Vec<[f64; 2]> = (0..=parts).map(|k| [length_m * k as f64 / parts as f64, radius_m]).collect();
     let model = SlenderBody::new(&body(&rows, false));
     let size_m = |s: f64| amplitude_m * (0.2 + 0.4 * s + 0.1 * s * s);
@@ -126,12 +128,12 @@ fn waving_thrust_n(parts: usize, steps: usize) -> f64 {
 }
 
 /// SB-07. A body that deforms in time: the mean thrust of a waving body, `½ ρ A (⟨ḣ²⟩ − U² ⟨h′²⟩)` at its end (Lighthill, J. Fluid Mech. 9,
-/// 1960); the error falls with the square of the length of the parts.
+/// 1960), but for the square of the slopes, 2e-3, which his theory neglects: a hundredth of it with a tenth of the amplitude.
 #[test]
 fn sb07_waving_body_has_lighthills_thrust() {
-    let [coarse, fine] = [(40, 400), (80, 800)].map(|(parts, steps)| waving_thrust_n(parts, steps));
-    println!("SB-07: {coarse:.2e} {fine:.2e}");
-    assert!(fine.abs() < 1e-2 && (3.0..5.0).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
+    let [large, small] = [1e-3, 1e-4].map(|amplitude_m| waving_thrust_n(40, 400, amplitude_m));
+    println!("SB-07: {large:.2e} {small:.2e}");
+    assert!(large.abs() < 1e-5 && (95.0..105.0).contains(&(large / small)), "{large:e} {small:e}");
 }
 
 /// SB-08. A fixed body on a root that rotates through the air, and a rotating body on a fixed root: the same loads in the frame of the body,

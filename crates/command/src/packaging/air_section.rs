@@ -28,6 +28,9 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
             Coupling::Iterated { .. } => "iterated with the structure",
         }
     ));
+    if air.surfaces.is_empty() {
+        return;
+    }
     let head = ["surface on", "strips", "panels along the chord", "from (m)", "to (m)", "chord (m)"];
     table(
         html,
