@@ -15,6 +15,8 @@ CASES = {
                                "energy.dissipated", "energy.kinetic", "energy.work"]),
     "wing_with_propellers": (0.002, 0.06, ["rotor.right.thrust", "rotor.right.torque", "rotor.left.thrust", "rotor.left.speed",
                                            "right_shaft.angular_velocity", "energy.dissipated", "energy.elastic", "energy.work"]),
+    "wing_with_fuselage": (0.005, 0.3, ["aero.force.x", "aero.moment.y", "aero.load.fuselage[1].force.z", "aero.load.fuselage[3].moment.z", "energy.elastic",
+                                        "energy.kinetic", "energy.work"]),
 }
 
 
@@ -29,7 +31,7 @@ def packaged(request, foldwing, tmp_path_factory):
 
 
 def test_rt30_the_fmu_moves_as_the_command(foldwing, packaged, tmp_path):
-    """RT-30. FMPy finds no problem in the FMU; loads of all rotors, shafts and energies are bit-identical to those of `foldwing simulate`."""
+    """RT-30, SB-16. FMPy finds no problem in the FMU; loads of all rotors, shafts and energies are bit-identical to those of `foldwing simulate`."""
     name, _, model, fmu = packaged
     step_s, stop_s, names = CASES[name]
     out = tmp_path / "out.csv"
@@ -47,7 +49,7 @@ def test_rt30_the_fmu_moves_as_the_command(foldwing, packaged, tmp_path):
 
 
 def test_rt30_states_are_whole(packaged, tmp_path):
-    """RT-30. A saved state continues bit by bit, in the same instance and, as bytes, in another one, also within an aerodynamic step."""
+    """RT-30, SB-16. A saved state continues bit by bit, in the same instance and, as bytes, in another one, also within an aerodynamic step."""
     name, version, _, fmu = packaged
     step_s, _, names = CASES[name]
     if version == "2":
@@ -58,10 +60,11 @@ def test_rt30_states_are_whole(packaged, tmp_path):
 
 @pytest.mark.parametrize("name", CASES)
 def test_rt30_model_exchange_is_refused(foldwing, tmp_path, name):
-    """RT-30. Model Exchange is refused with the reason; `check` says that no model reaches another, and names the parts."""
+    """RT-30, SB-16. Model Exchange is refused with the reason; `check` says that no model reaches another, and names the parts."""
     model = ROOT / f"examples/airs/{name}.toml"
     run = subprocess.run([foldwing, "package", model, "-o", tmp_path / "no.fmu", "--interface", "me"], capture_output=True, text=True)
     assert run.returncode != 0 and "fixed aerodynamic steps" in run.stderr, run.stderr
     told = subprocess.run([foldwing, "check", model], check=True, capture_output=True, text=True).stdout
-    expected = {"twin_rotor": "the wake of a rotor does not reach the others", "wing_with_propellers": "slipstream of a rotor does not reach the wing"}
+    expected = {"twin_rotor": "the wake of a rotor does not reach the others", "wing_with_propellers": "slipstream of a rotor does not reach the wing",
+                "wing_with_fuselage": "wing and slender body do not act on each other"}
     assert expected[name] in told and "bem" not in told, told

@@ -1,5 +1,5 @@
-//! Machines with several aerodynamic models, in a separate range of seeds: two rotors, one on the root and one on a beam, and mostly strips on
-//! the beam.
+//! Machines with several aerodynamic models, in a separate range of seeds: two rotors, one on the root and one on a beam, mostly strips on
+//! the beam, and a slender body on the beam or a hub.
 
 use crate::machines::draw::{Dice, Draft, begin, end};
 use crate::machines::model::{Form, Model, Table, Value};
@@ -41,6 +41,7 @@ pub fn draw(seed: u64) -> Model {
     }
     rotor(&mut dice, &mut draft, 0);
     rotor(&mut dice, &mut draft, 1);
+    slender_body(&mut Dice(fastrand::Rng::with_seed(!seed)), &mut draft, winged);
     let row = |degree: f64, lift: f64, drag: f64| vec![degree, lift, drag, -0.03];
     draft.add(
         Table::new("polar.foil").with("aspect_ratio", 12.0).with("pressure_shift_deg", 20.0).with(
@@ -103,6 +104,30 @@ fn wing(dice: &mut Dice, draft: &mut Draft, winged: bool) {
                 .with("command_deg", dice.number(-5.0, 5.0)),
         );
     }
+}
+
+/// A slender body on the beam where it has no surface, or a spinner on the first hub; its numbers leave the others as they are.
+fn slender_body(dice: &mut Dice, draft: &mut Draft, winged: bool) {
+    let (body, from, to) =
+        if winged { ("hub0", -0.3, dice.number(0.1, 0.4)) } else { ("wing", dice.number(0.0, 0.5), WING_M) };
+    let middle = from + dice.number(0.2, 0.8) * (to - from);
+    let open = if dice.once_in(2) { 0.05 } else { 0.0 };
+    let rows = vec![vec![from, 0.0], vec![middle, dice.number(0.06, 0.12)], vec![to, open]];
+    let mut table =
+        Table::new("aerodynamics.hull").with("model", "slender_body").with("body", body).with("radius_m", rows);
+    if dice.once_in(2) {
+        table.set("segments", dice.whole(2, 6));
+    }
+    if dice.once_in(2) {
+        table.set("cross_flow_drag_coefficient", dice.number(0.5, 1.2));
+    }
+    if dice.once_in(2) {
+        table.set("axial_drag_coefficient", dice.number(0.05, 0.3));
+    }
+    if dice.once_in(4) {
+        table.set("apparent_mass", false);
+    }
+    draft.add(table);
 }
 
 fn strips(dice: &mut Dice) -> Table {

@@ -533,7 +533,7 @@ fn em09_states() {
     );
     refused(
         &changed(8, 1),
-        "fmi2DeSerializeFMUstate: the serialised FMU state has version 1; this library reads version 9: serialise it again \
+        "fmi2DeSerializeFMUstate: the serialised FMU state has version 1; this library reads version 10: serialise it again \
          with this one",
     );
     refused(

@@ -261,7 +261,7 @@ fn damaged_and_foreign_serialised_states_are_refused() {
     }
     let changed = |at: usize, byte: u8| [&bytes[..at], &[byte], &bytes[at + 1..]].concat();
     refused(&changed(0, b'X'), &["not written by this program"]);
-    refused(&changed(9, 0x7f), &["version 32521", "reads version 9"]);
+    refused(&changed(9, 0x7f), &["version 32522", "reads version 10"]);
 
     let other = Fmu::new(OTHER);
     let foreign = other.serialize(other.save());

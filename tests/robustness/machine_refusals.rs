@@ -82,7 +82,7 @@ fn air(machine: &mut Machine) -> &mut Air {
 fn lattice(machine: &mut Machine) -> &mut foldwing::aero::lattice::LatticeOptions {
     match &mut air(machine).parts[0].options {
         AirOptions::Lattice(options) => options,
-        AirOptions::Strips(_) | AirOptions::Rotor(_) => unreachable!("a lattice"),
+        AirOptions::Strips(_) | AirOptions::Rotor(_) | AirOptions::SlenderBody(_) => unreachable!("a lattice"),
     }
 }
 

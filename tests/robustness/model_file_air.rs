@@ -325,7 +325,7 @@ fn tip_loss_of_strips() {
     };
     let strips = |text: &str| match machine(text).air.expect("air").parts[0].options.clone() {
         AirOptions::Strips(strips) => strips,
-        AirOptions::Lattice(_) | AirOptions::Rotor(_) => panic!("a lattice or a rotor"),
+        AirOptions::Lattice(_) | AirOptions::Rotor(_) | AirOptions::SlenderBody(_) => panic!("no strips"),
     };
     assert_eq!(strips(&air("", "")).tip_loss, None);
     assert_eq!(strips(&air("tip_loss = \"none\"", "")).tip_loss, None);

@@ -166,7 +166,7 @@ fn is_large(machine: &Machine) -> bool {
         let panels = air.surfaces.iter().map(|surface| (surface.positions_m.len() - 1) * surface.chord_panels);
         let rows = match &air.parts[0].options {
             AirOptions::Lattice(options) => options.wake_rows,
-            AirOptions::Strips(_) | AirOptions::Rotor(_) => 0,
+            AirOptions::Strips(_) | AirOptions::Rotor(_) | AirOptions::SlenderBody(_) => 0,
         };
         panels.sum::<usize>() > MAXIMUM_PANELS || rows > MAXIMUM_WAKE_ROWS || air.step_s < MINIMUM_AIR_STEP_S
     });

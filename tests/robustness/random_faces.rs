@@ -207,6 +207,10 @@ impl Actor {
     /// Steps from the instantiated state through three steps; returns every Real of the model.
     fn walk(&mut self) -> Vec<u64> {
         let times = Times { tolerance: None, start_s: 0.0, stop_s: None };
+        if self.face.version() == 0 {
+            // the model may start later
+            self.good(Ask::Experiment(times));
+        }
         self.good(Ask::EnterInitialization(times));
         self.good(Ask::ExitInitialization);
         if self.face.exchanges() {

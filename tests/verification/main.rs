@@ -27,6 +27,7 @@ mod rotor;
 mod share;
 mod shear;
 mod shipped;
+mod slender;
 mod static_newton;
 mod statics;
 mod strips;

@@ -4,9 +4,10 @@ use crate::rotor_file::{EndRuleFile, PitchRateFile, SpreadFile, TurnsFile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// One of several aerodynamic models in one flow: any number of rotors, and strips on all other surfaces. No model induces velocities at
-/// the surfaces of another: the slipstream of a propeller does not reach the wing. Co-simulation only; linear models, modes, periodic
-/// motions and derivatives are errors. Outputs of a rotor: `rotor.<name>.thrust` and others.
+/// One of several aerodynamic models in one flow: any number of rotors and slender bodies, and strips on all other surfaces. No model induces
+/// velocities at the surfaces of another: the slipstream of a propeller does not reach the wing, and the flow around a fuselage neither.
+/// Co-simulation only; linear models, modes, periodic motions and derivatives are errors. Outputs of a rotor: `rotor.<name>.thrust` and
+/// others.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AirPartFile {
@@ -15,7 +16,7 @@ pub(super) struct AirPartFile {
     /// Quasi-steady strip theory, without Wagner's and Küssner's functions. `strip` only.
     #[serde(default)]
     pub quasi_steady: bool,
-    /// Include the apparent (added) mass of the air. `strip` only.
+    /// Include the apparent (added) mass of the air. `strip` and `slender_body` only.
     #[serde(default = "yes")]
     pub apparent_mass: bool,
     /// Approximation of Wagner's and Küssner's functions. `strip` only.
@@ -76,6 +77,30 @@ pub(super) struct AirPartFile {
     /// Use AeroDyn's angle of attack for blades that bend in and out of plane, and its state of heavily loaded annuli. `bem` only.
     #[serde(default)]
     pub aerodyn_compatible: bool,
+    /// Body without a lifting surface whose loads are those of a slender body of circular cross-section: a fuselage, a nacelle, a boom.
+    /// `slender_body` only, required there.
+    pub body: Option<String>,
+    /// Rows of position along the body's x axis and radius, with ascending positions, linear between rows. Positions on a rigid body are
+    /// relative to its frame, those on others from 0 to its length; either end may be the nose. An end with a radius is open: air that
+    /// leaves the body there takes its momentum with it. `slender_body` only, required there.
+    #[schemars(
+        length(min = 2, max = 1000),
+        extend("x-allowed" = "at least 2 rows [position in m, radius in m] with ascending positions and radii >= 0")
+    )]
+    pub radius_m: Option<Vec<[f64; 2]>>,
+    /// Number of parts along the body, at least one for each interval of `radius_m`; default: 8, or the number of intervals if that is
+    /// larger. `slender_body` only.
+    #[schemars(range(min = 1, max = 1000))]
+    pub segments: Option<usize>,
+    /// Drag coefficient in the flow across the body, referred to its diameter (Allen and Perkins); 1.2 for a long cylinder at a subcritical
+    /// Reynolds number. `slender_body` only.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub cross_flow_drag_coefficient: f64,
+    /// Drag coefficient in the flow along the body, referred to its largest cross-section. `slender_body` only.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub axial_drag_coefficient: f64,
 }
 
 /// Aerodynamic model of a part.
@@ -86,6 +111,9 @@ pub(super) enum AirPartModelFile {
     Strip,
     /// Blade-element momentum theory for one rotor.
     Bem,
+    /// Slender-body theory for one body.
+    #[serde(rename = "slender_body")]
+    SlenderBody,
 }
 
 fn yes() -> bool {

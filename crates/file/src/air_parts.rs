@@ -7,10 +7,13 @@ use crate::checker::Checker;
 use crate::file::ModelFile;
 use crate::rotor::{self, air_path};
 use foldwing_engine::machine::Air;
-use foldwing_engine::machine::builder::AirBuilder;
+use foldwing_engine::machine::builder::{AirBuilder, SlenderBodySettings};
 
 /// Keys of `[aerodynamics.<name>]` that both strips and lattice have, besides those listed for each.
 const WING_KEYS: &[&str] = &["leading_edge_suction", "speed_of_sound_m_s"];
+/// Keys of `[aerodynamics.<name>]` that only slender bodies have.
+const SLENDER_KEYS: &[&str] =
+    &["body", "radius_m", "segments", "cross_flow_drag_coefficient", "axial_drag_coefficient"];
 
 /// Builds the models of all parts; `None` after an error. With `model = "none"` in `[aerodynamics]` they are switched off.
 pub(super) fn build(common: &AirFile, file: &ModelFile, checker: &mut Checker) -> Option<AirBuilder> {
@@ -25,6 +28,7 @@ pub(super) fn build(common: &AirFile, file: &ModelFile, checker: &mut Checker) -
         let base = match part.model {
             AirPartModelFile::Strip => Some(air_keys::build(Air::strips(), &AirFile { wind_m_s: [0.0; 3], ..own })),
             AirPartModelFile::Bem => rotor::build(name, &own, file, checker),
+            AirPartModelFile::SlenderBody => slender_body(name, part, checker),
         };
         match base {
             Some(base) => built = built.part(name, base),
@@ -34,12 +38,31 @@ pub(super) fn build(common: &AirFile, file: &ModelFile, checker: &mut Checker) -
     whole.then_some(built)
 }
 
+/// Builds a slender body; `None` after an error.
+fn slender_body(name: &str, part: &AirPartFile, checker: &mut Checker) -> Option<AirBuilder> {
+    if part.body.is_none() {
+        checker.refuse(&air_path(name, "body"), "the body whose cross-sections radius_m describes");
+    }
+    if part.radius_m.is_none() {
+        let allowed = "at least 2 rows [position in m, radius in m] with ascending positions and radii >= 0, not all 0";
+        checker.refuse(&air_path(name, "radius_m"), allowed);
+    }
+    let settings = SlenderBodySettings {
+        segments: part.segments,
+        cross_flow_drag_coefficient: part.cross_flow_drag_coefficient,
+        axial_drag_coefficient: part.axial_drag_coefficient,
+        ..SlenderBodySettings::on(part.body.clone()?, part.radius_m.clone()?)
+    };
+    Some(Air::slender_body(settings).apparent_mass(part.apparent_mass))
+}
+
 /// The part as the only model of a machine, with the wind of all.
 fn alone(part: &AirPartFile, common: &AirFile) -> AirFile {
     AirFile {
         model: match part.model {
             AirPartModelFile::Strip => AirModelFile::Strip,
             AirPartModelFile::Bem => AirModelFile::Bem,
+            AirPartModelFile::SlenderBody => AirModelFile::None,
         },
         wind_m_s: common.wind_m_s,
         quasi_steady: part.quasi_steady,
@@ -91,12 +114,21 @@ fn refuse_keys(common: &AirFile, file: &ModelFile, checker: &mut Checker) {
         match part.model {
             AirPartModelFile::Strip => {
                 refuse(rotor::KEYS, "this key only with model = \"bem\"");
+                refuse(SLENDER_KEYS, "this key only with model = \"slender_body\"");
                 if part.tip_loss != TipLossFile::LiftingLine {
                     refuse(SPAN_KEYS, "this key only with tip_loss = \"lifting_line\"");
                 }
             }
             AirPartModelFile::Bem => {
                 for keys in [STRIP_KEYS, SPAN_KEYS, WING_KEYS] {
+                    refuse(keys, "this key only with model = \"strip\"");
+                }
+                refuse(SLENDER_KEYS, "this key only with model = \"slender_body\"");
+            }
+            AirPartModelFile::SlenderBody => {
+                refuse(rotor::KEYS, "this key only with model = \"bem\"");
+                let own: Vec<&str> = STRIP_KEYS.iter().copied().filter(|key| *key != "apparent_mass").collect();
+                for keys in [&own, SPAN_KEYS, WING_KEYS] {
                     refuse(keys, "this key only with model = \"strip\"");
                 }
             }

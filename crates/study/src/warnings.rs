@@ -227,6 +227,6 @@ pub fn balance_at(plant: &Plant) -> Vec<Warning> {
 fn lacks_suction(machine: &Machine) -> bool {
     machine.air.iter().flat_map(|air| &air.parts).any(|part| match &part.options {
         AirOptions::Lattice(lattice) => lattice.load_rule == LoadRule::Bernoulli,
-        AirOptions::Strips(_) | AirOptions::Rotor(_) => false,
+        AirOptions::Strips(_) | AirOptions::Rotor(_) | AirOptions::SlenderBody(_) => false,
     })
 }

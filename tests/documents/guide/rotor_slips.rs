@@ -169,11 +169,34 @@ pub fn refused() -> Vec<String> {
         alone,
     ];
     let said = |text: &String| foldwing::config::parse(text, "rotor.toml").expect_err(text).to_string();
-    texts.iter().chain(&airs()).map(said).chain(studies_of_airs()).collect()
+    texts.iter().chain(&airs()).chain(&slender_bodies()).map(said).chain(studies_of_airs()).collect()
 }
 
 const TWIN: &str = include_str!("../../../examples/airs/twin_rotor.toml");
 const PROPELLERS: &str = include_str!("../../../examples/airs/wing_with_propellers.toml");
+const GLIDER: &str = include_str!("../../../examples/airs/wing_with_fuselage.toml");
+
+/// Invalid slender bodies.
+fn slender_bodies() -> Vec<String> {
+    let rows = GLIDER.lines().find(|line| line.starts_with("radius_m")).expect("rows");
+    let second =
+        "[aerodynamics.other]\nmodel = \"slender_body\"\nbody = \"fuselage\"\nradius_m = [[0.0, 0.0], [3.0, 0.1]]\n";
+    let (before, after) = GLIDER.split_once("[surface.").expect("surfaces");
+    let alone = before.to_owned() + &after[after.find("[aerodynamics]").expect("air")..];
+    vec![
+        GLIDER.replace("body = \"fuselage\"\nradius_m", "radius_m"),
+        GLIDER
+            .replace(rows, "radius_m = [[0.0, 0.0], [0.3, 0.1]]")
+            .replace("body = \"fuselage\"\nradius_m", "body = \"fin\"\nradius_m"),
+        GLIDER.replace(rows, ""),
+        GLIDER.replace(rows, "radius_m = [[0.0, 0.1], [0.0, 0.2]]"),
+        GLIDER.replace(rows, "radius_m = [[0.0, 0.1], [3.5, 0.2]]"),
+        GLIDER.replace("segments = 12", "segments = 3"),
+        GLIDER.replace("model = \"strip\"", "model = \"strip\"\nsegments = 3"),
+        GLIDER.to_owned() + second,
+        alone.replace("step_s = 0.0025\n", "").replace("[aerodynamics.surfaces]\nmodel = \"strip\"\n", ""),
+    ]
+}
 
 /// Invalid files with several aerodynamic models.
 fn airs() -> Vec<String> {

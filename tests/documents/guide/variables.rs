@@ -185,7 +185,7 @@ const WHERE: &[(&str, &str)] = &[
     ("station.", "each load station"),
     ("wind.", "with aerodynamics"),
     ("aero.circulation", "with `aerodynamics.report_circulation`"),
-    ("aero.load", "load stations of bodies with a surface"),
+    ("aero.load", "load stations of bodies with a surface or a slender body"),
     ("aero.", "with aerodynamics"),
     ("gauge.", "each gauge"),
     ("internal_load.", "each `internal_load`"),

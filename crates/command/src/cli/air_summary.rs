@@ -170,6 +170,10 @@ fn describe(options: &AirOptions) -> String {
             let like = rotor.features.blades.map_or(String::new(), |blades| format!(", {blades} identical blades"));
             format!("{induced}{like}{skew}{inflow}{rate}{stall}")
         }
+        AirOptions::SlenderBody(body) => {
+            let mass = if body.apparent_mass { "" } else { ", no apparent mass" };
+            format!("slender body of {:.4} m3{mass}", body.volume_m3())
+        }
         AirOptions::Strips(strips) => {
             let lag = if strips.unsteady { "unsteady" } else { "quasi-steady" };
             let mass = if strips.apparent_mass { "" } else { ", no apparent mass" };

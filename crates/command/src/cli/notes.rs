@@ -1,7 +1,7 @@
 //! Notes on a valid model.
 
 use foldwing_engine::machine::{
-    Air, DEFAULT_CAPTURE_RAD, JointMotion, Latch, LatchKind, Machine, Motion, OneFreedom, Travel,
+    Air, AirOptions, DEFAULT_CAPTURE_RAD, JointMotion, Latch, LatchKind, Machine, Motion, OneFreedom, Travel,
 };
 
 /// Ratio of the rate in the last interval to the fastest one, above which the table was not meant to slow down.
@@ -45,22 +45,29 @@ pub fn notes(machine: &Machine, stop_s: f64) -> Vec<String> {
     notes
 }
 
-/// Note on several aerodynamic models: none reaches the surfaces of another.
+/// Note on several aerodynamic models: none reaches the surfaces of another; and on slender bodies.
 fn apart(air: &Air) -> Option<String> {
     let names: Vec<&str> = air.parts.iter().map(|part| part.name.as_str()).collect();
-    let mixed = air.rotors().next().is_some() && !air.is_rotor();
-    let effect = if mixed {
-        "the slipstream of a rotor does not reach the wing"
-    } else {
-        "the wake of a rotor does not reach the others"
-    };
-    (names.len() > 1).then(|| {
-        format!(
-            "aerodynamics {}: each model is in the undisturbed wind; {effect}; linear models, modes and Model Exchange are refused",
-            names.join(", ")
-        )
-    })
+    let slender = air.slender_bodies().next().is_some();
+    if names.len() < 2 {
+        return slender.then(|| format!("aerodynamics {}: {REFUSED}", names.join(", ")));
+    }
+    let wing = air.parts.iter().any(|part| matches!(part.options, AirOptions::Strips(_)));
+    let effects = [
+        (air.rotors().next().is_some() && wing, "the slipstream of a rotor does not reach the wing"),
+        (air.rotors().next().is_some() && !wing, "the wake of a rotor does not reach the others"),
+        (
+            slender && wing,
+            "wing and slender body do not act on each other: no carry-over of lift, no upwash, no downwash of the wing",
+        ),
+    ];
+    let effects: Vec<&str> = effects.into_iter().filter_map(|(applies, effect)| applies.then_some(effect)).collect();
+    let effects = if effects.is_empty() { String::new() } else { format!("{}; ", effects.join("; ")) };
+    Some(format!("aerodynamics {}: each model is in the undisturbed wind; {effects}{REFUSED}", names.join(", ")))
 }
+
+/// End of the note on models without a common linear form.
+const REFUSED: &str = "linear models, modes and Model Exchange are refused";
 
 /// Note on a table of times in s and angles in rad (or positions in m) that is a spin sampled up to the end of the run: its motion stops
 /// there although its rows do not slow down.

@@ -28,6 +28,9 @@ pub(super) fn write(html: &mut String, machine: &Machine) {
             Coupling::Iterated { .. } => "iterated with the structure",
         }
     ));
+    if air.surfaces.is_empty() {
+        return;
+    }
     let head = ["surface on", "strips", "panels along the chord", "from (m)", "to (m)", "chord (m)"];
     table(
         html,
@@ -86,6 +89,18 @@ fn describe(part: &AirPart) -> String {
                 EndRule::ZeroLoad => "no load where the tip or hub loss is complete",
                 EndRule::Stopped => "the wind stopped where the tip or hub loss is complete",
             }
+        ),
+        AirOptions::SlenderBody(body) => format!(
+            "Slender body of {} parts from {} to {} m, largest radius {} m, volume {} m³{}, cross-flow drag coefficient {}, \
+             axial drag coefficient {}.",
+            body.positions_m.len() - 1,
+            number(body.positions_m[0]),
+            number(body.positions_m[body.positions_m.len() - 1]),
+            number(body.largest_m()),
+            number(body.volume_m3()),
+            if body.apparent_mass { "" } else { ", without apparent mass" },
+            number(body.cross_flow_drag_coefficient),
+            number(body.axial_drag_coefficient)
         ),
         AirOptions::Strips(strips) => format!(
             "{} strips{}{}.",

@@ -37,6 +37,7 @@ pub mod random;
 pub mod rear;
 pub mod rotor;
 mod sheet;
+pub mod slender;
 pub mod strip;
 pub mod surface;
 mod vortex_segments;

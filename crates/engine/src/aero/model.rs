@@ -9,6 +9,7 @@ use crate::aero::lattice_state::LatticeState;
 use crate::aero::near_sheets::NoCirculation;
 use crate::aero::rotor::bem::{Rotor, RotorOptions, RotorState};
 use crate::aero::rotor::loads::RotorLoads;
+use crate::aero::slender::{SlenderBody, SlenderBodyOptions, SlenderBodyState};
 use crate::aero::strip::{StripOptions, StripState, Strips};
 use crate::aero::surface::{Edge, Surface};
 use crate::load::SectionMotion;
@@ -23,13 +24,16 @@ pub enum AirOptions {
     Strips(StripOptions),
     /// Blade-element momentum theory.
     Rotor(Box<RotorOptions>),
+    /// A slender body.
+    SlenderBody(Box<SlenderBodyOptions>),
 }
 
 impl AirOptions {
-    /// Whether linearised models include these aerodynamics with their lags: strips and rotors. The loads of lattices are held constant.
+    /// Whether linearised models include these aerodynamics with their lags: strips and rotors. The loads of lattices are held constant;
+    /// machines with slender bodies have no linear model.
     pub fn is_linearised(&self) -> bool {
         match self {
-            Self::Lattice(_) => false,
+            Self::Lattice(_) | Self::SlenderBody(_) => false,
             Self::Strips(_) | Self::Rotor(_) => true,
         }
     }
@@ -43,7 +47,15 @@ impl AirOptions {
     pub fn rotor(&self) -> Option<&RotorOptions> {
         match self {
             Self::Rotor(options) => Some(options),
-            Self::Lattice(_) | Self::Strips(_) => None,
+            Self::Lattice(_) | Self::Strips(_) | Self::SlenderBody(_) => None,
+        }
+    }
+
+    /// The settings of a slender body, if this is one.
+    pub fn slender_body(&self) -> Option<&SlenderBodyOptions> {
+        match self {
+            Self::SlenderBody(options) => Some(options),
+            Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_) => None,
         }
     }
 
@@ -61,6 +73,8 @@ pub enum AirModel {
     Strips(Box<Strips>),
     /// Blade-element momentum theory.
     Rotor(Box<Rotor>),
+    /// A slender body.
+    SlenderBody(Box<SlenderBody>),
 }
 
 /// State of an aerodynamic model from one aerodynamic step to the next.
@@ -72,15 +86,18 @@ pub enum AirState {
     Strips(Box<StripState>),
     /// State of a rotor.
     Rotor(Box<RotorState>),
+    /// State of a slender body.
+    SlenderBody(Box<SlenderBodyState>),
 }
 
 impl AirModel {
-    /// Makes an aerodynamic model of these surfaces.
+    /// Makes an aerodynamic model of these surfaces; a slender body has none.
     pub fn new(surfaces: Vec<Surface>, options: &AirOptions) -> Self {
         match options {
             AirOptions::Lattice(options) => Self::Lattice(Box::new(VortexLattice::new(surfaces, options.clone()))),
             AirOptions::Strips(options) => Self::Strips(Box::new(Strips::new(surfaces, *options))),
             AirOptions::Rotor(options) => Self::Rotor(Box::new(Rotor::new(&surfaces, options))),
+            AirOptions::SlenderBody(options) => Self::SlenderBody(Box::new(SlenderBody::new(options))),
         }
     }
 
@@ -96,7 +113,7 @@ impl AirModel {
         match self {
             Self::Lattice(lattice) => lattice.add_flaps(flaps),
             Self::Strips(strips) => strips.add_flaps(flaps),
-            Self::Rotor(_) => {}
+            Self::Rotor(_) | Self::SlenderBody(_) => {}
         }
     }
 
@@ -105,7 +122,7 @@ impl AirModel {
         match self {
             Self::Lattice(lattice) => lattice.deflect(deflections),
             Self::Strips(strips) => strips.deflect(deflections),
-            Self::Rotor(_) => {}
+            Self::Rotor(_) | Self::SlenderBody(_) => {}
         }
     }
 
@@ -115,6 +132,7 @@ impl AirModel {
             Self::Lattice(lattice) => AirState::Lattice(Box::new(lattice.blank_state())),
             Self::Strips(strips) => AirState::Strips(Box::new(strips.blank_state())),
             Self::Rotor(rotor) => AirState::Rotor(Box::new(rotor.blank_state())),
+            Self::SlenderBody(body) => AirState::SlenderBody(Box::new(body.blank_state())),
         }
     }
 
@@ -143,7 +161,13 @@ impl AirModel {
                 rotor.start(motions, flow, established.is_some(), state, loads);
                 Ok(())
             }
-            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => unreachable!("a state belongs to its model"),
+            (Self::SlenderBody(body), AirState::SlenderBody(state)) => {
+                body.start(motions, flow, state, loads);
+                Ok(())
+            }
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_) | Self::SlenderBody(_), ..) => {
+                unreachable!("a state belongs to its model")
+            }
         }
     }
 
@@ -157,7 +181,10 @@ impl AirModel {
                 strips.convect(from, flow, step_s, to);
             }
             (Self::Rotor(_), AirState::Rotor(from), AirState::Rotor(to)) => to.copy_from(from),
-            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => unreachable!("a state belongs to its model"),
+            (Self::SlenderBody(_), AirState::SlenderBody(from), AirState::SlenderBody(to)) => to.copy_from(from),
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_) | Self::SlenderBody(_), ..) => {
+                unreachable!("a state belongs to its model")
+            }
         }
     }
 
@@ -188,7 +215,13 @@ impl AirModel {
                 rotor.solve(from, motions, flow, step_s, to, loads);
                 Ok(())
             }
-            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => unreachable!("a state belongs to its model"),
+            (Self::SlenderBody(body), AirState::SlenderBody(from), AirState::SlenderBody(to)) => {
+                body.solve(from, motions, flow, step_s, to, loads);
+                Ok(())
+            }
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_) | Self::SlenderBody(_), ..) => {
+                unreachable!("a state belongs to its model")
+            }
         }
     }
 
@@ -198,7 +231,7 @@ impl AirModel {
             (Self::Lattice(lattice), AirState::Lattice(from), AirState::Lattice(to)) => {
                 lattice.row_panels(from, to, path)
             }
-            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => 0.0,
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_) | Self::SlenderBody(_), ..) => 0.0,
         }
     }
 
@@ -214,13 +247,15 @@ impl AirModel {
     }
 
     /// Circulation of a strip in m²/s, positive along the span from the inner to the outer end; 0 for rotor blades, which are modelled by
-    /// annuli.
+    /// annuli, and slender bodies.
     pub fn strip_circulation_m2_s(&self, state: &AirState, surface: usize, strip: usize) -> f64 {
         match (self, state) {
             (Self::Lattice(lattice), AirState::Lattice(state)) => lattice.strip_circulation(state, surface, strip),
             (Self::Strips(strips), AirState::Strips(state)) => strips.strip_circulation_m2_s(state, surface, strip),
-            (Self::Rotor(_), AirState::Rotor(_)) => 0.0,
-            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => unreachable!("a state belongs to its model"),
+            (Self::Rotor(_), AirState::Rotor(_)) | (Self::SlenderBody(_), AirState::SlenderBody(_)) => 0.0,
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_) | Self::SlenderBody(_), ..) => {
+                unreachable!("a state belongs to its model")
+            }
         }
     }
 }
@@ -232,7 +267,10 @@ impl AirState {
             (Self::Lattice(own), Self::Lattice(other)) => own.copy_from(other),
             (Self::Strips(own), Self::Strips(other)) => own.copy_from(other),
             (Self::Rotor(own), Self::Rotor(other)) => own.copy_from(other),
-            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), ..) => unreachable!("a state belongs to its model"),
+            (Self::SlenderBody(own), Self::SlenderBody(other)) => own.copy_from(other),
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_) | Self::SlenderBody(_), ..) => {
+                unreachable!("a state belongs to its model")
+            }
         }
     }
 
@@ -240,7 +278,7 @@ impl AirState {
     pub fn go_on_from(&mut self, earlier: &Self) {
         match (self, earlier) {
             (Self::Lattice(own), Self::Lattice(earlier)) => own.profile_m_s.copy_from_slice(&earlier.profile_m_s),
-            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), _) => {}
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_) | Self::SlenderBody(_), _) => {}
         }
     }
 
@@ -249,7 +287,7 @@ impl AirState {
         match self {
             Self::Lattice(state) => &state.hinges,
             Self::Strips(state) => &state.hinges,
-            Self::Rotor(_) => &[],
+            Self::Rotor(_) | Self::SlenderBody(_) => &[],
         }
     }
 
@@ -257,7 +295,7 @@ impl AirState {
     pub fn rotor_loads(&self) -> Option<&RotorLoads> {
         match self {
             Self::Rotor(state) => Some(&state.loads),
-            Self::Lattice(_) | Self::Strips(_) => None,
+            Self::Lattice(_) | Self::Strips(_) | Self::SlenderBody(_) => None,
         }
     }
 
@@ -267,7 +305,8 @@ impl AirState {
             (Self::Lattice(own), Self::Lattice(other)) => own.fits(other),
             (Self::Strips(own), Self::Strips(other)) => own.fits(other),
             (Self::Rotor(own), Self::Rotor(other)) => own.fits(other),
-            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_), _) => false,
+            (Self::SlenderBody(own), Self::SlenderBody(other)) => own.fits(other),
+            (Self::Lattice(_) | Self::Strips(_) | Self::Rotor(_) | Self::SlenderBody(_), _) => false,
         }
     }
 }

@@ -17,14 +17,14 @@ pub struct AirPart {
     pub name: String,
     /// Aerodynamic model with its settings.
     pub options: AirOptions,
-    /// Indices of its surfaces in the list of all surfaces, ascending.
+    /// Indices of its surfaces in the list of all surfaces, ascending; empty for a slender body.
     pub surfaces: Vec<usize>,
 }
 
 /// One model with its place among all sections, surfaces and control surfaces, and its scratch.
 struct Placed {
     model: AirModel,
-    /// Sections in the model's order: those of its surfaces, then that of a rotor's hub.
+    /// Sections in the model's order: those of its surfaces, then that of a rotor's hub, or those of a slender body.
     sections: Vec<usize>,
     surfaces: Vec<usize>,
     flaps: Vec<usize>,
@@ -33,7 +33,8 @@ struct Placed {
     deflections: Vec<Deflection>,
 }
 
-/// The aerodynamic models of a machine. Sections are in the order of the surfaces, followed by those of the rotors' hubs.
+/// The aerodynamic models of a machine. Sections are in the order of the surfaces, followed by those of rotors' hubs and slender bodies in
+/// the order of the parts.
 pub struct AirModels {
     parts: Vec<Placed>,
     /// Per section: whether its model uses instantaneous velocities, [`AirModel::sees_instants`].
@@ -75,6 +76,10 @@ impl AirModels {
             if part.options.is_rotor() {
                 sections.push(hubs);
                 hubs += 1;
+            }
+            if let Some(body) = part.options.slender_body() {
+                sections.extend(hubs..hubs + body.positions_m.len());
+                hubs += body.positions_m.len();
             }
             sections
         };
@@ -248,7 +253,7 @@ impl AirModels {
             part.gather(motions);
             match &part.model {
                 AirModel::Rotor(rotor) => Some(part.surfaces[rotor.blade_along_shaft(&part.motions)?]),
-                AirModel::Lattice(_) | AirModel::Strips(_) => None,
+                AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::SlenderBody(_) => None,
             }
         })
     }

@@ -1,6 +1,7 @@
 //! The aerodynamic models of a machine.
 
 use crate::aero::rotor::options::RotorOptions;
+use crate::aero::slender::SlenderBodyOptions;
 use crate::machine::{Air, AirOptions, AirPart};
 
 impl Air {
@@ -15,6 +16,17 @@ impl Air {
     /// The rotors with the parts that they are.
     pub fn rotors(&self) -> impl Iterator<Item = (&AirPart, &RotorOptions)> {
         self.parts.iter().filter_map(|part| Some((part, part.options.rotor()?)))
+    }
+
+    /// The slender bodies with the parts that they are.
+    pub fn slender_bodies(&self) -> impl Iterator<Item = (&AirPart, &SlenderBodyOptions)> {
+        self.parts.iter().filter_map(|part| Some((part, part.options.slender_body()?)))
+    }
+
+    /// Whether the machine has air loads on a body: from a lifting surface, or as a slender body.
+    pub fn loads_body(&self, body: usize) -> bool {
+        self.surfaces.iter().any(|surface| surface.body == body)
+            || self.slender_bodies().any(|(_, slender)| slender.body == body)
     }
 
     /// Whether all surfaces are blades of rotors.

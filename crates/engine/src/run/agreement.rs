@@ -54,6 +54,10 @@ const STAGGERED_DIVERGES: &str = "coupling = \"staggered\" diverges: in 4 consec
 /// Error text for loads of a rotor that do not converge.
 const JUMPS: &str = "; an annulus of the rotor may alternate between the windmill and the propeller brake state: write coupling = \"staggered\"";
 
+/// Error text for loads of a slender body that do not converge.
+const APPARENT: &str = "; the apparent mass of a slender body may exceed the mass of the structure that it moves: write apparent_mass = false \
+                        for the slender body, or give the structure its mass";
+
 /// Time in s by which the caller's clock may deviate from the end of an aerodynamic step.
 fn round_off_s(time_s: f64, step_s: f64) -> f64 {
     SLIVER * step_s + CLOCK_ROUND_OFF * time_s.abs()
@@ -136,6 +140,9 @@ impl Plant {
                 format!("the loads still change by {change:.1e} of the largest load after {most_trials} iterations");
             if air.settings.rotors().next().is_some() {
                 cause += JUMPS;
+            }
+            if air.settings.slender_bodies().any(|(_, body)| body.apparent_mass) {
+                cause += APPARENT;
             }
             if let Some(surface) =
                 gaps::blown_from_behind(&air.settings, &air.motions, &flow(&air.settings, state, end_s))

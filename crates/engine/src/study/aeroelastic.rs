@@ -38,6 +38,9 @@ impl Study<'_> {
     }
 
     fn lagged_in_air(&mut self, gusts: bool) -> Result<(Lagged, Option<Aeroelastic>), PlantError> {
+        if self.system.has_several_airs() {
+            return Err(self.system.several_airs());
+        }
         let second = self.second_order()?;
         if !self.system.air_is_linearised() {
             return Ok((Lagged::without(second), None));

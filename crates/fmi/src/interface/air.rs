@@ -65,7 +65,7 @@ pub(super) fn outputs(table: &mut Table, topology: &Topology) {
     let texts = wrench_texts("aero", [force, moment]);
     wrench(table, (layout.air_total.place(0, 0), OutputSet::AIR), &depends, texts);
     for (station, &(body, number)) in topology.stations.iter().enumerate() {
-        if !air.surfaces.iter().any(|surface| surface.body == body) {
+        if !air.loads_body(body) {
             continue;
         }
         let body = &topology.machine.bodies[body].name;

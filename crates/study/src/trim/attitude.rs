@@ -110,7 +110,7 @@ impl Attitude {
             given,
             moving: moving.iter().any(|vector| *vector != Vector3::zeros()),
             no_turn: plant.machine().air.iter().flat_map(|air| &air.parts).find_map(|part| match &part.options {
-                AirOptions::Strips(_) => None,
+                AirOptions::Strips(_) | AirOptions::SlenderBody(_) => None,
                 AirOptions::Lattice(lattice) => (lattice.wake == WakeModel::Free).then_some(TurnError::FreeWake),
                 AirOptions::Rotor(_) => Some(TurnError::Rotor),
             }),

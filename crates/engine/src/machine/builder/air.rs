@@ -7,6 +7,7 @@ use crate::aero::strip::indicial::Fit;
 use crate::aero::strip::lifting_line::LiftingLineOptions;
 use crate::machine::builder::place::air_place;
 use crate::machine::builder::rotor::RotorSettings;
+use crate::machine::builder::slender::SlenderBodySettings;
 use crate::machine::fault::{Checker, Range, array_text};
 use crate::machine::{Air, Coupling, LiftingSurface};
 use nalgebra::Vector3;
@@ -22,6 +23,7 @@ pub(super) enum Model {
     Lattice,
     Strips,
     Rotor,
+    SlenderBody,
     /// Several of the others.
     Parts,
     None,
@@ -38,7 +40,7 @@ pub struct AirBuilder {
     pub(super) established: bool,
     pub(super) reports_circulation: bool,
     unsteady: bool,
-    apparent_mass: bool,
+    pub(super) apparent_mass: bool,
     fit: Fit,
     pub(super) tip_loss: bool,
     leading_edge_suction: Option<bool>,
@@ -50,6 +52,7 @@ pub struct AirBuilder {
     core_radius_m: Option<f64>,
     threads: usize,
     pub(super) rotor: Option<RotorSettings>,
+    pub(super) slender: Option<SlenderBodySettings>,
     pub(super) parts: Vec<(String, AirBuilder)>,
 }
 
@@ -76,6 +79,7 @@ impl Air {
             core_radius_m: None,
             threads: 1,
             rotor: None,
+            slender: None,
             parts: Vec::new(),
         }
     }
@@ -93,6 +97,11 @@ impl Air {
     /// Blade-element momentum theory for the blades of one rotor; several rotors are [`Air::parts`].
     pub fn rotor(settings: RotorSettings) -> AirBuilder {
         AirBuilder { rotor: Some(settings), ..Self::builder(Model::Rotor) }
+    }
+
+    /// A slender body without lifting surfaces, such as a fuselage, mostly one of [`Air::parts`].
+    pub fn slender_body(settings: SlenderBodySettings) -> AirBuilder {
+        AirBuilder { slender: Some(settings), ..Self::builder(Model::SlenderBody) }
     }
 
     /// No aerodynamics: loads are external. Surfaces and gusts are checked and omitted.
@@ -137,7 +146,7 @@ impl AirBuilder {
         Self { unsteady, ..self }
     }
 
-    /// Whether strips have apparent mass. Default true.
+    /// Whether strips and slender bodies have apparent mass. Default true.
     pub fn apparent_mass(self, apparent_mass: bool) -> Self {
         Self { apparent_mass, ..self }
     }
@@ -199,11 +208,16 @@ impl AirBuilder {
 }
 
 impl AirBuilder {
+    /// Whether one of the models is a slender body.
+    pub(super) fn has_slender_body(&self) -> bool {
+        self.slender.is_some() || self.parts.iter().any(|(_, part)| part.slender.is_some())
+    }
+
     /// Names and builders of the models: a single one has no name.
     pub(super) fn named(&self) -> Vec<(&str, &Self)> {
         match self.model {
             Model::Parts => self.parts.iter().map(|(name, part)| (name.as_str(), part)).collect(),
-            Model::Lattice | Model::Strips | Model::Rotor | Model::None => vec![("", self)],
+            Model::Lattice | Model::Strips | Model::Rotor | Model::SlenderBody | Model::None => vec![("", self)],
         }
     }
 

@@ -53,7 +53,7 @@ pub(super) fn build(
         checker.refuse_state(&["control_surface", flap.name.as_str()], "a control surface on a rotor's blade", allowed);
         return None;
     }
-    if surfaces.is_empty() {
+    if surfaces.is_empty() && !air.has_slender_body() {
         let allowed = "at least one surface";
         checker.refuse_state(&["air", "model"], "aerodynamics without a surface", allowed);
         return None;
@@ -96,8 +96,12 @@ pub(super) fn build(
         None => match fastest_m_s(&surfaces, bodies, air.wind_m_s, start_time_s) {
             Some(speed_m_s) => smallest_m / speed_m_s,
             None => {
-                let allowed =
-                    "a finite time > 0 s: it has no default if the wing does not move relative to the air at the start";
+                let allowed = match surfaces.is_empty() {
+                    true => "a finite time > 0 s: it has no default without a surface",
+                    false => {
+                        "a finite time > 0 s: it has no default if the wing does not move relative to the air at the start"
+                    }
+                };
                 checker.refuse(&["air", "step_s"], "none", allowed);
                 return None;
             }
@@ -114,6 +118,8 @@ pub(super) fn build(
                 return None;
             }
             AirOptions::Rotor(Box::new(rotor.options(name, builders, own, bodies, checker)?))
+        } else if let Some(slender) = &part.slender {
+            AirOptions::SlenderBody(Box::new(slender.options(name, part.apparent_mass, bodies, checker)?))
         } else {
             AirOptions::Strips(part.strip_options(own, mirror))
         };

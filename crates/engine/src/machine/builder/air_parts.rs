@@ -19,7 +19,8 @@ impl Air {
 
 impl AirBuilder {
     /// Adds a model by name, an identifier, to [`Air::parts`]: any number of rotors ([`Air::rotor`]), whose surfaces are those on bodies
-    /// that their hubs carry, and at most one of strips ([`Air::strips`]), with all other surfaces.
+    /// that their hubs carry, any number of slender bodies ([`Air::slender_body`]), and at most one of strips ([`Air::strips`]), with all
+    /// other surfaces.
     pub fn part(mut self, name: impl Into<String>, part: Self) -> Self {
         self.parts.push((name.into(), part));
         self
@@ -31,13 +32,13 @@ pub(super) fn check(air: &AirBuilder, checker: &mut Checker) -> bool {
     let before = checker.faults.len();
     names("air", air.parts.iter().map(|(name, _)| name.as_str()), checker);
     if air.parts.is_empty() {
-        checker.refuse_state(&["air"], "no part", "at least one rotor, or strips");
+        checker.refuse_state(&["air"], "no part", "at least one rotor or slender body, or strips");
     }
     let mut strips = None;
     for (name, part) in &air.parts {
         let place = air_place(name, "model");
         match part.model {
-            Model::Rotor => {}
+            Model::Rotor | Model::SlenderBody => {}
             Model::Strips => {
                 if let Some(other) = strips.replace(name) {
                     let found = format!("strips beside the strips of {other}");
@@ -46,7 +47,7 @@ pub(super) fn check(air: &AirBuilder, checker: &mut Checker) -> bool {
                 }
             }
             Model::Lattice | Model::Parts | Model::None => {
-                let allowed = "strips or rotors: a vortex lattice is the only model of its machine, because its wake would \
+                let allowed = "strips, rotors or slender bodies: a vortex lattice is the only model of its machine, because its wake would \
                                have to meet the other surfaces";
                 checker.refuse_state(&place, "a vortex lattice or no model in a part", allowed);
             }
@@ -66,9 +67,10 @@ pub(super) fn check(air: &AirBuilder, checker: &mut Checker) -> bool {
             "rotors in different wind fields or behind different towers",
             "one wind for all",
         );
-    } else if strips.is_some() && !uniform {
-        let allowed = "a uniform wind with gusts: strips do not use the wind field and the tower of rotors";
-        checker.refuse_state(&["wind"], "a wind field or a tower with strips beside rotors", allowed);
+    } else if (strips.is_some() || air.has_slender_body()) && !uniform {
+        let allowed =
+            "a uniform wind with gusts: strips and slender bodies do not use the wind field and the tower of rotors";
+        checker.refuse_state(&["wind"], "a wind field or a tower with strips or slender bodies beside rotors", allowed);
     }
     checker.faults.len() == before
 }
@@ -85,8 +87,8 @@ fn carries(hub: usize, body: usize, bodies: &[Body]) -> bool {
     true
 }
 
-/// Divides the surfaces among the models: those on bodies that a hub carries are blades of its rotor, all others have strips. `None` after
-/// an error.
+/// Divides the surfaces among the models: those on bodies that a hub carries are blades of its rotor, all others have strips; slender bodies
+/// have none. `None` after an error.
 pub(super) fn share<'b>(
     named: &[(&str, &AirBuilder)],
     drafts: Vec<Draft<'b>>,
@@ -94,7 +96,7 @@ pub(super) fn share<'b>(
     bodies: &[Body],
     checker: &mut Checker,
 ) -> Option<Vec<Vec<Draft<'b>>>> {
-    if let [_] = named {
+    if let [(_, AirBuilder { slender: None, .. })] = named {
         return Some(vec![drafts]);
     }
     let mut hubs = Vec::new();
@@ -119,7 +121,7 @@ pub(super) fn share<'b>(
             return None;
         }
     }
-    let strips = hubs.iter().position(Option::is_none);
+    let strips = named.iter().position(|(_, part)| part.rotor.is_none() && part.slender.is_none());
     let mut shares: Vec<Vec<Draft>> = named.iter().map(|_| Vec::new()).collect();
     for draft in drafts {
         let body = draft.surface.body.as_str();
@@ -146,7 +148,8 @@ pub(super) fn share<'b>(
         }
         shares[part].push(draft);
     }
-    if let Some(empty) = shares.iter().position(Vec::is_empty) {
+    let bare = |(part, own): (&(&str, &AirBuilder), &Vec<Draft>)| own.is_empty() && part.1.slender.is_none();
+    if let Some(empty) = named.iter().zip(&shares).position(bare) {
         checker.refuse_state(
             &["air", named[empty].0],
             "a part without a surface",

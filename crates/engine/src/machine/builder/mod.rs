@@ -10,8 +10,9 @@ mod gust;
 mod joint;
 mod latch;
 mod no_slip;
-mod place;
+pub(super) mod place;
 mod rotor;
+mod slender;
 mod surfaces;
 mod tree;
 
@@ -24,6 +25,7 @@ pub use joint::{Attitude, JointBuilder};
 pub use latch::LatchBuilder;
 pub use no_slip::NoSlipBuilder;
 pub use rotor::RotorSettings;
+pub use slender::SlenderBodySettings;
 pub use surfaces::SurfaceBuilder;
 
 use crate::load::Wrench;

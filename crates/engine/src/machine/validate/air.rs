@@ -9,7 +9,7 @@ use crate::aero::strip::StripOptions;
 use crate::aero::strip::lifting_line::LiftingLineOptions;
 use crate::machine::fault::{Checker, Range, array_text, is_finite};
 use crate::machine::pose::first_frames;
-use crate::machine::validate::{air_parts, names, unit_vector};
+use crate::machine::validate::{air_parts, names, slender, unit_vector};
 use crate::machine::{Air, Body, Coupling, LiftingSurface, Parent};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
@@ -30,13 +30,14 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
         checker.number(&["air", "coupling_tolerance"], tolerance, Range::Within(1e-12, 1e-1));
         checker.count(&["air", "coupling_iterations"], most_iterations, 1, 1000);
     }
-    if air.surfaces.is_empty() {
+    if air.surfaces.is_empty() && air.slender_bodies().next().is_none() {
         checker.refuse_state(&["air", "model"], "aerodynamics without a surface", "at least one surface");
     }
     for (index, surface) in air.surfaces.iter().enumerate() {
         check_surface(index, surface, &air.surfaces, bodies, checker);
     }
-    if !air.surfaces.is_empty() && air_parts::check(air, checker) {
+    slender::check(air, bodies, checker);
+    if air_parts::check(air, checker) {
         for part in &air.parts {
             let surfaces: Vec<LiftingSurface> =
                 part.surfaces.iter().map(|surface| air.surfaces[*surface].clone()).collect();
@@ -48,7 +49,7 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
                 AirOptions::Strips(StripOptions { tip_loss: Some(line), .. }) => {
                     check_lifting_line(line, &surfaces, bodies, checker);
                 }
-                AirOptions::Strips(_) => {}
+                AirOptions::Strips(_) | AirOptions::SlenderBody(_) => {}
                 AirOptions::Rotor(options) => check_rotor(options, &surfaces, bodies, checker),
             }
             check_sound(&part.options, &surfaces, bodies, checker);
@@ -65,7 +66,7 @@ fn check_sound(options: &AirOptions, surfaces: &[LiftingSurface], bodies: &[Body
     let sound_m_s = match options {
         AirOptions::Lattice(options) => options.speed_of_sound_m_s,
         AirOptions::Strips(options) => options.speed_of_sound_m_s,
-        AirOptions::Rotor(_) => None,
+        AirOptions::Rotor(_) | AirOptions::SlenderBody(_) => None,
     };
     let Some(sound_m_s) = sound_m_s else { return };
     checker.number(&["air", "speed_of_sound_m_s"], sound_m_s, Range::Above(0.0));

@@ -9,7 +9,11 @@ pub(super) fn check(air: &Air, checker: &mut Checker) -> bool {
     let before = checker.faults.len();
     let mut owners = vec![0; air.surfaces.len()];
     for part in &air.parts {
-        if part.surfaces.is_empty() || !part.surfaces.is_sorted_by(|a, b| a < b) {
+        let bare = part.options.slender_body().is_some();
+        if bare && !part.surfaces.is_empty() {
+            let found = format!("surfaces {:?}", part.surfaces);
+            checker.refuse_state(&["air", "parts"], found, "no surface in a part that is a slender body");
+        } else if !bare && part.surfaces.is_empty() || !part.surfaces.is_sorted_by(|a, b| a < b) {
             let allowed = "at least one index of a surface, ascending";
             checker.refuse_state(&["air", "parts"], format!("surfaces {:?}", part.surfaces), allowed);
         }
@@ -33,7 +37,8 @@ pub(super) fn check(air: &Air, checker: &mut Checker) -> bool {
         let strips = |options: &AirOptions| matches!(options, AirOptions::Strips(_));
         let count = |kind: &dyn Fn(&AirOptions) -> bool| air.parts.iter().filter(|part| kind(&part.options)).count();
         if count(&lattice) > 0 || count(&strips) > 1 {
-            let allowed = "rotors, and strips in one part: a vortex lattice is the only model of its machine";
+            let allowed =
+                "rotors, slender bodies, and strips in one part: a vortex lattice is the only model of its machine";
             checker.refuse_state(&["air", "parts"], "a vortex lattice or several parts with strips", allowed);
         }
     }

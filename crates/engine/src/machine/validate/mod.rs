@@ -13,6 +13,7 @@ mod modal;
 mod no_slip;
 pub(crate) mod profile;
 pub mod section;
+pub(crate) mod slender;
 mod sliding;
 
 pub use basics::{IDENTIFIER_ALLOWED, is_identifier};

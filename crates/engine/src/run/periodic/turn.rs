@@ -161,6 +161,9 @@ fn check_sameness(machine: &Machine, shaft: usize) -> Result<(), String> {
         Some(AirOptions::Lattice(_)) => {
             Err("the wake of a vortex lattice is not periodic; use model = \"bem\" or \"strip\"".to_owned())
         }
+        Some(AirOptions::SlenderBody(_)) => {
+            Err("periodic motions do not include slender bodies; remove them, or simulate the model".to_owned())
+        }
         Some(AirOptions::Strips(_)) => Ok(()),
         Some(AirOptions::Rotor(options)) => match options.features.field.as_ref().map(|field| &field.source) {
             Some(Source::Table(table)) if table.rows.len() > 1 => {

@@ -52,7 +52,7 @@ impl System {
         let Some(AirModel::Strips(strips)) = model.only() else { return [0.0; 2] };
         let of = |states: &AirStates| match states.only() {
             Some(AirState::Strips(state)) => strips.lag_m_s(state, continuous.gusts, lag),
-            Some(AirState::Lattice(_) | AirState::Rotor(_)) | None => 0.0,
+            Some(AirState::Lattice(_) | AirState::Rotor(_) | AirState::SlenderBody(_)) | None => 0.0,
         };
         let [before, after] = [&history.before, &history.after].map(of);
         if history.steps == 0 {

@@ -71,6 +71,7 @@ impl AirHistory {
     pub fn bytes(&self) -> usize {
         let states = self.before.0.iter().chain(&self.after.0).map(|state| match state {
             AirState::Strips(state) => size_of_val(&state.strips[..]),
+            AirState::SlenderBody(state) => size_of_val(&state.momenta_m4_s[..]),
             AirState::Lattice(_) | AirState::Rotor(_) => 0,
         });
         let samples = size_of_val(&self.begin[..]) + size_of_val(&self.end[..]);

@@ -55,7 +55,7 @@ impl System {
         equations.prescribe(time_s, &mut now.q, &mut now.v, &mut now.a);
         equations.project(&mut now.q, &mut now.v, &mut now.a);
         let rates = match self.air.as_ref().map(|air| air.model.only()) {
-            Some(None) => return Err(self.several_airs()),
+            Some(None | Some(AirModel::SlenderBody(_))) => return Err(self.several_airs()),
             Some(Some(AirModel::Strips(_))) => {
                 self.hand_air_over();
                 let own = self.air.as_ref().and_then(|air| air.continuous.as_ref());

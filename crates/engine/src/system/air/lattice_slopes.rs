@@ -51,7 +51,7 @@ impl System {
         let blank = lattice.blank_state();
         let from = match self.state.air.as_ref().and_then(|history| history.after.only()) {
             Some(AirState::Lattice(state)) => state,
-            Some(AirState::Strips(_) | AirState::Rotor(_)) | None => &blank,
+            Some(AirState::Strips(_) | AirState::Rotor(_) | AirState::SlenderBody(_)) | None => &blank,
         };
         let slopes = lattice.linear(motions, &flow, settings.step_s, gusts, from).map_err(|error| match error {
             NoLinearLattice::Flow(error) => gaps::failure(&self.machine, settings, time_s, error),

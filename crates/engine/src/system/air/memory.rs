@@ -28,7 +28,7 @@ impl AirCoupling {
                     }
                     list.extend(strips.memories(state).map(|lag| (Measure::Velocity, lag)));
                 }
-                (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_), _) => {}
+                (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_) | AirModel::SlenderBody(_), _) => {}
             }
         }
         list

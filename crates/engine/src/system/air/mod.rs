@@ -55,9 +55,9 @@ pub(crate) struct AirCoupling {
     pub acceleration: Anderson,
     /// Loads of strips at an instant, for external integrators.
     pub continuous: Option<ContinuousAir>,
-    /// Longest chord in m.
+    /// Longest chord, or largest diameter of a slender body, in m.
     pub length_m: f64,
-    /// Widest strip in m.
+    /// Widest strip, or longest part of a slender body, in m.
     pub strip_m: f64,
     /// Load station, section and weight, for reporting the loads of the sections at the load stations.
     pub shares: Vec<(usize, usize, f64)>,
@@ -84,9 +84,11 @@ impl AirCoupling {
                 }
             })
             .collect();
-        let chords = surfaces.iter().flat_map(|surface| &surface.chords);
-        let length_m = chords.map(|chord| chord.length_m()).fold(0.0, f64::max);
-        let strips = settings.surfaces.iter().flat_map(|surface| surface.positions_m.windows(2));
+        let chords = surfaces.iter().flat_map(|surface| &surface.chords).map(|chord| chord.length_m());
+        let slender = || settings.slender_bodies().map(|(_, body)| body);
+        let length_m = chords.chain(slender().map(|body| 2.0 * body.largest_m())).fold(0.0, f64::max);
+        let lines = settings.surfaces.iter().map(|surface| &surface.positions_m);
+        let strips = lines.chain(slender().map(|body| &body.positions_m)).flat_map(|line| line.windows(2));
         let strip_m = strips.map(|edges| edges[1] - edges[0]).fold(0.0, f64::max);
         let still = SectionMotion {
             rotation: nalgebra::Matrix3::identity(),
@@ -120,7 +122,7 @@ impl AirCoupling {
         Some(Self {
             continuous: ContinuousAir::new(&model, sections, gusts),
             model,
-            shares: shares(machine, &settings.surfaces),
+            shares: shares(machine, &settings),
             blank,
             deflections: vec![Deflection::default(); settings.flaps.len()],
             settings,
@@ -276,35 +278,50 @@ fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]
     pairs
 }
 
-/// Load stations at which the loads of each section are reported, with weights: the load of a strip is assigned to the station nearest to
-/// its middle.
-fn shares(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]) -> Vec<(usize, usize, f64)> {
-    let mut shares = Vec::new();
-    let mut first_section = 0;
-    for surface in surfaces {
-        let bodies = &machine.bodies[..surface.body];
-        let first_station: usize = bodies.iter().map(|body| body.station_positions_m.len()).sum();
-        let stations = &machine.bodies[surface.body].station_positions_m;
-        let edges = &surface.positions_m;
-        for strip in 0..edges.len() - 1 {
-            let middle_m = 0.5 * (edges[strip] + edges[strip + 1]);
-            let distance_m = |station: &f64| (station - middle_m).abs();
-            let Some(nearest_m) = stations.iter().map(distance_m).min_by(f64::total_cmp) else { break };
-            // the load of a strip halfway between two stations is divided between both
-            let near = NEAR * edges[edges.len() - 1];
-            let takers: Vec<usize> =
-                (0..stations.len()).filter(|&i| distance_m(&stations[i]) <= nearest_m + near).collect();
-            for section in [strip, strip + 1] {
-                let neighbours = if section == 0 || section == edges.len() - 1 { 1.0 } else { 2.0 };
-                for &station in &takers {
-                    let share = 1.0 / (neighbours * takers.len() as f64);
-                    shares.push((first_station + station, first_section + section, share));
-                }
-            }
+/// Load stations at which the loads of each section are reported, with weights, for surfaces and slender bodies.
+fn shares(machine: &machine::Machine, air: &machine::Air) -> Vec<(usize, usize, f64)> {
+    let (mut shares, mut first_section) = (Vec::new(), 0);
+    for surface in &air.surfaces {
+        add_shares(machine, surface.body, &surface.positions_m, first_section, &mut shares);
+        first_section += surface.positions_m.len();
+    }
+    for part in &air.parts {
+        first_section += usize::from(part.options.is_rotor());
+        if let Some(body) = part.options.slender_body() {
+            add_shares(machine, body.body, &body.positions_m, first_section, &mut shares);
+            first_section += body.positions_m.len();
         }
-        first_section += edges.len();
     }
     shares
+}
+
+/// Adds the shares of sections at `edges` in m along a body, the first of which is `first_section` among all: the load of a strip is assigned
+/// to the station nearest to its middle.
+fn add_shares(
+    machine: &machine::Machine,
+    body: usize,
+    edges: &[f64],
+    first_section: usize,
+    shares: &mut Vec<(usize, usize, f64)>,
+) {
+    let first_station: usize = machine.bodies[..body].iter().map(|body| body.station_positions_m.len()).sum();
+    let stations = &machine.bodies[body].station_positions_m;
+    for strip in 0..edges.len() - 1 {
+        let middle_m = 0.5 * (edges[strip] + edges[strip + 1]);
+        let distance_m = |station: &f64| (station - middle_m).abs();
+        let Some(nearest_m) = stations.iter().map(distance_m).min_by(f64::total_cmp) else { break };
+        // the load of a strip halfway between two stations is divided between both
+        let near = NEAR * edges[edges.len() - 1].abs().max(edges[0].abs());
+        let takers: Vec<usize> =
+            (0..stations.len()).filter(|&i| distance_m(&stations[i]) <= nearest_m + near).collect();
+        for section in [strip, strip + 1] {
+            let neighbours = if section == 0 || section == edges.len() - 1 { 1.0 } else { 2.0 };
+            for &station in &takers {
+                let share = 1.0 / (neighbours * takers.len() as f64);
+                shares.push((first_station + station, first_section + section, share));
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -52,7 +52,7 @@ impl<'a> Continuous<'a> {
         match model.only_mut()? {
             AirModel::Strips(strips) => Some(Self::Strips(strips)),
             AirModel::Rotor(rotor) => Some(Self::Rotor(rotor)),
-            AirModel::Lattice(_) => None,
+            AirModel::Lattice(_) | AirModel::SlenderBody(_) => None,
         }
     }
 
@@ -61,7 +61,8 @@ impl<'a> Continuous<'a> {
         let own = model.each().zip(&states.0).map(|((model, _), state)| match (model, state) {
             (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lags_m_s(state, gusts)),
             (AirModel::Rotor(rotor), AirState::Rotor(state)) => Some(rotor.lag_values(state)),
-            (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_), _) => None,
+            (AirModel::SlenderBody(_), AirState::SlenderBody(_)) => Some(Vec::new()),
+            (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_) | AirModel::SlenderBody(_), _) => None,
         });
         Some(own.collect::<Option<Vec<Vec<f64>>>>()?.concat())
     }
@@ -88,14 +89,25 @@ impl System {
         self.air.as_ref().is_some_and(|air| air.settings.is_linearised())
     }
 
-    /// Whether the machine has several aerodynamic models, which have no linear form together.
+    /// Whether the machine has several aerodynamic models, which have no linear form together, or a slender body, which has none.
     pub(crate) fn has_several_airs(&self) -> bool {
-        self.machine.air.as_ref().is_some_and(|air| air.parts.len() > 1)
+        let air = self.machine.air.as_ref();
+        air.is_some_and(|air| air.parts.len() > 1 || air.slender_bodies().next().is_some())
     }
 
-    /// Error: there is no linear model of several aerodynamic parts.
+    /// Error: there is no linear model of several aerodynamic parts or of slender bodies.
     pub(crate) fn several_airs(&self) -> PlantError {
         let parts = self.machine.air.iter().flat_map(|air| &air.parts).map(|part| part.name.as_str());
+        let slender = self.machine.air.iter().flat_map(|air| air.slender_bodies()).map(|(part, _)| part.name.as_str());
+        let slender: Vec<&str> = slender.collect();
+        if !slender.is_empty() {
+            let cause = format!(
+                "linear models, modes and accelerations at an instant do not include slender bodies: [aerodynamics.<name>] {}; \
+                 remove them, or simulate the machine",
+                slender.join(", ")
+            );
+            return PlantError::Linearization { time_s: self.state.now.time_s, cause };
+        }
         let cause = format!(
             "linear models, modes and accelerations at an instant have one aerodynamic model, and the machine has {}: \
              [aerodynamics.<name>] {}; keep one of them, or simulate the machine",
@@ -105,7 +117,8 @@ impl System {
         PlantError::Linearization { time_s: self.state.now.time_s, cause }
     }
 
-    /// Derivatives of the aerodynamic response at the current state. `sections` holds motion and accelerations of all sections; `by` holds
+    /// Derivatives of the aerodynamic response at the current state, of a machine that has one model ([`System::has_several_airs`] is false).
+    /// `sections` holds motion and accelerations of all sections; `by` holds
     /// their derivatives with respect to coordinates, rates and accelerations of the degrees of freedom, [`SECTION_VARIABLES`] rows for
     /// each section. `None` if there are no strips or rotors.
     ///
@@ -129,9 +142,6 @@ impl System {
             flaps: deflections(&air.settings, &self.state.applied_inputs).collect::<Vec<_>>().into(),
             flap_rad_s2: vec![0.0; air.settings.flaps.len()].into(),
         };
-        if air.model.only().is_none() {
-            return Err(self.several_airs());
-        }
         let Some(mut model) = Continuous::of(&mut air.model) else { return Ok(None) };
         let rows = model.rows(&at, gusts);
         if let Continuous::Strips(strips) = &model
@@ -189,7 +199,7 @@ impl System {
         let units = air.model.each().flat_map(|(model, _)| match model {
             AirModel::Rotor(rotor) => rotor.lags().iter().map(|(_, lag)| lag.unit()).collect(),
             AirModel::Strips(strips) => vec!["m/s"; strips.lag_count(air.has_gust_lags(gusts))],
-            AirModel::Lattice(_) => Vec::new(),
+            AirModel::Lattice(_) | AirModel::SlenderBody(_) => Vec::new(),
         });
         self.lag_names(gusts)
             .into_iter()
@@ -212,7 +222,7 @@ impl System {
                 let places: Vec<String> = self.stations_of_blades(part);
                 model.lags().iter().map(|(section, lag)| format!("{}.{}", places[*section], lag.name())).collect()
             }
-            AirModel::Lattice(_) => Vec::new(),
+            AirModel::Lattice(_) | AirModel::SlenderBody(_) => Vec::new(),
         })
         .collect()
     }

@@ -162,6 +162,7 @@ impl System {
             Some(AirOptions::Strips(strips)) => strips,
             Some(AirOptions::Lattice(_)) => return Some(("the vortex lattice", "aerodynamics")),
             Some(AirOptions::Rotor(_)) => return Some(("rotor aerodynamics", "aerodynamics")),
+            Some(AirOptions::SlenderBody(_)) => return Some(("slender-body aerodynamics", "aerodynamics")),
             None => return Some(("several aerodynamic parts", "aerodynamics")),
         };
         if strips.tip_loss.is_some() {

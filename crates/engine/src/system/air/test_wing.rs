@@ -50,6 +50,6 @@ pub(crate) fn wing() -> Machine {
 pub(crate) fn lattice(state: &mut State) -> &mut LatticeState {
     match state.air.as_mut().expect("air").after.only_mut() {
         Some(AirState::Lattice(state)) => state,
-        Some(AirState::Strips(_) | AirState::Rotor(_)) | None => panic!("a lattice"),
+        Some(AirState::Strips(_) | AirState::Rotor(_) | AirState::SlenderBody(_)) | None => panic!("a lattice"),
     }
 }
