@@ -91,7 +91,7 @@ impl SlenderBodySettings {
             checker.refuse_state(&air_place(part, "radius_m"), found, allowed);
             return None;
         }
-        drags.then(|| SlenderBodyOptions {
+        drags.then_some(SlenderBodyOptions {
             body,
             rigid,
             positions_m,
