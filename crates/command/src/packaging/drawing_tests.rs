@@ -63,6 +63,7 @@ pub(crate) fn two_body_machine() -> Machine {
         },
         spring: None,
         generator: None,
+        dc_motor: None,
         end_stops: None,
         latch: Some(Latch {
             kind: LatchKind::Elastic,
