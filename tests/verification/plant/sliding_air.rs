@@ -1,4 +1,4 @@
-//! Sliding joints in the air of strips, of a vortex lattice and of a rotor: against machines without sliding joints, with invariances, the
+//! Sliding joints in the air of strips and of a vortex lattice: against machines without sliding joints, with invariances, the
 //! energy account, rollback across borders of elements, and the order in the aerodynamic step.
 
 use crate::counting_allocator::allocations;
@@ -215,10 +215,9 @@ fn sj32_invariance_and_energy() {
             let time_s = 0.01 * f64::from(step);
             plants.iter_mut().for_each(|plant| coast(plant, time_s));
             let tips = plants.each_ref().map(|plant| plant.outputs().tips().to_vec());
-            for tip in 0..2 {
-                let own_m = tips[0][tip].position_m;
-                off[0] = off[0].max((turn * own_m - tips[1][tip].position_m).norm());
-                off[1] = off[1].max((own_m - frame * time_s - tips[2][tip].position_m).norm());
+            for ((own, turned), moved) in tips[0].iter().zip(&tips[1]).zip(&tips[2]) {
+                off[0] = off[0].max((turn * own.position_m - turned.position_m).norm());
+                off[1] = off[1].max((own.position_m - frame * time_s - moved.position_m).norm());
             }
         }
         let (slide, energy) = (plants[0].outputs().joints()[0], plants[0].outputs().energy());
@@ -427,4 +426,14 @@ fn sj39_a_sleeve_in_air() {
         assert!(slide.angle_rad < 0.5 && plant.statistics().events >= 1, "{}", slide.angle_rad);
         assert!(gap_m < 1e-12 && drift_j.abs() < 1e-7 && energy.work.abs() > 1e-3, "{what}: {drift_j:e} J");
     }
+}
+
+/// SJ-40. A rotor in a model with a sliding joint is refused by the name of the joint.
+#[test]
+fn sj40_rotors_are_refused() {
+    let bead = "\n[rigid_body.bead]\nmass_kg = 0.1\ncentre_of_mass_m = [0.0, 0.0, 0.0]\ninertia_kg_m2 = [1e-4, 1e-4, 1e-4, 0.0, 0.0, 0.0]\n\
+                [joint.rail]\ntype = \"sliding\"\nparent = \"right_wing\"\nchild = \"bead\"\nstart_position_m = 0.5\n";
+    let text = include_str!("../../../examples/airs/wing_with_propellers.toml").to_owned() + bead;
+    let error = foldwing::config::parse(&text, "airs.toml").expect_err("a rotor").to_string();
+    assert!(error.contains("no rotor in a model with a sliding joint (\"rail\")"), "{error}");
 }

@@ -112,6 +112,7 @@ pub(super) fn stand(checker: &Checker) -> bool {
 pub(super) fn surroundings(machine: &Machine, checker: &mut Checker) {
     if let Some(air) = &machine.air {
         air::check(air, &machine.bodies, checker);
+        sliding::beside_rotors(machine, checker);
     }
     solver(&machine.solver, machine.air.as_ref(), checker);
     experiment(&machine.experiment, checker);

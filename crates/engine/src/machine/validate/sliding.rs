@@ -41,6 +41,17 @@ pub(super) fn check(machine: &Machine, checker: &mut Checker) {
     }
 }
 
+/// Reports rotors in a model with a sliding joint, for which there is no test.
+pub(super) fn beside_rotors(machine: &Machine, checker: &mut Checker) {
+    let rotors = machine.air.as_ref().map_or(0, |air| air.rotors().count());
+    if let (Some(joint), true) = (machine.sliding_joint(), rotors > 0) {
+        let allowed = format!(
+            "no rotor in a model with a sliding joint ({joint:?}); use strips, a vortex lattice or a prismatic joint"
+        );
+        checker.refuse_state(&["aerodynamics"], "a rotor", allowed);
+    }
+}
+
 /// Reports strains that would have to be recovered inside the element that carries the body.
 fn gauges(machine: &Machine, beam: usize, joint: &str, checker: &mut Checker) {
     let linear = machine.bodies[beam].element == ElementKind::Linear;
