@@ -43,6 +43,7 @@ SHARED = {
     "x11_rows_of_linear_models_are_those_of_the_machine",
     "x13_gradients_are_the_same_both_ways",
     "x17_machines_with_several_airs",
+    "x18_machines_with_electrical_motors",
 }
 LINE = re.compile(r"test (?P<name>\S+)(?: - should panic)? \.\.\. ok <(?P<seconds>[\d.]+)s>$")
 

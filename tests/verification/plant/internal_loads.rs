@@ -390,7 +390,7 @@ fn p145_a_falling_machine_carries_nothing() {
 
 /// P-146. Rigid pendulum with a point mass: the hinge force is `m (g cos θ + L ω²)` along the rod and `m (g sin θ + L θ̈)` across it, `θ̈ =
 /// −(g/L) sin θ`, through two swings from 120°; no moment about the hinge. An accelerometer in the hinge, fixed to the rod, reads `g` upward in
-/// the rod's axes. Exact at every communication point for the angle and rate read
+/// the rod's axes, eq. (G8). Exact at every communication point for the angle and rate read
 /// there; P-67 and RB-01 check the accuracy of the motion itself.
 #[test]
 fn p146_hinge_force_of_a_rigid_pendulum() {

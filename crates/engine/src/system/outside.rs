@@ -16,7 +16,7 @@ pub(super) struct Manner {
 pub(crate) struct Outside {
     /// Time in s.
     pub(super) time_s: f64,
-    /// Time of the last event or of the start in s, before which the integrator cannot go back.
+    /// Time of the last event or of the start in s: the earliest time that the integrator may set.
     pub(super) event_s: f64,
     /// Moving coordinates, their rates, lag states of strips, energy accounts.
     pub(super) states: Vec<f64>,

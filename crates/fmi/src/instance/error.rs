@@ -63,7 +63,7 @@ pub enum CallError {
     /// Event Mode of co-simulation was not requested at instantiation.
     #[error("this instance was created without Event Mode: pass eventModeUsed = true to fmi3InstantiateCoSimulation")]
     NoEventMode,
-    /// The integrator goes back to before an event.
+    /// The integrator sets a time before an event.
     #[error(
         "time {time_s} s lies before the last event or the start, at {event_s} s: latches and other states of events would be those of \
          the future; restore a state of the FMU saved before the event with {}", version.restoring_call()
