@@ -230,7 +230,7 @@ def write_sdk(venv, work):
     text = "--- !tapi-tbd\n".join(part if "arm64-macos" in part else part.replace("arm64e-", "arm64-") for part in documents)
     libraries = work / "sdk/usr/lib"
     libraries.mkdir(parents=True, exist_ok=True)
-    for name in ("System", "c", "m"):  # the last two are other names of the first
+    for name in ("System", "c", "m", "iconv"):  # c and m are other names of the first; iconv is named by the crate `libc` and not called
         (libraries / f"lib{name}.tbd").write_text(text)
     shutil.copyfile(source / "SDKSettings.json", work / "sdk/SDKSettings.json")
     return work / "sdk"
