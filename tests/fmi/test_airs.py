@@ -30,10 +30,16 @@ def packaged(request, foldwing, tmp_path_factory):
     return name, version, model, fmu
 
 
+def scalars(names, version):
+    """Variables that are scalars in this version: vectors and loads of stations are arrays in FMI 3.0."""
+    return [name for name in names if version == "2" or name[-2:] not in (".x", ".y", ".z")]
+
+
 def test_rt30_the_fmu_moves_as_the_command(foldwing, packaged, tmp_path):
     """RT-30, SB-16. FMPy finds no problem in the FMU; loads of all rotors, shafts and energies are bit-identical to those of `foldwing simulate`."""
-    name, _, model, fmu = packaged
+    name, version, model, fmu = packaged
     step_s, stop_s, names = CASES[name]
+    names = scalars(names, version)
     out = tmp_path / "out.csv"
     named = [word for output in names for word in ("--variables", output)]
     subprocess.run([foldwing, "simulate", model, "--csv", out, "-q", "--stop", str(stop_s), "--step", str(step_s), *named], check=True)
@@ -52,6 +58,7 @@ def test_rt30_states_are_whole(packaged, tmp_path):
     """RT-30, SB-16. A saved state continues bit by bit, in the same instance and, as bytes, in another one, also within an aerodynamic step."""
     name, version, _, fmu = packaged
     step_s, _, names = CASES[name]
+    names = scalars(names, version)
     if version == "2":
         states_are_whole(fmu, tmp_path, 0.37 * step_s)
     else:

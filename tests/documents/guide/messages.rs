@@ -450,13 +450,10 @@ fn produced() -> Vec<String> {
             .replace("start_position_m = 0.25", "parent_position_m = 1.0")
     };
     write("rail_clamped.toml", free(&reaches("load_stations = 0", "modal_damping_ratios = [0.1, 0.2]")).as_bytes());
-    let air = "[aerodynamics]\nmodel = \"strip\"\ndensity_kg_m3 = 1.2\nwind_m_s = [0.0, -10.0, 0.0]\n[surface.beam]\nbody = \"beam\"\n\
-               chord_m = 0.1\nstrips = 2\n[solver]";
-    write(
-        "rail_skates.toml",
-        reaches("[solver]", "[skate.blade]\nbody = \"bead\"\nhold_normal = false\n[solver]").as_bytes(),
-    );
-    write("rail_in_air.toml", reaches("[solver]", air).as_bytes());
+    let bead = "\n[rigid_body.bead]\nmass_kg = 0.1\ninertia_kg_m2 = [1e-4, 1e-4, 1e-4, 0.0, 0.0, 0.0]\n[joint.rail]\ntype = \"sliding\"\n\
+                parent = \"right_wing\"\nchild = \"bead\"\nstart_position_m = 0.5\n";
+    let propellers = include_str!("../../../examples/airs/wing_with_propellers.toml");
+    write("rail_rotor.toml", (propellers.to_owned() + bead).as_bytes());
     write("rail_damped.toml", reaches("load_stations = 0", "modal_damping_ratios = [0.1, -0.1]").as_bytes());
     write("rail_with_ratios.toml", reaches("load_stations = 0", "modal_damping_ratios = [0.1, 0.2]").as_bytes());
     // more ratios than a body has strains
@@ -492,13 +489,12 @@ fn produced() -> Vec<String> {
         "check gear_flat.toml",
         "check gear_at_rest.toml",
         "simulate gear_slips.toml",
-        "check rail_skates.toml",
+        "check rail_rotor.toml",
         "check rail_on_root.toml",
         "check rail_on_bead.toml",
         "check rail_outside.toml",
         "check rail_turned.toml",
         "check rail_damped.toml",
-        "check rail_in_air.toml",
         "check rail_clamped.toml",
         "static rail_fine.toml",
         "simulate rail.toml --set slide.start_position=0.5 --stop 10",

@@ -428,9 +428,9 @@ fn sj39_a_sleeve_in_air() {
     }
 }
 
-/// SJ-40. A rotor in a model with a sliding joint is refused by the name of the joint.
+/// SJ-42. A rotor in a model with a sliding joint is refused by the name of the joint.
 #[test]
-fn sj40_rotors_are_refused() {
+fn sj42_rotors_are_refused() {
     let bead = "\n[rigid_body.bead]\nmass_kg = 0.1\ncentre_of_mass_m = [0.0, 0.0, 0.0]\ninertia_kg_m2 = [1e-4, 1e-4, 1e-4, 0.0, 0.0, 0.0]\n\
                 [joint.rail]\ntype = \"sliding\"\nparent = \"right_wing\"\nchild = \"bead\"\nstart_position_m = 0.5\n";
     let text = include_str!("../../../examples/airs/wing_with_propellers.toml").to_owned() + bead;
