@@ -578,6 +578,12 @@ fn em19_model_exchange() {
             "fmi2SetBoolean: variable fold.release cannot be set in Continuous-Time Mode: only continuous inputs can; set it in Event \
              Mode, after fmi2EnterEventMode",
         );
+        fmu.told(
+            fmi2SetTime(c, -0.5),
+            fmi2Discard,
+            "fmi2SetTime: time -0.5 s lies before the last event or the start, at 0 s: latches and other states of events would be those of \
+             the future; restore a state of the FMU saved before the event with fmi2SetFMUstate",
+        );
         fmu.ok(fmi2GetContinuousStates(c, states.as_mut_ptr(), n));
         states[0] = f64::NAN;
         fmu.told(

@@ -6,6 +6,8 @@
 use crate::guide::commands::foldwing;
 use crate::guide::in_package;
 use crate::guide::rotor_slips;
+use foldwing::machine::builder::JointBuilder;
+use foldwing::machine::{Body, DcMotor, Joint, Machine};
 use std::fs;
 use std::path::Path;
 
@@ -614,10 +616,32 @@ fn produced() -> Vec<String> {
         foldwing::config::parse(&text, "rotor.toml").expect_err(rows).to_string()
     });
     // errors that only programs can cause
+    let motor = |inductance_h: f64, gear_ratio: f64| DcMotor {
+        resistance_ohm: 1.0,
+        inductance_h,
+        torque_constant_n_m_a: 0.1,
+        gear_ratio,
+        voltage_v: 0.0,
+        start_current_a: 0.0,
+    };
+    let built = |joint: JointBuilder| {
+        let arm = Body::rigid("arm").inertia(1.0, [0.1, 0.0, 0.0], nalgebra::Matrix3::identity());
+        Machine::builder("motor").body(arm, joint).build().expect_err("a motor").to_string()
+    };
+    let motors = [
+        built(Joint::revolute("hinge", [0.0, 1.0, 0.0]).dc_motor(motor(0.0, 1.0))),
+        built(Joint::prismatic("slide", [1.0, 0.0, 0.0]).dc_motor(motor(1e-3, 2.0))),
+    ];
     let one = || nalgebra::DMatrix::from_element(1, 1, -1.0);
     let model = foldwing::plant::StateSpace { a: one(), b: one(), c: one(), d: one() };
     let modal = foldwing::plant::reduce(&model, 1, foldwing::plant::Keep::Modes, Some(50.0)).expect_err("a band");
-    said.chain(warned).chain(whole).chain(extended).chain(rotor_slips::refused()).chain([modal.to_string()]).collect()
+    said.chain(warned)
+        .chain(whole)
+        .chain(extended)
+        .chain(rotor_slips::refused())
+        .chain([modal.to_string()])
+        .chain(motors)
+        .collect()
 }
 
 /// F-247. Every message quoted by the page is one of the program's: most are produced, the others are found in the source.

@@ -191,6 +191,7 @@ fn slender_bodies() -> Vec<String> {
         GLIDER.replace(rows, ""),
         GLIDER.replace(rows, "radius_m = [[0.0, 0.1], [0.0, 0.2]]"),
         GLIDER.replace(rows, "radius_m = [[0.0, 0.1], [3.5, 0.2]]"),
+        GLIDER.replace(rows, "radius_m = [[0.0, 0.0], [3.0, 0.0]]"),
         GLIDER.replace("segments = 12", "segments = 3"),
         GLIDER.replace("model = \"strip\"", "model = \"strip\"\nsegments = 3"),
         GLIDER.to_owned() + second,

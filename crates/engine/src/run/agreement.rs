@@ -365,7 +365,8 @@ struct RestOfStep {
     most_trials: usize,
 }
 
-/// State at the start of the trial marches of an aerodynamic step, for rollback.
+/// State at the start of the trial marches of an aerodynamic step, for rollback; the memory of sliding joints contains the elements of their
+/// carriages, NOTATION eq. (J19).
 pub(super) struct Trial {
     start: Point,
     step_s: f64,
