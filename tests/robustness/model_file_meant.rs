@@ -42,7 +42,7 @@ fn misplaced_keys() {
          [joint.<name>.spring] or [joint.<name>.latch] or [joint.<name>.end_stops]; allowed keys: type, parent, child, parent_position_m, parent_frame, parent_offset_m, root_position_m, \
          mount_rotation_deg, axis, body_axis, start_angular_velocity_deg_s, start_velocity_m_s, start_angle_deg, \
          start_rate_deg_s, attitude, start_position_m, start_rate_m_s, release, motion, polynomial_deg, table_s_deg, \
-         polynomial_m, table_s_m, table_ends, motor, spring, generator, latch, end_stops"
+         polynomial_m, table_s_m, table_ends, motor, spring, generator, dc_motor, latch, end_stops"
     );
     assert_eq!(
         message("load_stations = 4", "gravity_m_s2 = [0, 0, 0]"),

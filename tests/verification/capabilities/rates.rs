@@ -6,7 +6,7 @@ use foldwing::interface::{AccessError, Causality};
 
 /// Outputs that depend on accelerations.
 fn follows_from_accelerations(name: &str) -> bool {
-    ["root.force", "root.moment", "acceleration.", ".reaction", "joint.", "internal_load."]
+    ["root.force", "root.moment", "acceleration.", "specific_force.", ".reaction", "joint.", "internal_load."]
         .iter()
         .any(|part| name.contains(part))
         || (name.starts_with("gauge.")

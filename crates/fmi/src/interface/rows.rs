@@ -320,10 +320,15 @@ impl PointRow {
             Motion::Attitude => by_state(Cause::AttitudeStart(body)),
             Motion::Acceleration if topology.floats(body) => Depends::on_push(Reach::Flight(topology.group[body])),
             Motion::Acceleration | Motion::AngularAcceleration => Depends::on_group(topology, body),
+            // gravity accelerates what floats: an accelerometer on it does not measure it
             Motion::SpecificForce => {
                 let mut depends = Depends::on_group(topology, body);
-                depends.running.extend([Cause::Weight, Cause::Travel(body)]);
-                depends.initial.extend([Cause::Weight, Cause::AttitudeStart(body)]);
+                depends.running.push(Cause::Travel(body));
+                depends.initial.push(Cause::AttitudeStart(body));
+                if !topology.floats(body) {
+                    depends.running.push(Cause::Weight);
+                    depends.initial.push(Cause::Weight);
+                }
                 depends
             }
         };

@@ -151,7 +151,7 @@ fn the_shipped_model_has_the_promised_names() {
         assert!(interface.find(name).is_some(), "{name} is missing");
     }
     let count = |causality| interface.variables().iter().filter(|row| row.causality == causality).count();
-    assert_eq!((count(Causality::Input), count(Causality::Output)), (64, 207));
+    assert_eq!((count(Causality::Input), count(Causality::Output)), (64, 234));
 }
 
 #[test]

@@ -32,6 +32,7 @@ pub(super) fn check(air: &Air, bodies: &[Body], checker: &mut Checker) {
     }
     if air.surfaces.is_empty() && air.slender_bodies().next().is_none() {
         checker.refuse_state(&["air", "model"], "aerodynamics without a surface", "at least one surface");
+        return;
     }
     for (index, surface) in air.surfaces.iter().enumerate() {
         check_surface(index, surface, &air.surfaces, bodies, checker);
