@@ -320,7 +320,7 @@ impl PointRow {
             Motion::Attitude => by_state(Cause::AttitudeStart(body)),
             Motion::Acceleration if topology.floats(body) => Depends::on_push(Reach::Flight(topology.group[body])),
             Motion::Acceleration | Motion::AngularAcceleration => Depends::on_group(topology, body),
-            // gravity accelerates what floats: an accelerometer on it does not measure it
+            // an accelerometer on a floating group does not measure gravity
             Motion::SpecificForce => {
                 let mut depends = Depends::on_group(topology, body);
                 depends.running.push(Cause::Travel(body));
