@@ -112,7 +112,7 @@ def container(fmus, tmp_path_factory):
 def test_f122_container_of_two_wings_is_a_valid_fmu(container):
     """F-122. A container of two Foldwing FMUs by `fmucontainer` passes FMPy's validation, and has the library twice."""
     assert validate_fmu(str(container)) == []
-    libraries = [name for name in members(container) if re.search(r"foldwing\.(so|dll|dylib)$", name)]
+    libraries = [name for name in members(container) if re.search(r"FoldingWing\.(so|dll|dylib)$", name)]
     assert len(libraries) == 2, libraries
 
 

@@ -83,7 +83,7 @@ def test_f04_archive_holds_what_it_must(shipped):
     """F-04. Library, model file, documentation and licences are in the archive; the model file is the one packaged."""
     files = members(shipped.path)
     assert "modelDescription.xml" in files
-    assert any(re.fullmatch(r"binaries/(linux64|win64|darwin64)/foldwing\.(so|dll|dylib)", name) for name in files)
+    assert any(re.fullmatch(rf"binaries/(linux64|win64|darwin64)/{shipped.description.modelName}\.(so|dll|dylib)", name) for name in files)
     models = [path.read_bytes() for path in (ROOT / "examples/models").glob("*.toml")]
     assert files["resources/model.toml"] in models
     page = files["documentation/index.html"].decode()
@@ -106,7 +106,7 @@ def test_f05_flags_are_what_the_library_can_do(shipped):
     description carries no date."""
     found = {name: getattr(shipped.description.coSimulation, name) for name in FLAGS}
     in_air = "wind.velocity.x" in shipped.variables
-    assert found == FLAGS | {"providesDirectionalDerivative": not in_air}
+    assert found == FLAGS | {"modelIdentifier": shipped.description.modelName, "providesDirectionalDerivative": not in_air}
     assert shipped.description.variableNamingConvention == "structured"
     assert shipped.description.generationDateAndTime is None
     assert shipped.description.generationTool == f"foldwing {shipped.description.version}"
