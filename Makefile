@@ -274,7 +274,7 @@ validate-clients: package
 	$(CASADI)/bin/python studies/casadi_model_exchange.py --foldwing $(COMMAND)
 	$(CASADI)/bin/python studies/model_exchange_integrators.py --foldwing $(COMMAND) --table docs/tables/model_exchange.md
 
-# The matrix of all faults, MUTANTS_ARGUMENTS=--matrix, runs each test once per fault that it reaches: about a day.
+# The matrix of all faults, MUTANTS_ARGUMENTS=--matrix, runs each test once per fault that it reaches.
 validate-mutants: toolchain
 	$(MAKE) mutants
 	$(MAKE) mutants MUTANTS_ARGUMENTS="--as-built --matrix --draw 10"

@@ -48,9 +48,9 @@ pub(super) fn drive(html: &mut String, machine: &Machine, variables: &[Variable]
         html,
         "<li>{} Outputs belong to the end of the last step.</li>\n\
          <li>States can be saved and restored, also as bytes; two instances share nothing.</li>\n\
-         <li>Forces, reactions and accelerations contain vibrations that the default tolerance does not resolve: they change by tens of per \
-         cent of their range with <code>solver.tolerance</code> or the tolerance of the experiment, while angles, positions and strains \
-         change by less than 1 %. Stiffness damping (<code>stiffness_damping_s</code>) damps these vibrations.</li>\n\
+         <li>Undamped vibrations that the tolerance does not resolve appear in forces, reactions and accelerations first: these then change \
+         with <code>solver.tolerance</code> or the tolerance of the experiment much more than angles, positions and strains. Stiffness \
+         damping (<code>stiffness_damping_s</code>) damps the vibrations.</li>\n\
          <li>A value outside its range is discarded with a message; a failed step leaves the FMU at the last good \
          time.</li>\n</ul>\n",
         match kinds.version {
