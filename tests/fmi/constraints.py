@@ -1,11 +1,44 @@
-"""Checks that FMUs of models with constraint forces have in common: rigid loops, skates and wheels."""
+"""Checks that tests of the FMUs of one model in both versions have in common: constraints, several aerodynamic models, electrical motors."""
+
+import csv
+import re
+import subprocess
 
 import fmpy
+import fmpy.validation
 import numpy as np
 from driving import Fmu, Instance
 from fmpy.fmi3 import FMU3Slave
 
 SAVED, LAST = 37, 97  # communication steps up to the saved state, and up to the end
+
+
+def in_array(name):
+    """Variable of FMI 3.0 that contains a scalar of FMI 2.0, and the place in it: vectors, and vectors at all stations, are arrays."""
+    station = re.fullmatch(r"(.+)\[(\d+)\](\..+)\.([xyz])", name)
+    if station:
+        return station[1] + station[3], (int(station[2]) - 1, "xyz".index(station[4]))
+    return (name[:-2], ("xyz".index(name[-1]),)) if name[-2:] in (".x", ".y", ".z") else (name, ())
+
+
+def columns_of_the_command(foldwing, model, fmu, folder, names, step_s, stop_s):
+    """Columns of variables, by the names of FMI 2.0, from `foldwing simulate`. FMPy finds no problem in the FMU, and its co-simulation gives
+    the same bits."""
+    out = folder / "out.csv"
+    named = [word for name in names for word in ("--variables", name)]
+    subprocess.run([foldwing, "simulate", model, "--csv", out, "-q", "--stop", str(stop_s), "--step", str(step_s), *named], check=True)
+    with open(out) as file:
+        rows = list(csv.DictReader(file))
+    assert fmpy.validation.validate_fmu(str(fmu)) == []
+    scalars = {variable.name for variable in fmpy.read_model_description(str(fmu)).modelVariables}
+    places = {name: (name, ()) if name in scalars else in_array(name) for name in names}
+    asked = sorted({variable for variable, _ in places.values()})
+    found = fmpy.simulate_fmu(str(fmu), fmi_type="CoSimulation", stop_time=stop_s, output_interval=step_s, output=asked)
+    assert len(rows) == len(found) == round(stop_s / step_s) + 1
+    columns = {name: np.array([float(row[name]) for row in rows]) for name in names}
+    for name, (variable, place) in places.items():
+        assert np.array_equal(found[variable][(slice(None), *place)], columns[name]), name
+    return columns
 
 
 def states_are_whole(path, folder, step_s):
@@ -27,12 +60,15 @@ def states_are_whole(path, folder, step_s):
     assert second.history(LAST - SAVED, step_s) == onward
 
 
-def states_of_fmi_3_are_whole(path, folder, names, count, step_s):
-    """FMI 3.0: the same for the variables of some names, which have `count` values together."""
+def states_of_fmi_3_are_whole(path, folder, names, step_s):
+    """FMI 3.0: the same for the variables of some names, which are those of FMI 2.0, with the arrays that contain them whole."""
     unzipped = fmpy.extract(str(path), str(folder))
     description = fmpy.read_model_description(str(path))
-    chosen = [variable.valueReference for variable in description.modelVariables if variable.name in names]
-    assert len(chosen) == len(names)
+    arrays = {in_array(name)[0] for name in names}
+    variables = [variable for variable in description.modelVariables if variable.name in arrays]
+    assert len(variables) == len(arrays)
+    chosen = [variable.valueReference for variable in variables]
+    count = sum(int(np.prod(variable.shape)) if variable.shape else 1 for variable in variables)
 
     def started():
         slave = FMU3Slave(guid=description.guid, unzipDirectory=unzipped,
