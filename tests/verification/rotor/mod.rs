@@ -3,7 +3,7 @@
 mod hover;
 mod linear;
 mod order;
-mod several;
+pub mod several;
 mod steady;
 mod turning;
 mod unsteady;

@@ -10,18 +10,20 @@ use std::sync::Arc;
 const PROPELLERS: &str = include_str!("../../../examples/airs/wing_with_propellers.toml");
 const TWIN: &str = include_str!("../../../examples/airs/twin_rotor.toml");
 
-fn machine(text: &str) -> Machine {
+/// The machine of a model file.
+pub fn machine(text: &str) -> Machine {
     foldwing::config::parse(text, "airs.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-fn started(text: &str) -> Plant {
+/// The machine of a model file at its start.
+pub fn started(text: &str) -> Plant {
     let mut plant = Plant::new(Arc::new(machine(text)));
     plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
     plant
 }
 
 /// Outputs at the start and at the ends of steps.
-fn run(text: &str, step_s: f64, steps: usize) -> Vec<Outputs> {
+pub fn run(text: &str, step_s: f64, steps: usize) -> Vec<Outputs> {
     let mut plant = started(text);
     let mut list = vec![plant.outputs().clone()];
     for step in 1..=steps {

@@ -1,35 +1,13 @@
 //! Slender bodies on machines: SB-09 and following.
 
 use crate::counting_allocator::allocations;
+use crate::rotor::several::{machine, run, started};
 use crate::slender::{POINTED, moment};
-use foldwing::machine::Machine;
-use foldwing::plant::{Holding, Outputs, Plant};
+use foldwing::plant::{Holding, Plant};
 use nalgebra::Vector3;
-use std::sync::Arc;
 
 const TWIN: &str = include_str!("../../../examples/airs/twin_rotor.toml");
 const GLIDER: &str = include_str!("../../../examples/airs/wing_with_fuselage.toml");
-
-fn machine(text: &str) -> Machine {
-    foldwing::config::parse(text, "slender.toml").unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
-
-fn started(text: &str) -> Plant {
-    let mut plant = Plant::new(Arc::new(machine(text)));
-    plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
-    plant
-}
-
-/// Outputs at the start and at the ends of steps.
-fn run(text: &str, step_s: f64, steps: usize) -> Vec<Outputs> {
-    let mut plant = started(text);
-    let mut list = vec![plant.outputs().clone()];
-    for step in 1..=steps {
-        plant.step(step_s * step as f64).unwrap_or_else(|error| panic!("{error}"));
-        list.push(plant.outputs().clone());
-    }
-    list
-}
 
 /// Mass of the pointed body of the tests in kg in air of 1 kg/m³.
 fn apparent_kg() -> f64 {
