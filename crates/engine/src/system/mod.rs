@@ -33,6 +33,7 @@ pub(crate) mod start;
 pub(crate) mod state;
 mod statistics;
 mod strains;
+mod unsupported;
 mod wake_rows;
 
 pub use crate::aero::RotorLoads;
