@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""An aircraft of two wings in one SSP system: a fuselage that moves vertically and two instances of one FMU, in libcosim, Ecos and a
-container of FMU Manipulation Toolbox, beside the same aircraft as one model.
+"""An aircraft as one SSP system: a fuselage that moves vertically and two instances of a wing FMU, run by libcosim, Ecos and a container of
+FMU Manipulation Toolbox, compared with the same aircraft as a single model.
 
     python examples/plunging_aircraft_ssp.py --foldwing target/release/foldwing --output aircraft.ssp [--stop 0.05] [--step 5e-4]
 
 The fuselage prescribes the acceleration of the wing roots, and the wings return their forces: an algebraic loop, which importers with fixed
-steps solve with the values of the last communication point. This converges with the step if the fuselage is heavier than the apparent mass
-of the wings (0.13 kg), and diverges otherwise; `flying_aircraft.py` iterates. The wings start at different angles, 170 and 120 degrees.
+steps solve with the values of the last communication point. This converges as the step decreases if the fuselage is heavier than the wings
+(0.13 kg), and diverges otherwise; `flying_aircraft.py` iterates. The wings start at different angles, 170 and 120 degrees.
 """
 
 import argparse
