@@ -73,19 +73,19 @@ ABSENT = [
 BY_OTHERS = """
 ## Tried by an engineer who had not seen the project
 
-On 2026-11-29, with the FMUs and their pages alone: importers found by search, all 15 FMUs for 50 steps each, and the folding wing to 0.4 s through its latch with inputs and parameters changed
-before and during the run. Largest difference from FMPy 0.3.32 with the same calls, over the range of each output.
+On 2026-11-29, from the FMUs and their pages alone: importers found by search ran all 15 FMUs for 50 steps each, and the folding wing to 0.4 s through its latch, with inputs and parameters changed
+before and during the run. Largest difference from FMPy 0.3.32 with the same calls, relative to the range of each output.
 
 | importer | co-simulation | Model Exchange, folding wing | workaround |
 |---|---|---|---|
-| FMI++ 2.1.0 (PyPI `fmipp`, from its source with SWIG and Boost) | 0, with FMPy at a tolerance of 1e-9: it passes its time resolution as tolerance | Dormand–Prince: angle 6.5e-8, strain 3.7e-5; Rosenbrock diverges, as it does with a transposed Jacobian; its `RollbackFMU` goes back behind events | built without SUNDIALS (3.1.2 needed) |
-| rust-fmi (crate `fmi` 0.8.0) | 0, FMI 2.0 and 3.0, also with states restored from bytes and in 4 threads | a Runge–Kutta method of its own: angle 3.4e-7, strain 8.4e-5; both versions equal to the bit | FMI 3.0: it rejects `nominal` of Float64 |
+| FMI++ 2.1.0 (PyPI `fmipp`, from its source with SWIG and Boost) | 0, with FMPy at a tolerance of 1e-9: it passes its time resolution as tolerance | Dormand–Prince: angle 6.5e-8, strain 3.7e-5; Rosenbrock diverges, as it does with a transposed Jacobian; its `RollbackFMU` sets times before events | built without SUNDIALS (3.1.2 needed) |
+| rust-fmi (crate `fmi` 0.8.0) | 0, FMI 2.0 and 3.0, also with states restored from bytes and in 4 threads | its own Runge–Kutta method: angle 3.4e-7, strain 8.4e-5; both versions bit-identical | FMI 3.0: it rejects `nominal` of Float64 |
 | fmi-sim 0.7.0 (the command of rust-fmi) | 0; the reference experiments of the FMU within 5e-14 | forward Euler alone: unstable | FMI 3.0 with `package --scalars` |
 | fmu-runner 0.4.4 (crate) | 0, also with a state restored from bytes | – | none |
 
-What they met in Foldwing, and what has changed: all FMUs had the `modelIdentifier` "foldwing", by which FMI++ keeps its libraries, so that the second model of a process ran as the first without
-a message: it is the model's name now. `fmi2SetTime` accepted times before the last event: discarded now. `fmi2SetupExperiment` replaced a tolerance set as a parameter before: the parameter
-has priority now. The FMU's page did not say that forces and accelerations are not converged at the default tolerance: it does.
+Defects of Foldwing that this revealed, now corrected: all FMUs had the `modelIdentifier` "foldwing". FMI++ stores libraries by this name, and ran the first model in place of the second one of a process, without
+a message; the name is now that of the model. `fmi2SetTime` accepted times before the last event; they are now discarded. `fmi2SetupExperiment` replaced a tolerance that had been set as a parameter; the parameter
+now has priority. The FMU's page now states that forces and accelerations are not converged at the default tolerance.
 """
 
 
