@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Two turbines in a row in one SSP system: two instances of one FMU and a farm controller that shares a power between them, with the wake of
-the front turbine on the back one, in FMPy and, if installed, libcosim, Ecos and FMU Manipulation Toolbox.
+"""Two turbines in a row as one SSP system: two instances of one FMU and a farm controller that shares a power between them and computes the
+wake of the front turbine, run by FMPy and, if installed, libcosim, Ecos and FMU Manipulation Toolbox.
 
     python examples/turbine/two_turbines_ssp.py --foldwing target/release/foldwing --output two_turbines.ssp [--stop 60] [--demand 8e6]
 
-The turbine is nrel_5mw_wind.toml without the law of its generator. Structure (SSD), parameters (SSV) and mapping (SSM) of `foldwing
+The turbine is nrel_5mw_wind.toml without the torque table of its generator. Structure (SSD), parameters (SSV) and mapping (SSM) of `foldwing
 package --ssp` serve both turbines, each with an SSV file of its own; wind_farm.py is made into an FMU by PythonFMU (`pip install pythonfmu`).
 Importers with fixed steps give each component the values of the last communication point. Connected inputs are 0 in the first step of FMPy 0.3: both
 turbines are without wind for 20 ms.
@@ -35,7 +35,7 @@ RESULTS = [*((name, output) for name in START_AZIMUTH_DEG for output in ("shaft.
 
 
 def model_text():
-    """The turbine with paths of its polars that hold in any folder, without the law of its generator."""
+    """The turbine with paths of its polars that hold in any folder, without the torque table of its generator."""
     text = MODEL.read_text(encoding="utf-8").replace('"polars/', f'"{FOLDER.as_posix()}/polars/')
     return re.sub(r"(?ms)^\[joint\.shaft\.generator\]\n.*?(?=^\[)", "", text)
 

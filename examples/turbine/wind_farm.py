@@ -21,7 +21,8 @@ def deficit(thrust_coefficient, spacing_m, expansion):
 
 
 class Farm:
-    """Two reference controllers that share a power, and the wake of the front turbine, which arrives after `spacing_m / wind_m_s`; equal steps.
+    """Two reference controllers that share a demanded power, and the wake of the front turbine, which arrives after `spacing_m / wind_m_s`.
+    All steps are equal.
 
     Each turbine is to deliver half of `demand_W`, plus the shortfall of the other one, up to its rated power. Powers are mechanical, at the
     generators.
@@ -35,7 +36,7 @@ class Farm:
         self.wake = deque()  # deficits that are on their way, in steps
 
     def share_W(self, lack_W):
-        """Power for a turbine if the other one lacks so much of its half."""
+        """Power for a turbine if the other one delivers `lack_W` less than its half."""
         return min(0.5 * self.demand_W + max(lack_W, 0.0), RATED_POWER_W)
 
     def step(self, speed_rad_s, thrust_coefficient, step_s):
@@ -52,7 +53,7 @@ class Farm:
 
 
 class WindFarm(Fmi2Slave):
-    """[`Farm`] with a reader for each variable: torques and speeds of the slow shafts in N·m and rad/s, pitch in rad, wind in m/s, power in
+    """[`Farm`] with a getter for each output: torques and speeds of the slow shafts in N·m and rad/s, pitch in rad, wind in m/s, power in
     W."""
 
     PARAMETERS = {"wind": 11.4, "demand": 8e6, "spacing": 378.0, "expansion": 0.075, "start_speed_front": 1.267, "start_speed_back": 1.267}
@@ -72,7 +73,7 @@ class WindFarm(Fmi2Slave):
                 self.register_variable(Real(f"{output}_{name}", causality=Fmi2Causality.output, getter=lambda value=value, name=name: value(name)))
 
     def state(self):
-        """The farm at present; before the first step, when importers read outputs already, that of the present parameters."""
+        """The current farm; before the first step, when importers already read outputs, a farm with the current parameters."""
         if self.farm is not None:
             return self.farm
         start = {name: getattr(self, f"start_speed_{name}") for name in TURBINES}
