@@ -36,11 +36,11 @@ HEAD = """\
 # Dependencies of Model Exchange
 
 Made by `python studies/dependences.py --foldwing COMMAND --table docs/tables/dependences.md` (`make validate`): blocks of the Jacobian of the shipped models
-with Model Exchange (FMI 2.0). A cell has all entries of the block, those declared in the model description, and those that are not zero by central
-differences at {points} states off the start (above {round_off:g} of the largest entry of their column of the same quantity, and
+with Model Exchange (FMI 2.0). Each cell has three numbers: all entries of the block, those declared in the model description, and those that are not zero by central
+differences at {points} states away from the start (above {round_off:g} of the largest entry of their column of the same quantity, and
 above round-off of the values, {digits:g} of the largest: a third of that bound counts 2 % more entries). Entries that are declared and zero cost an importer columns
 of its Jacobian; an entry that is not declared and not zero would be an error, and there is none. Rows: derivatives of the coordinates, of the rates
-(accelerations), of the lag states of strips, and Real outputs. Tunable parameters are no part of the lists, because FMI regards them as constant during
+(accelerations), of the lag states of strips, and Real outputs. The lists do not contain tunable parameters, because FMI regards them as constant during
 the integration.
 
 """
