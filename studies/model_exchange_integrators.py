@@ -38,7 +38,7 @@ AT_REST = ("slender_wing",)
 HEAD = """\
 # Integrators of importers on the Model Exchange FMUs
 
-The shipped models without a lattice over 20 ms from their start at a tolerance of 1e-6: largest difference of fold angles and places of tips at the end from
+The shipped models without a lattice over 20 ms from their start at a tolerance of 1e-6: largest difference of fold angles and tip positions at the end from
 the reference, relative to the largest motion, and processor time. Reference: co-simulation at 1e-9; for strips (`flared_wing_tip`, `goland_wing`) SciPy's Radau at 1e-9. The
 explicit methods have `solver.frequency_limit` at the number in their column, which changes the equations, and Euler steps of 1e-5 s. `!`: rejected by the FMU with the message below the table.
 `python studies/model_exchange_integrators.py --foldwing COMMAND --table docs/tables/model_exchange.md` (`make validate`).
@@ -48,7 +48,7 @@ explicit methods have `solver.frequency_limit` at the number in their column, wh
 
 REST = """\
 `slender_wing` is left out: it starts in equilibrium and meets its gust after 0.5 s, so that its motion within 20 ms is round-off (states change by 1.9e-12
-at most in 1 ms, by Radau at 1e-6), and errors over it mean nothing."""
+at most in 1 ms, by Radau at 1e-6), and errors relative to this motion are meaningless."""
 
 
 class Equations:
