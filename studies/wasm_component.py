@@ -394,7 +394,7 @@ Made by `make wasm-fmu`: FMUs of FMI 3.0 with the component of `tools/wasm_fmu.p
 the same FMU in FMPy, 0.1 s in 50 steps. Outputs: largest difference over the largest value of a column, a tenth of the largest of its unit, or 1e-4
 in SI units. By last digits: the same difference of the native library from itself with one parameter changed by its last digit, the largest of all
 parameters. Over the bound: the largest ratio of a difference of the component to its bound, which is 1e-6 of the size or the change of an output of
-the same unit by last digits. State of the other: bytes that one implementation has saved after ten steps, restored in the other one, over the next ten steps.
+the same unit by last digits. State of the other: the state that one implementation has saved as bytes after ten steps is restored in the other one; difference over the next ten steps.
 Derivatives: of Model Exchange, with the event indicators, at three states, over the largest. The last column is the ratio of the component's time to
 the native one's, with FMPy's and wasmtime's own.
 
