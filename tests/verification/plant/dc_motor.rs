@@ -1,4 +1,4 @@
-//! DC-01 to DC-12: electrical motors, whose currents are states, against the linear solution and by invariants.
+//! DC-01 to DC-12 and DC-16: electrical motors, whose currents are states, against the linear solution and by invariants.
 
 use crate::agreement::agree;
 use crate::linear_rows::compare::{Rows, linear_rows_agree};
@@ -243,6 +243,30 @@ fn dc07_equilibrium_has_the_stall_current() {
     );
     plant.step(0.5).expect("a step");
     assert!((state(&plant)[0] - 0.5).abs() < 1e-9 && (state(&plant)[2] - 4.0).abs() < 1e-8, "{:?}", state(&plant));
+}
+
+/// DC-16. A run that starts in equilibrium has the current u/R from its first instant on, on a free, a held and a latched joint; one that
+/// starts unstrained has the current of the file.
+#[test]
+fn dc16_runs_from_equilibrium_start_with_the_stall_current() {
+    let joints = ["", "release = false", "latch = { stiffness_N_m_rad = 500.0, initially_closed = true }"];
+    for (start, current_a) in [("equilibrium", 4.0), ("unstrained", 0.5)] {
+        for joint in joints {
+            let tail = format!("[simulation]\nstart = '{start}'\n");
+            let text = rotor(joint, "voltage_V = 6.0\nstart_current_A = 0.5", &tail)
+                .replace("damping_N_m_s_rad = 0.003", "damping_N_m_s_rad = 0.003\nstiffness_N_m_rad = 8.0");
+            let mut plant = Plant::new(std::sync::Arc::new(machine(&text)));
+            plant.initialize(0.0).expect("a start");
+            assert_eq!(state(&plant)[2], current_a, "{start} {joint}");
+            plant.step(0.05).expect("a step");
+            let held = state(&plant)[1] == 0.0;
+            // a joint that does not move: R/L = 375 1/s
+            if start == "equilibrium" || held {
+                let expected = 4.0 + (current_a - 4.0) * (-375.0_f64 * 0.05).exp();
+                assert!((state(&plant)[2] - expected).abs() < 1e-7, "{start} {joint}: {:?}", state(&plant));
+            }
+        }
+    }
 }
 
 /// DC-08. Linear models: the poles are those of the two-pole form and an integrator of the angle, the current is one state; every row of the

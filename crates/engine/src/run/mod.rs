@@ -113,6 +113,7 @@ impl Plant {
         self.system.start(time_s);
         if self.machine().experiment.start == StartState::Equilibrium {
             self.study().settle_in_air(time_s, Holding::Stopped)?;
+            self.system.equations.rest_currents(&mut self.system.state.now.v);
         }
         self.system.conclude_start(time_s)
     }

@@ -208,9 +208,14 @@ impl Equations {
         }
     }
 
-    /// Sets all rates to zero except the currents, which become those at rest, eq. (A13).
+    /// Sets all rates to zero except the currents, which become those at rest.
     pub(crate) fn stand(&self, v: &mut [f64]) {
         v.fill(0.0);
+        self.rest_currents(v);
+    }
+
+    /// Sets the currents to those at rest, eq. (A13).
+    pub(crate) fn rest_currents(&self, v: &mut [f64]) {
         for armature in self.forces.armatures() {
             v[armature.circuit.coordinate] = armature.rest_current_a();
         }
