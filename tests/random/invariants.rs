@@ -330,7 +330,9 @@ pub fn galilei(model: &Model) -> Verdict {
     let on_root = parsed.bodies.iter().filter(|body| matches!(body.joint.parent, Parent::Root { .. })).count();
     let turns = model.actions.iter().any(|action| matches!(action.doing, Doing::RootSpin(..)));
     let flies = parsed.spatials().any(|(_, spatial)| spatial.freedom == SpatialFreedom::Free);
-    if !flies || on_root > 1 || turns || model.has("gust") || model.says("mirror_normal") {
+    // planes of skates and wheels too
+    let on_planes = !parsed.no_slips.is_empty();
+    if !flies || on_root > 1 || on_planes || turns || model.has("gust") || model.says("mirror_normal") {
         return Verdict::Silent;
     }
     let Some(here) = plain(model) else { return Verdict::Silent };

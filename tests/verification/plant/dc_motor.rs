@@ -1,10 +1,10 @@
-//! DC-01 to DC-12 and DC-16: electrical motors, whose currents are states, against the linear solution and by invariants.
+//! DC-01 to DC-12 and DC-16 to DC-18: electrical motors, whose currents are states, against the linear solution and by invariants.
 
 use crate::agreement::agree;
 use crate::linear_rows::compare::{Rows, linear_rows_agree};
 use crate::plant::machines::{balance_j, hinge_of, start};
 use foldwing::machine::{Machine, Method};
-use foldwing::plant::{Holding, Hybrid, Plant, Snapshot};
+use foldwing::plant::{Branch, Holding, Hybrid, Plant, Search, Snapshot};
 use nalgebra::{Matrix5, Vector5};
 
 fn machine(text: &str) -> Machine {
@@ -267,6 +267,79 @@ fn dc16_runs_from_equilibrium_start_with_the_stall_current() {
             }
         }
     }
+}
+
+/// Equilibrium of a model with one joint as released: its coordinate, and whether its latch is closed.
+fn rest_of(text: &str) -> Result<(f64, bool), String> {
+    let mut plant = Plant::new(std::sync::Arc::new(machine(text)));
+    plant.study().equilibrium(0.0, Holding::AsReleased).map_err(|error| error.to_string())?;
+    let latched = plant.outputs().latches().iter().any(|latch| latch.closed.is_on());
+    Ok((plant.outputs().joints()[0].angle_rad, latched))
+}
+
+/// DC-17. Static equilibrium of joints without stiffness that a motor pushes against an elastic latch, a rigid latch and an end stop, from
+/// starts far from them and at the stop: closed form. A latch behind a position of balance is not reached.
+#[test]
+fn dc17_motors_push_joints_against_latches_and_stops() {
+    let arm = |start_deg: f64, volts: f64, latch: &str| {
+        format!(
+            "name = 'arm'\n[rigid_body.arm]\nmass_kg = 0.5\ncentre_of_mass_m = [0.1, 0.0, 0.0]\n\
+             inertia_kg_m2 = [0.001, 0.002, 0.002, 0.0, 0.0, 0.0]\n[joint.f]\ntype = 'revolute'\nparent = 'root'\nchild = 'arm'\n\
+             axis = [0.0, 1.0, 0.0]\nstart_angle_deg = {start_deg:?}\nlatch = {{ {latch} }}\n[joint.f.dc_motor]\n\
+             resistance_ohm = 2.0\ninductance_H = 1e-3\ntorque_constant_N_m_A = 0.5\nvoltage_V = {volts:?}\n"
+        )
+    };
+    // 3 N·m of the motor and the weight against the latch at 0: −400 θ − 3 + m g x cos θ = 0
+    let torque = 0.5 * 9.80665 * 0.1;
+    let mut expected = -0.006;
+    for _ in 0..50 {
+        expected = (torque * f64::cos(expected) - 3.0) / 400.0;
+    }
+    for start_deg in [1.0, 60.0, 140.0] {
+        let (angle_rad, latched) =
+            rest_of(&arm(start_deg, -12.0, "stiffness_N_m_rad = 400.0")).expect("an equilibrium");
+        assert!(latched && (angle_rad - expected).abs() < 1e-10, "{start_deg}: {angle_rad} {expected}");
+    }
+    let rigid = rest_of(&arm(60.0, -12.0, "kind = 'rigid', capture_deg = 2.0")).expect("an equilibrium");
+    assert!(rigid.1 && (rigid.0 - 2.0_f64.to_radians()).abs() < 1e-12, "{rigid:?}");
+    // the weight turns the arm from 60° towards 90°, where it balances, before the latch at 150°
+    let beyond = rest_of(&arm(60.0, 0.0, "stiffness_N_m_rad = 400.0, angle_deg = 150.0"));
+    assert!(
+        beyond
+            .as_ref()
+            .map_or(true, |(angle_rad, latched)| !latched && (angle_rad - 0.5 * std::f64::consts::PI).abs() < 1e-9),
+        "{beyond:?}"
+    );
+    let car = |start_m: f64, volts: f64| {
+        format!(
+            "name = 'car'\n[rigid_body.car]\nmass_kg = 2.0\n[joint.s]\ntype = 'prismatic'\nparent = 'root'\nchild = 'car'\n\
+             axis = [1.0, 0.0, 0.0]\nstart_position_m = {start_m:?}\n[joint.s.dc_motor]\nresistance_ohm = 2.0\ninductance_H = 0.01\n\
+             force_constant_N_A = 5.0\nvoltage_V = {volts:?}\n[joint.s.end_stops]\nlower_m = -1.0\nupper_m = 1.0\nstiffness_N_m = 1e4\n"
+        )
+    };
+    for (start_m, volts, expected_m) in
+        [(0.0, 12.0, 1.003), (1.0, 12.0, 1.003), (0.5, -12.0, -1.003), (-1.0, -8.0, -1.002)]
+    {
+        let (position_m, _) = rest_of(&car(start_m, volts)).expect("an equilibrium");
+        assert!((position_m - expected_m).abs() < 1e-12, "{start_m} {volts}: {position_m}");
+    }
+    assert!(rest_of(&car(0.0, 0.0)).expect_err("no force").contains("no stiffness resists a motion"));
+}
+
+/// DC-18. A motor in the air of a lattice: the equilibrium is found, its stability is not assessed, with the reason.
+#[test]
+fn dc18_equilibrium_in_a_lattice_has_no_verdict() {
+    let text = "name = 'lattice'\n[section.p]\nshape = 'rectangle'\nwidth_m = 0.1\nheight_m = 0.004\nmaterial = 'aluminium 7075-T6'\n\
+        [body.b]\nlength_m = 0.3\nsection = 'p'\nelements = 1\n[joint.f]\ntype = 'revolute'\nparent = 'root'\nchild = 'b'\n\
+        axis = [0.0, -1.0, 0.0]\nspring = { stiffness_N_m_rad = 20.0 }\n[joint.f.dc_motor]\nresistance_ohm = 5.0\ninductance_H = 5e-3\n\
+        torque_constant_N_m_A = 0.5\nvoltage_V = 2.0\n[surface.b]\nbody = 'b'\nstrips = 3\nincidence_deg = 2.0\n\
+        [aerodynamics]\nmodel = 'uvlm'\nwind_m_s = [0.0, -15.0, 0.0]\n";
+    let mut plant = Plant::new(std::sync::Arc::new(machine(text)));
+    let search = Search { branch: Branch::Stable, ..Search::default() };
+    let rest = plant.study().rest(0.0, Holding::AsReleased, search).expect("an equilibrium");
+    let cause = rest.stability.and_then(|stability| stability.not_judged).expect("no verdict");
+    assert!(cause.contains("dc_motor of joint \"f\"") && cause.contains("discrete time"), "{cause}");
+    assert!((state(&plant)[2] - 0.4).abs() < 1e-12 && plant.is_at_rest());
 }
 
 /// DC-08. Linear models: the poles are those of the two-pole form and an integrator of the angle, the current is one state; every row of the

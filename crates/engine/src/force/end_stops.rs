@@ -188,6 +188,19 @@ impl TwoSidedStops {
         outcome
     }
 
+    /// End that a joint reaches from `from_rad` in a direction, 1 or -1, unless it is in contact with it.
+    pub fn ahead_rad(&self, from_rad: f64, direction: f64, memory: &JointMemory) -> Option<f64> {
+        let side = if direction > 0.0 { Side::Upper } else { Side::Lower };
+        let beyond = self.stops.beyond(side, from_rad, 0.0)?;
+        (memory.contact.side() != Some(side) && beyond.depth_rad <= 0.0)
+            .then_some(from_rad - side.sign() * beyond.depth_rad)
+    }
+
+    /// Sets the contact with the end in a direction, 1 or -1, for a search for static equilibrium.
+    pub fn press(&self, direction: f64, memory: &mut JointMemory) {
+        memory.contact = Contact::Pressed(if direction > 0.0 { Side::Upper } else { Side::Lower });
+    }
+
     /// Sets the contact state for a static equilibrium at `to_rad`; returns whether it differs from the assumed one.
     pub fn stops_at_rest(&self, to_rad: f64, memory: &mut JointMemory) -> bool {
         let contact = self.stops.contact_at(to_rad, 0.0);

@@ -136,6 +136,12 @@ impl CatchingLatch {
         (state.closed && state.time_s == time_s && self.latch.is_rigid()).then_some(&mut state.impulse_n_m_s)
     }
 
+    /// Edge of the capture range that a joint reaches from `from_rad` in a direction, 1 or -1, while the latch is enabled and open.
+    pub fn ahead_rad(&self, from_rad: f64, direction: f64, memory: &JointMemory) -> Option<f64> {
+        let (state, edge_rad) = (&memory.latch, self.latch.edge_rad(from_rad));
+        (state.enabled && !state.closed && (edge_rad - from_rad) * direction > 0.0).then_some(edge_rad)
+    }
+
     /// Closes the latch if the static equilibrium would be in its capture range or beyond; a rigid latch holds the joint at the edge.
     pub fn stops_at_rest(&self, from_rad: &mut f64, to_rad: f64, memory: &mut JointMemory) -> bool {
         let state = &mut memory.latch;

@@ -14,6 +14,7 @@ mod linear;
 mod modes;
 mod path_in_air;
 mod periodic;
+mod pushed_joints;
 mod rotor;
 mod stability;
 mod state_space;

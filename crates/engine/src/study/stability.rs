@@ -113,6 +113,7 @@ impl Study<'_> {
             return match self.growing_in_air_of_lattice(JUDGED_MODES) {
                 Ok(modes) => Ok(self.stability_in_lattice(&modes)),
                 Err(PlantError::Linearization { cause, .. }) => Ok(Stability::not_judged(cause)),
+                Err(error @ PlantError::DcMotor { .. }) => Ok(Stability::not_judged(error.to_string())),
                 Err(error) => Err(error),
             };
         }

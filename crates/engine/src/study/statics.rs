@@ -451,12 +451,20 @@ impl Study<'_> {
     /// Replaces the initial coordinates by those of the equilibrium.
     ///
     /// A joint whose equilibrium would be at the angle of its enabled latch or beyond cannot reach it: the latch closes, and the search is
-    /// repeated with the closed latch. A rigid latch then holds the joint at the edge of its capture range.
+    /// repeated with the closed latch. A rigid latch then holds the joint at the edge of its capture range. If no equilibrium is found,
+    /// released joints move to the latch or end stop towards which all loads together push them.
     pub(crate) fn settle_at_rest(&mut self, time_s: f64, holding: Holding) -> Result<Effort, PlantError> {
         let mut start = self.system.state.now.q.clone();
         for _ in 0..MAXIMUM_SEARCHES {
             self.system.state.now.q.copy_from_slice(&start);
-            let effort = self.search(time_s, holding)?;
+            let effort = match self.search(time_s, holding) {
+                Ok(effort) => effort,
+                Err(_) if self.stop_pushed_joints(&mut start, time_s, holding) => {
+                    self.system.configure();
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
             let mut caught = false;
             for (joint, memory) in self.system.equations.forces.joints().iter().zip(&mut self.system.state.joints) {
                 let c = joint.coordinate;
@@ -504,6 +512,9 @@ impl Study<'_> {
         };
         if quest.search.branch != Branch::Path {
             (found, quest.departure) = at_rest.stabilise(&mut now.q, found);
+        }
+        if found.is_err() {
+            at_rest.load(1.0);
         }
         let Target { forces, .. } = at_rest.target;
         self.system.equations.forces = forces;
