@@ -127,11 +127,15 @@ pub(super) fn share<'b>(
         let body = draft.surface.body.as_str();
         let rotor = hubs.iter().position(|hub| hub.is_some_and(|hub| carries(hub, draft.body, bodies)));
         let Some(part) = rotor.or(strips) else {
-            let known: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
-            let allowed = format!(
-                "a surface on a body that one of the hubs of {} carries, or a part with strips",
-                quoted(&known)
-            );
+            let rotors: Vec<&str> =
+                named.iter().filter(|(_, part)| part.rotor.is_some()).map(|(name, _)| *name).collect();
+            let allowed = match rotors.as_slice() {
+                [] => "a table [aerodynamics.<name>] with strips beside the slender bodies".to_owned(),
+                _ => format!(
+                    "a surface on a body that one of the hubs of {} carries, or a part with strips",
+                    quoted(&rotors)
+                ),
+            };
             checker.refuse_state(&["surface", body, "body"], "a surface that belongs to no part", allowed);
             return None;
         };
