@@ -1,6 +1,7 @@
-//! LR-01 to LR-10, LR-12, LR-13: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
+//! LR-01 to LR-10, LR-12, LR-13, LR-17 to LR-19: every row of `A`, `B`, `C` and `D` against differences of the nonlinear machine, see [`compare`].
 
 pub mod compare;
+mod several;
 mod stiff_end;
 mod still_shaft;
 mod thin_blade;
