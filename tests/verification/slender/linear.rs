@@ -39,13 +39,15 @@ fn sb17_instants_are_the_limit_of_steps() {
             let origin_m = Vector3::new(0.4, 0.1, -0.2) + speed_m_s * time_s + pulled_m_s2 * (0.5 * time_s * time_s);
             let section = |s: &f64| {
                 let bend = if rigid { 0.0 } else { 0.1 * s * s };
-                let (shift_m, shift_m_s, shift_m_s2) =
-                    (bend * (3.0 * time_s).sin(), 3.0 * bend * (3.0 * time_s).cos(), -9.0 * bend * (3.0 * time_s).sin());
+                let (shift_m, shift_m_s, shift_m_s2) = (
+                    bend * (3.0 * time_s).sin(),
+                    3.0 * bend * (3.0 * time_s).cos(),
+                    -9.0 * bend * (3.0 * time_s).sin(),
+                );
                 let reach_m = if rigid { 0.0 } else { *s };
                 let own = Vector3::new(reach_m, 0.0, shift_m);
                 let place_m = attitude * own;
-                let [moved_m_s, pulled] =
-                    [shift_m_s, shift_m_s2].map(|own| attitude * Vector3::new(0.0, 0.0, own));
+                let [moved_m_s, pulled] = [shift_m_s, shift_m_s2].map(|own| attitude * Vector3::new(0.0, 0.0, own));
                 let swing_m_s = spin_rad_s.cross(&place_m);
                 let motion = SectionMotion {
                     rotation: attitude.into_inner(),
@@ -125,8 +127,8 @@ fn sb18_body_on_a_torsion_spring() {
             .replace(&format!("{POINTED:?}"), &format!("{rows:?}"))
     };
     let divergence_m_s = (spring_n_m / volume_m3).sqrt();
-    for (rows, speed_m_s) in [(POINTED, 0.6), (POINTED, 1.2), (open, 0.6), (open, 1.2)]
-        .map(|(rows, share)| (rows, share * divergence_m_s))
+    for (rows, speed_m_s) in
+        [(POINTED, 0.6), (POINTED, 1.2), (open, 0.6), (open, 1.2)].map(|(rows, share)| (rows, share * divergence_m_s))
     {
         let base_m2 = PI * rows[4][1] * rows[4][1];
         let inertia = 0.4 * mass_kg + mass_kg * 0.04 + moment(&rows, 2);
@@ -161,16 +163,20 @@ fn sb18_body_on_a_torsion_spring() {
     approx::assert_relative_eq!(found.divergence_m_s[0], divergence_m_s, max_relative = 1e-9);
 }
 
-/// A rigid wing of chord 0.5 m and span 2 m on a rigid pod that pitches on a spring, with the slender body or without.
+/// A stiff wing of chord 0.5 m and span 2 m on a rigid pod that pitches on a spring, with the slender body or without.
 fn winged_pod(with_body: bool) -> String {
-    let hull = format!("[aerodynamics.pod]\nmodel = \"slender_body\"\nbody = \"pod\"\nradius_m = {POINTED:?}\napparent_mass = false\n");
+    let hull = format!(
+        "[aerodynamics.pod]\nmodel = \"slender_body\"\nbody = \"pod\"\nradius_m = {POINTED:?}\napparent_mass = false\n"
+    );
     format!(
         "name = \"Winged\"\n[rigid_body.pod]\nmass_kg = 5.0\ninertia_kg_m2 = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]\n\
          [joint.pitch]\ntype = \"revolute\"\nparent = \"root\"\nchild = \"pod\"\naxis = [0.0, 1.0, 0.0]\n\
-         [joint.pitch.motor]\nstiffness_N_m_rad = 1e4\n[rigid_body.wing]\nmass_kg = 1.0\n\
-         inertia_kg_m2 = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]\n[joint.root]\ntype = \"clamped\"\nparent = \"pod\"\n\
+         [joint.pitch.motor]\nstiffness_N_m_rad = 1e4\n[section.stiff]\nshape = \"explicit\"\naxial_stiffness_N = 1e8\n\
+         torsional_rigidity_N_m2 = 1e6\nflap_stiffness_N_m2 = 1e6\nedge_stiffness_N_m2 = 1e6\nmass_kg_m = 0.5\n\
+         second_moments_kg_m = [0.01, 0.0, 0.01]\nhalf_width_m = 0.1\nhalf_height_m = 0.1\n[body.wing]\nsection = \"stiff\"\n\
+         length_m = 2.0\nelements = 1\n[joint.mount]\ntype = \"clamped\"\nparent = \"pod\"\n\
          parent_offset_m = [0.1, 0.0, 0.0]\nchild = \"wing\"\nmount_rotation_deg = [0.0, 0.0, 90.0]\n\
-         [surface.wing]\nbody = \"wing\"\nlength_m = 2.0\nchord_m = 0.5\nelastic_axis_fraction = 0.25\nleading_edge = \"+y\"\n\
+         [surface.wing]\nbody = \"wing\"\nchord_m = 0.5\nelastic_axis_fraction = 0.25\nleading_edge = \"+y\"\n\
          strips = 4\n[aerodynamics]\ndensity_kg_m3 = 1.0\nwind_m_s = [15.0, 0.0, 0.0]\nstep_s = 0.01\n\
          [aerodynamics.wing]\nmodel = \"strip\"\nquasi_steady = true\napparent_mass = false\ntip_loss = \"none\"\n{}",
         if with_body { hull } else { String::new() }
@@ -189,7 +195,10 @@ fn sb19_a_fuselage_moves_the_neutral_point() {
     };
     let [(alone_m, lift), (both_m, lift_of_both)] = [false, true].map(behind_m);
     let shift_m = 2.0 * moment(&POINTED, 0) / (1.0 * 2.0 * PI);
-    println!("SB-19: neutral point {alone_m:.6} m, with the body {both_m:.6} m; {:.6} of {shift_m:.6}", alone_m - both_m);
+    println!(
+        "SB-19: neutral point {alone_m:.6} m, with the body {both_m:.6} m; {:.6} of {shift_m:.6}",
+        alone_m - both_m
+    );
     approx::assert_relative_eq!(lift, lift_of_both, max_relative = 1e-9);
     // the quarter chord line
     approx::assert_relative_eq!(alone_m, 0.1, max_relative = 1e-9);
@@ -221,7 +230,8 @@ fn sb20_runs_follow_the_linear_model() {
         (plant.outputs().joints()[0].angle_rad - due) / 0.01_f64.to_radians()
     });
     println!("SB-20: {:.2e} {:.2e}", errors[0], errors[1]);
-    assert!(errors[1].abs() < 2e-3, "{errors:?}");
+    let ratio = errors[0] / errors[1];
+    assert!(errors[1].abs() < 2e-3 && (3.5..4.5).contains(&ratio), "{errors:?}");
 }
 
 /// A classical Runge–Kutta step of a machine as a hybrid system.
