@@ -1,5 +1,5 @@
 //! Machines with several aerodynamic models, in a separate range of seeds: two rotors, one on the root and one on a beam, mostly strips on
-//! the beam, and a slender body on the beam or a hub.
+//! the beam, and a slender body on the beam or a hub; some have strips and a pod at the tip as a slender body, and no rotor.
 
 use crate::machines::draw::{Dice, Draft, begin, end};
 use crate::machines::model::{Form, Model, Table, Value};
@@ -21,6 +21,7 @@ pub fn draw(seed: u64) -> Model {
     let mut draft = begin(&mut dice);
     draft.end_s = 0.12;
     let winged = !dice.once_in(3);
+    let podded = winged && Dice(fastrand::Rng::with_seed(!seed ^ 1)).once_in(3);
     wing(&mut dice, &mut draft, winged);
     let mut common = Table::new("aerodynamics")
         .with("wind_m_s", {
@@ -39,9 +40,15 @@ pub fn draw(seed: u64) -> Model {
     if winged {
         draft.add(strips(&mut dice));
     }
+    let mut of_body = Dice(fastrand::Rng::with_seed(!seed));
+    if podded {
+        pod(&mut dice, &mut draft);
+        slender_body(&mut of_body, &mut draft, Some("pod"));
+        return without_equilibrium(end(&mut dice, draft, seed), |_| true);
+    }
     rotor(&mut dice, &mut draft, 0);
     rotor(&mut dice, &mut draft, 1);
-    slender_body(&mut Dice(fastrand::Rng::with_seed(!seed)), &mut draft, winged);
+    slender_body(&mut of_body, &mut draft, winged.then_some("hub0"));
     let row = |degree: f64, lift: f64, drag: f64| vec![degree, lift, drag, -0.03];
     draft.add(
         Table::new("polar.foil").with("aspect_ratio", 12.0).with("pressure_shift_deg", 20.0).with(
@@ -106,10 +113,39 @@ fn wing(dice: &mut Dice, draft: &mut Draft, winged: bool) {
     }
 }
 
-/// A slender body on the beam where it has no surface, or a spinner on the first hub; its numbers leave the others as they are.
-fn slender_body(dice: &mut Dice, draft: &mut Draft, winged: bool) {
-    let (body, from, to) =
-        if winged { ("hub0", -0.3, dice.number(0.1, 0.4)) } else { ("wing", dice.number(0.0, 0.5), WING_M) };
+/// A rigid pod along the wind at the tip, on a hinge with a spring or clamped.
+fn pod(dice: &mut Dice, draft: &mut Draft) {
+    draft.add(
+        Table::new("rigid_body.pod")
+            .with("mass_kg", dice.number(1.0, 4.0))
+            .with("inertia_kg_m2", Value::Inertia([0.06, 0.2, 0.2, 0.0, 0.0, 0.0])),
+    );
+    let hinged = dice.once_in(2);
+    let mut joint = Table::new("joint.pod")
+        .with("type", if hinged { "revolute" } else { "clamped" })
+        .with("parent", "wing")
+        .with("child", "pod")
+        .with("mount_rotation_deg", Value::TurnDeg(Vector3::new(0.0, 0.0, -90.0), Frame::Body));
+    if hinged {
+        joint.set("axis", Value::Axial(Vector3::x(), Frame::Body));
+        joint.set("start_rate_deg_s", dice.number(-60.0, 60.0));
+    }
+    draft.add(joint);
+    if hinged {
+        draft.add(
+            Table::new("joint.pod.motor")
+                .with("stiffness_N_m_rad", dice.size(30.0, 300.0))
+                .with("damping_N_m_s_rad", dice.number(0.1, 1.0)),
+        );
+    }
+}
+
+/// A slender body on a rigid body, or on the beam where that has no surface; its numbers leave the others as they are.
+fn slender_body(dice: &mut Dice, draft: &mut Draft, on: Option<&str>) {
+    let (body, from, to) = match on {
+        Some(body) => (body, -0.3, dice.number(0.1, 0.4)),
+        None => ("wing", dice.number(0.0, 0.5), WING_M),
+    };
     let middle = from + dice.number(0.2, 0.8) * (to - from);
     let open = if dice.once_in(2) { 0.05 } else { 0.0 };
     let rows = vec![vec![from, 0.0], vec![middle, dice.number(0.06, 0.12)], vec![to, open]];

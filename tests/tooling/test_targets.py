@@ -70,6 +70,7 @@ LONG = {
     "gradients_pass_through_more_failures": "gradients_pass_through_failures",
     "hy02_strips_tend_to_the_air_of_the_instant": "shipped_wing_unfolds_and_latches_under_an_integrator_from_outside",
     "lr01_rows_of_shipped_models": "lr02_rows_of_random_machines",
+    "lr17_the_glider": "lr17_wing_with_fuselage",
     "pl23_root_strain_over_the_gear_inertia": "pl18_a_blade_that_bends",
     "q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine": "q71_small_inputs_move_the_linear_lattice_as_the_machine",
     "q76_listed_modes_are_the_slowest_of_the_whole_model": "q87_a_wing_of_many_elements_lists_all_its_modes",

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 /// One of several aerodynamic models in one flow: any number of rotors and slender bodies, and strips on all other surfaces. No model induces
 /// velocities at the surfaces of another: the slipstream of a propeller does not reach the wing, nor does the flow around a fuselage.
-/// Simulation, static equilibrium, trim and co-simulation only: linear models, modes, periodic motions, gradients and Model Exchange are
-/// errors. Outputs of a rotor: `rotor.<name>.thrust` and others.
+/// Periodic motions and gradients are errors, with rotors also flutter speeds and Model Exchange. Outputs of a rotor:
+/// `rotor.<name>.thrust` and others.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct AirPartFile {

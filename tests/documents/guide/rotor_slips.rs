@@ -226,9 +226,6 @@ fn studies_of_airs() -> Vec<String> {
     let turn = foldwing::plant::Turn::of(&twin, Some("port_shaft"), Some(8.0), 64).expect_err("several models");
     let mut divided = twin.clone();
     divided.air.as_mut().expect("air").parts[0].surfaces = vec![1, 0];
-    let mut plant = foldwing::plant::Plant::new(std::sync::Arc::new(twin));
-    plant.initialize(0.0).expect("it runs");
-    let modes = plant.study().modes(2).map(|_| ()).expect_err("several models").to_string();
     let faults = divided.validate().into_iter().map(|fault| format!("{}; allowed: {}", fault.value, fault.allowed));
     let part = |air: foldwing::machine::builder::AirBuilder| {
         let material =
@@ -243,5 +240,5 @@ fn studies_of_airs() -> Vec<String> {
     let built =
         [Air::parts(), Air::parts().part("a", Air::lattice()), Air::parts().part("a", Air::strips().step_s(0.1))]
             .map(part);
-    faults.chain([turn, modes]).chain(built).collect()
+    faults.chain([turn]).chain(built).collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! The reference uses the equations of [`Hybrid`]: derivatives of states and outputs at any state, solved with the mass matrix. Machines
 //! that cannot be integrated from outside use [`Study::rates_beside`](foldwing::plant::Study::rates_beside): rotors with instantaneous
-//! loads, lattices with constant loads, as in the linear model in continuous time.
+//! loads, also beside strips and slender bodies, lattices with constant loads, as in the linear model in continuous time.
 
 use foldwing::interface::{Interface, LinearModel, Value, Variable};
 use foldwing::machine::Machine;
@@ -524,7 +524,7 @@ impl Compared<'_> {
         let present = at(plant, Beside::Nothing);
         let grain = self.grain(&present, plant.machine());
         // lattices have constant loads and no lags; blades without corners permit the closer steps
-        let is_rotor = plant.machine().air.as_ref().is_some_and(|air| air.is_rotor());
+        let is_rotor = plant.machine().air.as_ref().is_some_and(|air| air.rotors().next().is_some());
         let steps: &[f64] = if is_rotor { &ROTOR_STEPS } else { &STEPS };
         let difference = |steps: &[f64], at: &mut dyn FnMut(f64) -> DVector<f64>| match is_rotor {
             true => derivative_off_corners(steps, &grain, at),
@@ -548,11 +548,14 @@ impl Compared<'_> {
             short.push(if root < ROTOR_STEPS[1] { root * SHRINK.powi(TABLE as i32 - 1) } else { f64::INFINITY });
             columns.push(difference(&steps, &mut |amount| at(plant, Beside::Lag(lag, from + amount))));
         }
-        for (&place, input) in given.iter().zip(&self.model.inputs) {
+        let directions = DMatrix::from_columns(&directions);
+        for (j, (&place, input)) in given.iter().zip(&self.model.inputs).enumerate() {
             columns.push(difference(steps_of(&input.name, is_rotor), &mut |amount| {
                 let kept = plant.inputs().clone();
                 plant.inputs_mut().values_mut()[place] += amount;
-                let found = at(plant, Beside::Nothing);
+                // a step of the wind makes the rates jump, by the entries of B in the rows of the coordinates
+                let jump = &directions * self.model.matrices.b.view((0, j), (freedoms.len(), 1)) * amount;
+                let found = at(plant, Beside::Rates(jump.as_slice()));
                 plant.inputs_mut().clone_from(&kept);
                 found
             }));

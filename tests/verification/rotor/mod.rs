@@ -4,6 +4,7 @@ mod hover;
 mod linear;
 mod order;
 pub mod several;
+mod several_linear;
 mod steady;
 mod turning;
 mod unsteady;

@@ -1,6 +1,7 @@
 //! Slender bodies: SB-01 and following, eqs. (W17) to (W20).
 
-mod machines;
+mod linear;
+pub(crate) mod machines;
 mod motion;
 mod steady;
 

@@ -50,7 +50,7 @@ fn apart(air: &Air) -> Option<String> {
     let names: Vec<&str> = air.parts.iter().map(|part| part.name.as_str()).collect();
     let slender = air.slender_bodies().next().is_some();
     if names.len() < 2 {
-        return slender.then(|| format!("aerodynamics {}: {REFUSED}", names.join(", ")));
+        return slender.then(|| format!("aerodynamics {}: {}", names.join(", "), refused(air)));
     }
     let wing = air.parts.iter().any(|part| matches!(part.options, AirOptions::Strips(_)));
     let effects = [
@@ -63,11 +63,17 @@ fn apart(air: &Air) -> Option<String> {
     ];
     let effects: Vec<&str> = effects.into_iter().filter_map(|(applies, effect)| applies.then_some(effect)).collect();
     let effects = if effects.is_empty() { String::new() } else { format!("{}; ", effects.join("; ")) };
-    Some(format!("aerodynamics {}: each model is in the undisturbed wind; {effects}{REFUSED}", names.join(", ")))
+    let names = names.join(", ");
+    Some(format!("aerodynamics {names}: each model is in the undisturbed wind; {effects}{}", refused(air)))
 }
 
-/// End of the note on models without a common linear form.
-const REFUSED: &str = "linear models, modes and Model Exchange are refused";
+/// End of the note: what several models and slender bodies do not permit.
+fn refused(air: &Air) -> &'static str {
+    match air.rotors().next() {
+        Some(_) => "flutter speeds, periodic motions, gradients and Model Exchange are refused",
+        None => "periodic motions and gradients are refused",
+    }
+}
 
 /// Note on a table of times in s and angles in rad (or positions in m) that is a spin sampled up to the end of the run: its motion stops
 /// there although its rows do not slow down.

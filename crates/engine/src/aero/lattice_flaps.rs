@@ -53,6 +53,11 @@ impl VortexLattice {
         self.flaps.deflections.copy_from_slice(deflections);
     }
 
+    /// Number of control surfaces.
+    pub(crate) fn hinge_count(&self) -> usize {
+        self.flaps.flaps.len()
+    }
+
     /// Hinge moments of a state without loads: all zero.
     pub(super) fn no_hinge_moments(&self) -> Vec<HingeMoment> {
         vec![HingeMoment::default(); self.flaps.flaps.len()]

@@ -429,6 +429,11 @@ impl VortexLattice {
         DMatrix::from_vec(ENTRIES * about.motions.len() + about.deflections.len(), panels, columns)
     }
 
+    /// Number of strips.
+    pub(crate) fn strip_count(&self) -> usize {
+        self.bound.iter().map(|sheet| sheet.strips).sum()
+    }
+
     /// Adds `amount` times `by_strip_m2_s` (in m²/s, strip by strip) to the circulations of a state's strips.
     pub(crate) fn add_strip_circulations(&self, state: &mut LatticeState, by_strip_m2_s: &[f64], amount: f64) {
         let mut strip = 0;

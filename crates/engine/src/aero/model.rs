@@ -29,18 +29,22 @@ pub enum AirOptions {
 }
 
 impl AirOptions {
-    /// Whether linearised models include these aerodynamics with their lags: strips and rotors. The loads of lattices are held constant;
-    /// machines with slender bodies have no linear model.
+    /// Whether linearised models include these aerodynamics with their lags: strips, rotors and slender bodies. The loads of lattices are
+    /// held constant.
     pub fn is_linearised(&self) -> bool {
         match self {
-            Self::Lattice(_) | Self::SlenderBody(_) => false,
-            Self::Strips(_) | Self::Rotor(_) => true,
+            Self::Lattice(_) => false,
+            Self::Strips(_) | Self::Rotor(_) | Self::SlenderBody(_) => true,
         }
     }
 
-    /// Whether loads can be evaluated at an instant, with lag states for an external integrator: strips.
+    /// Whether loads can be evaluated at an instant for an external integrator, with the lag states that they have: strips and slender
+    /// bodies.
     pub fn is_continuous(&self) -> bool {
-        matches!(self, Self::Strips(_))
+        match self {
+            Self::Lattice(_) | Self::Rotor(_) => false,
+            Self::Strips(_) | Self::SlenderBody(_) => true,
+        }
     }
 
     /// The settings of a rotor, if this is one.

@@ -22,21 +22,21 @@ pub struct AirPart {
 }
 
 /// One model with its place among all sections, surfaces and control surfaces, and its scratch.
-struct Placed {
-    model: AirModel,
+pub(super) struct Placed {
+    pub(super) model: AirModel,
     /// Sections in the model's order: those of its surfaces, then that of a rotor's hub, or those of a slender body.
-    sections: Vec<usize>,
+    pub(super) sections: Vec<usize>,
     surfaces: Vec<usize>,
-    flaps: Vec<usize>,
-    motions: Vec<SectionMotion>,
+    pub(super) flaps: Vec<usize>,
+    pub(super) motions: Vec<SectionMotion>,
     loads: AirLoads,
-    deflections: Vec<Deflection>,
+    pub(super) deflections: Vec<Deflection>,
 }
 
 /// The aerodynamic models of a machine. Sections are in the order of the surfaces, followed by those of rotors' hubs and slender bodies in
 /// the order of the parts.
 pub struct AirModels {
-    parts: Vec<Placed>,
+    pub(super) parts: Vec<Placed>,
     /// Per section: whether its model uses instantaneous velocities, [`AirModel::sees_instants`].
     instants: Vec<bool>,
 }
@@ -48,7 +48,7 @@ pub struct AirStates(pub Vec<AirState>);
 
 impl Placed {
     /// Copies the motions of the model's sections from those of all sections.
-    fn gather(&mut self, motions: &[SectionMotion]) {
+    pub(super) fn gather(&mut self, motions: &[SectionMotion]) {
         self.motions.iter_mut().zip(&self.sections).for_each(|(own, section)| *own = motions[*section]);
     }
 
@@ -61,7 +61,7 @@ impl Placed {
     }
 
     /// Replaces indices of the model's surfaces in an error by those in the list of all surfaces.
-    fn name(&self, error: NoCirculation) -> NoCirculation {
+    pub(super) fn name(&self, error: NoCirculation) -> NoCirculation {
         error.with_surfaces(|surface| self.surfaces[surface])
     }
 }

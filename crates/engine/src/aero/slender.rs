@@ -72,9 +72,9 @@ impl SlenderBodyState {
 
 /// Part of the body between two sections, whose radius is linear along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Frustum {
+pub(super) struct Frustum {
     /// Integrals along the body of the cross-section times the shape functions `φ₀²`, `φ₀ φ₁`, `φ₁²` in m³.
-    volumes_m3: [f64; 3],
+    pub(super) volumes_m3: [f64; 3],
     /// Cross-sections at the ends in m².
     areas_m2: [f64; 2],
     /// Integrals along the body of the diameter times the shape functions in m².
@@ -112,7 +112,7 @@ impl Frustum {
 
 /// Velocity of a section relative to the air, along and across a frustum.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Meeting {
+pub(super) struct Meeting {
     /// Velocity of the air along the frustum, from the inner to the outer end, without gusts, in m/s.
     along_m_s: f64,
     /// Velocity of the section across the frustum relative to the air without gusts, in m/s.
@@ -123,15 +123,48 @@ struct Meeting {
     gust_along_m_s: f64,
 }
 
+/// Velocity of the air relative to a section, gusts included, about which its drag is linearised.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct DragPoint {
+    /// Across the frustum, in m/s.
+    across_m_s: Vector3<f64>,
+    /// Along the frustum, in m/s.
+    along_m_s: f64,
+}
+
+impl DragPoint {
+    /// Velocities whose products with the magnitudes at this point are the tangents of `|q| q` at it.
+    fn doubled(&self, own: &Self) -> Self {
+        let way = self.across_m_s.try_normalize(0.0).unwrap_or_default();
+        Self {
+            across_m_s: own.across_m_s + way * way.dot(&(own.across_m_s - self.across_m_s)),
+            along_m_s: 2.0 * own.along_m_s - self.along_m_s,
+        }
+    }
+}
+
+impl Meeting {
+    /// Velocity of the air relative to the section, gusts included.
+    pub(super) fn drag_point(&self) -> DragPoint {
+        DragPoint {
+            across_m_s: self.gust_m_s - self.across_m_s,
+            along_m_s: self.along_m_s + self.gust_along_m_s,
+        }
+    }
+}
+
 /// A slender body with its frustums.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlenderBody {
-    options: SlenderBodyOptions,
-    frustums: Vec<Frustum>,
+    pub(super) options: SlenderBodyOptions,
+    pub(super) frustums: Vec<Frustum>,
     /// Lengths of the frustums in m.
-    lengths_m: Vec<f64>,
+    pub(super) lengths_m: Vec<f64>,
     /// Largest cross-section divided by the sum of the side areas.
     front_share: f64,
+    /// Loads and momenta of the last response at an instant.
+    pub(super) loads: AirLoads,
+    pub(super) present: SlenderBodyState,
 }
 
 impl SlenderBody {
@@ -146,6 +179,8 @@ impl SlenderBody {
                 / frustums.iter().flat_map(|frustum| frustum.sides_m2).sum::<f64>(),
             frustums,
             options: options.clone(),
+            loads: AirLoads::still(options.positions_m.len()),
+            present: SlenderBodyState { momenta_m4_s: vec![Vector3::zeros(); options.positions_m.len()] },
         }
     }
 
@@ -157,7 +192,7 @@ impl SlenderBody {
     /// Sets the initial state and the loads of the present motion; loads of accelerations are zero.
     pub fn start(&self, motions: &[SectionMotion], flow: &Flow, state: &mut SlenderBodyState, loads: &mut AirLoads) {
         loads.clear();
-        self.add_flow_loads(motions, flow, state, loads);
+        self.add_flow_loads(motions, flow, &[], state, loads);
     }
 
     /// Computes state and loads after a step of `step_s` from `from`, for the motions and the flow at its end. The result depends only on
@@ -172,7 +207,7 @@ impl SlenderBody {
         loads: &mut AirLoads,
     ) {
         loads.clear();
-        self.add_flow_loads(motions, flow, to, loads);
+        self.add_flow_loads(motions, flow, &[], to, loads);
         if !(self.options.apparent_mass && step_s > 0.0) {
             return;
         }
@@ -188,13 +223,19 @@ impl SlenderBody {
     }
 
     /// Vector from the reference point of a section to its centre, root frame, m.
-    fn arm_m(&self, section: usize, motions: &[SectionMotion]) -> Vector3<f64> {
+    pub(super) fn arm_m(&self, section: usize, motions: &[SectionMotion]) -> Vector3<f64> {
         let along_m = if self.options.rigid { self.options.positions_m[section] } else { 0.0 };
         motions[section].rotation.column(0) * along_m
     }
 
     /// Velocities at a section, for a frustum with the unit vector `along`.
-    fn meet(&self, section: usize, along: &Vector3<f64>, motions: &[SectionMotion], flow: &Flow) -> Meeting {
+    pub(super) fn meet(
+        &self,
+        section: usize,
+        along: &Vector3<f64>,
+        motions: &[SectionMotion],
+        flow: &Flow,
+    ) -> Meeting {
         let motion = &motions[section];
         let arm_m = self.arm_m(section, motions);
         let centre_m = motion.position_m + arm_m;
@@ -210,11 +251,22 @@ impl SlenderBody {
         }
     }
 
-    /// Adds all loads but those of accelerations, and writes the momenta of the apparent mass: eqs. (W17), (W19) and (W20).
-    fn add_flow_loads(
+    /// Centres of the sections of a frustum in m, its direction and its length in m.
+    pub(super) fn axis(&self, inner: usize, motions: &[SectionMotion]) -> ([Vector3<f64>; 2], Vector3<f64>, f64) {
+        let centres_m =
+            [inner, inner + 1].map(|section| motions[section].position_m + self.arm_m(section, motions));
+        let axis_m = centres_m[1] - centres_m[0];
+        let length_m = axis_m.norm();
+        (centres_m, axis_m / length_m, length_m)
+    }
+
+    /// Adds all loads but those of accelerations, and writes the momenta of the apparent mass: eqs. (W17), (W19) and (W20). With the
+    /// points `about`, a pair for each frustum, the drag is linear in the velocities.
+    pub(super) fn add_flow_loads(
         &self,
         motions: &[SectionMotion],
         flow: &Flow,
+        about: &[[DragPoint; 2]],
         state: &mut SlenderBodyState,
         loads: &mut AirLoads,
     ) {
@@ -223,10 +275,7 @@ impl SlenderBody {
         for (inner, (frustum, rest_m)) in self.frustums.iter().zip(&self.lengths_m).enumerate() {
             let sections = [inner, inner + 1];
             let arms_m = sections.map(|section| self.arm_m(section, motions));
-            let centres_m = [0, 1].map(|end| motions[sections[end]].position_m + arms_m[end]);
-            let axis_m = centres_m[1] - centres_m[0];
-            let length_m = axis_m.norm();
-            let along = axis_m / length_m;
+            let (_, along, length_m) = self.axis(inner, motions);
             let meetings = sections.map(|section| self.meet(section, &along, motions, flow));
             let [inner_m3, both_m3, outer_m3] = frustum.volumes_m3;
             let [first, second] = meetings.map(|meeting| meeting.across_m_s);
@@ -240,7 +289,9 @@ impl SlenderBody {
                 state.momenta_m4_s[sections[end]] += momenta_m4_s[end];
                 let drift_n = if end == 0 { -drift_n } else { drift_n };
                 let gust_n = meeting.gust_m_s * (density_kg_m3 * mean_m_s * widening_m2[end]);
-                let force_n = drift_n + gust_n + self.drag_n(meeting, &along, frustum.sides_m2[end], density_kg_m3);
+                let about = about.get(inner).map(|ends| &ends[end]);
+                let drag_n = self.drag_n(meeting, about, &along, frustum.sides_m2[end], density_kg_m3);
+                let force_n = drift_n + gust_n + drag_n;
                 loads.circulatory[sections[end]].add_force_at(&arms_m[end], &force_n);
             }
         }
@@ -258,16 +309,26 @@ impl SlenderBody {
         [(0, -1.0, self.frustums[0].areas_m2[0]), (last + 1, 1.0, self.frustums[last].areas_m2[1])]
     }
 
-    /// Drag in N across and along a frustum on the side area of one of its sections, eq. (W20).
-    fn drag_n(&self, meeting: &Meeting, along: &Vector3<f64>, side_m2: f64, density_kg_m3: f64) -> Vector3<f64> {
+    /// Drag in N across and along a frustum on the side area of one of its sections, eq. (W20), or its tangent at `about`.
+    fn drag_n(
+        &self,
+        meeting: &Meeting,
+        about: Option<&DragPoint>,
+        along: &Vector3<f64>,
+        side_m2: f64,
+        density_kg_m3: f64,
+    ) -> Vector3<f64> {
         let options = &self.options;
         let pressure_kg_m3 = 0.5 * density_kg_m3;
-        let across_m_s = meeting.gust_m_s - meeting.across_m_s;
-        let across_n =
-            across_m_s * (pressure_kg_m3 * options.cross_flow_drag_coefficient * side_m2 * across_m_s.norm());
-        let along_m_s = meeting.along_m_s + meeting.gust_along_m_s;
+        let own = meeting.drag_point();
+        // a square is the product of a velocity and a magnitude; in its tangent the magnitude is fixed
+        let (moved, [across_size_m_s, along_size_m_s]) = match about {
+            None => (own, [own.across_m_s.norm(), own.along_m_s.abs()]),
+            Some(about) => (about.doubled(&own), [about.across_m_s.norm(), about.along_m_s.abs()]),
+        };
         let front_m2 = self.front_share * side_m2;
-        across_n + along * (pressure_kg_m3 * options.axial_drag_coefficient * front_m2 * along_m_s * along_m_s.abs())
+        moved.across_m_s * (pressure_kg_m3 * options.cross_flow_drag_coefficient * side_m2 * across_size_m_s)
+            + along * (pressure_kg_m3 * options.axial_drag_coefficient * front_m2 * moved.along_m_s * along_size_m_s)
     }
 }
 

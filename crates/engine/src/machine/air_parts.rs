@@ -44,9 +44,8 @@ impl Air {
         self.parts.iter().all(|part| part.options.is_linearised())
     }
 
-    /// Whether loads can be evaluated at an instant for an external integrator: a single model of all surfaces that
-    /// [`AirOptions::is_continuous`].
+    /// Whether the loads of all models can be evaluated at an instant for an external integrator, as [`AirOptions::is_continuous`].
     pub fn is_continuous(&self) -> bool {
-        self.only().is_some_and(AirOptions::is_continuous)
+        self.parts.iter().all(|part| part.options.is_continuous())
     }
 }

@@ -31,16 +31,13 @@ pub(crate) struct Aeroelastic {
 
 impl Study<'_> {
     /// Mass, damping and stiffness including the aerodynamic ones, the aerodynamic lag states and, after them, the currents of electrical
-    /// motors. Without strips or a rotor there are no aerodynamic ones, and the aerodynamic loads are constant.
+    /// motors. Without strips, rotors and slender bodies there are no aerodynamic ones, and the aerodynamic loads are constant.
     pub(crate) fn lagged(&mut self, gusts: bool) -> Result<(Lagged, Option<Aeroelastic>), PlantError> {
         let (lagged, air) = self.lagged_in_air(gusts)?;
         Ok((self.with_currents(lagged), air))
     }
 
     fn lagged_in_air(&mut self, gusts: bool) -> Result<(Lagged, Option<Aeroelastic>), PlantError> {
-        if self.system.has_several_airs() {
-            return Err(self.system.several_airs());
-        }
         let second = self.second_order()?;
         if !self.system.air_is_linearised() {
             return Ok((Lagged::without(second), None));

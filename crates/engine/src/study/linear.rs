@@ -41,6 +41,8 @@ pub enum Beside<'f> {
     Position(&'f Freedom, f64),
     /// The rate of a degree of freedom, changed by an amount.
     Rate(&'f Freedom, f64),
+    /// The rates of all coordinates, changed by these amounts.
+    Rates(&'f [f64]),
     /// An aerodynamic lag state or, after these, a current, by its index in linear models, changed by an amount in its unit.
     Lag(usize, f64),
 }
@@ -196,7 +198,7 @@ impl Study<'_> {
         beside
     }
 
-    /// Calls `take` with the state of an instant: with the set inputs, and with accelerations and loads of strips and rotors that are
+    /// Calls `take` with the state of an instant: with the set inputs, and with accelerations and aerodynamic loads that are
     /// consistent with coordinates, rates, lag states and inputs, NOTATION eq. (L10), instead of those of the integrator, which are
     /// accurate to its tolerance. An equilibrium remains one, with the residual of the search for it, unless its inputs have changed since.
     ///
@@ -234,8 +236,8 @@ impl Study<'_> {
     }
 
     /// Rates of the states of a linear model, and the outputs, at the current state with the set inputs, or near it: by the nonlinear
-    /// equations of the machine, with the loads of strips and rotors at the instant. Loads of lattices are constant. For comparisons with
-    /// linear models; strips with apparent mass need their rates to jump with the wind, as in [`Study::state_space`]. The state is
+    /// equations of the machine, with the loads of strips, rotors and slender bodies at the instant. Loads of lattices are constant. For
+    /// comparisons with linear models; with apparent mass the rates must jump with the wind, as in [`Study::state_space`]. The state is
     /// unchanged.
     ///
     /// # Errors
@@ -249,6 +251,9 @@ impl Study<'_> {
                 Beside::Rate(freedom, amount) => {
                     let unit = study.direction(freedom);
                     study.system.state.now.v.iter_mut().zip(unit).for_each(|(v, unit)| *v += amount * unit);
+                }
+                Beside::Rates(change) => {
+                    study.system.state.now.v.iter_mut().zip(change).for_each(|(v, change)| *v += change);
                 }
                 Beside::Lag(lag, amount) => {
                     let mut there = study.system.present_lags(false).unwrap_or_default();

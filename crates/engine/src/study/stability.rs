@@ -117,9 +117,6 @@ impl Study<'_> {
                 Err(error) => Err(error),
             };
         }
-        if self.system.has_several_airs() {
-            return Ok(Stability::not_judged(self.system.several_airs().to_string()));
-        }
         let now = &self.system.state.now;
         let mut unused = vec![0.0; self.system.coordinates()];
         self.system.equations.residual(now.time_s, &now.q, &now.v, &now.a, &mut unused);
@@ -153,13 +150,10 @@ impl Study<'_> {
     }
 
     /// Eigenvalues in 1/s of the growing modes about the current state, fastest first, one of each pair, NOTATION eq. (L22). They include
-    /// the loads of strips and of rotors. `None` for machines with too many coordinates, and for those with a lattice, whose loads are
+    /// the loads of strips, rotors and slender bodies. `None` for machines with too many coordinates, and for those with a lattice, whose loads are
     /// constant in a continuous-time model.
     pub fn growing_1_s(&mut self) -> Result<Option<Vec<Complex<f64>>>, PlantError> {
-        if self.system.coordinates() > MAXIMUM_COORDINATES
-            || self.system.has_linear_lattice()
-            || self.system.has_several_airs()
-        {
+        if self.system.coordinates() > MAXIMUM_COORDINATES || self.system.has_linear_lattice() {
             return Ok(None);
         }
         Ok(Some(self.growing()?.iter().map(|growth| growth.eigenvalue_1_s).collect()))

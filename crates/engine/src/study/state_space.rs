@@ -19,7 +19,7 @@ pub struct InputSlope<'a> {
     /// step is exact.
     pub step: f64,
     /// Uniform gust velocity in m/s, root frame, added per unit of the input: gusts are not inputs of the model, so `add` then has no
-    /// effect. Only strips respond to it, with Küssner's lag.
+    /// effect. Strips respond to it with Küssner's lag, rotors and slender bodies at once.
     pub gust_m_s: Vector3<f64>,
 }
 
@@ -41,7 +41,7 @@ pub(super) fn air_of(input: &InputSlope, inputs: &Inputs) -> Vec<f64> {
 
 impl Study<'_> {
     /// `A`, `B`, `C`, `D` about the current state with the current inputs, over [`crate::system::System::freedoms`] and
-    /// their rates, and over the lag states of strips and rotors.
+    /// their rates, and over the lag states of all aerodynamic models.
     ///
     /// `A` and `B` are exact, except for the stiffness about a moving state ([`Study::second_order`]) and for the aerodynamic response,
     /// which is computed by differences accurate to about 1e-9. `C` and `D` are differences of the instantaneous outputs

@@ -7,7 +7,7 @@ use crate::multibody::model::Element;
 use crate::signal::JointParameters;
 use crate::solve::EquationsOfMotion;
 use crate::system::PlantError;
-use crate::system::air::strip_workspace::ContinuousAir;
+use crate::system::air::instant_workspace::ContinuousAir;
 use crate::system::equations::Equations;
 use crate::system::events::settle;
 use crate::system::outputs::Outputs;
@@ -137,7 +137,7 @@ impl Hybrid<'_> {
     pub fn read(&self, states: &mut [f64]) {
         let now = &self.system.state.now;
         self.copy_to(states, &now.q, &now.v);
-        self.copy_others(states, self.air().map_or(&[], |air| &air.lags_m_s), &now.v);
+        self.copy_others(states, self.air().map_or(&[], |air| &air.lags), &now.v);
     }
 
     /// Copies coordinates that move and their rates, or rates and accelerations.
@@ -228,7 +228,7 @@ impl Hybrid<'_> {
         }
         let now = &self.system.state.now;
         self.copy_to(derivatives, &now.v, &now.a);
-        self.copy_others(derivatives, self.air().map_or(&[], |air| air.lag_rates_m_s2()), &now.a);
+        self.copy_others(derivatives, self.air().map_or(&[], |air| air.lag_rates()), &now.a);
         Ok(AccountRates { dissipated_w: now.powers.dissipated, work_w: now.powers.work })
     }
 

@@ -6,7 +6,7 @@
 
 use crate::aero::corners::slope_off_corners;
 use crate::aero::flap::HingeMoment;
-use crate::aero::flow::{Flow, Gust, GustShape};
+use crate::aero::flow::Flow;
 use crate::aero::strip::flap::MassRates;
 use crate::aero::strip::indicial::Lag;
 use crate::aero::strip::instant::Instant;
@@ -35,9 +35,6 @@ const SLOWEST: f64 = 1e-3;
 pub(crate) fn kinds_of_loads(sections: usize) -> Vec<usize> {
     (0..LOAD_ROWS * sections).map(|row| row % LOAD_ROWS / 3).collect()
 }
-
-/// Distance in m of the front of a gust that fills all space.
-const FAR_M: f64 = 1e12;
 
 /// Loads of all sections in their own frames, six rows each, then rates of the lag states in m/s², then circulations of the strips in m²/s,
 /// then hinge moments of the control surfaces in N·m.
@@ -185,24 +182,8 @@ impl Strips {
         answer.fill(0.0);
         self.deflect(&at.flaps);
         let strips = if self.line.is_some() { 0..self.strips.len() } else { strips };
-        let uniform = |gusts: &[Gust]| {
-            let gust = Gust {
-                name: String::new(),
-                shape: GustShape::SharpEdge,
-                velocity_m_s: at.gust_m_s,
-                direction: Vector3::x(),
-                speed_m_s: 0.0,
-                origin_m: Vector3::x() * FAR_M,
-                start_s: 0.0,
-            };
-            gusts.iter().chain([&gust]).cloned().collect::<Vec<Gust>>()
-        };
         // only differences have a uniform gust; evaluations for an integrator allocate nothing
-        let all = if at.gust_m_s == Vector3::zeros() {
-            Cow::Borrowed(at.flow.gusts)
-        } else {
-            Cow::Owned(uniform(at.flow.gusts))
-        };
+        let all = at.gusts();
         let flow = Flow { gusts: &all, ..at.flow };
         let terms = self.lag_terms(gusts);
         let lag = |strip: usize, now_m_s: f64, gust: bool| {

@@ -1,17 +1,15 @@
-//! Strip theory in a hybrid system: loads and rates of the lag states at an instant, with apparent mass proportional to the
-//! accelerations, NOTATION eqs. (W13) and (W15).
+//! Strips and slender bodies in a hybrid system: loads and rates of the lag states at an instant, with apparent mass proportional to the
+//! accelerations, NOTATION eqs. (W13), (W15) and (W21).
 
-use crate::aero::near_sheets::NoCirculation;
-use crate::aero::strip::Strips;
+use crate::aero::AirModels;
 use crate::aero::strip::continuous::LOAD_ROWS;
 use crate::aero::strip::instant::Instant;
-use crate::aero::{AirModel, AirState, AirStates};
 use crate::load::Wrench;
 use crate::multibody::motion::Motion;
 use crate::multibody::station;
 use crate::solve::EquationsOfMotion;
 use crate::system::air::start::{flow, refusal};
-use crate::system::air::strip_workspace::ContinuousAir;
+use crate::system::air::instant_workspace::ContinuousAir;
 use crate::system::air::{AirCoupling, AirHistory, Gain, Sample, gaps};
 use crate::system::events::settle_by;
 use crate::system::{PlantError, System};
@@ -42,19 +40,15 @@ impl System {
 
     /// Number of aerodynamic lag states in a hybrid system.
     pub(crate) fn lag_count(&self) -> usize {
-        self.air.as_ref().and_then(|air| air.continuous.as_ref()).map_or(0, |continuous| continuous.lags_m_s.len())
+        self.air.as_ref().and_then(|air| air.continuous.as_ref()).map_or(0, |continuous| continuous.lags.len())
     }
 
     /// A lag state at the current time, in m/s, and its rate in m/s², from the internal integrator: linear over the aerodynamic step.
     pub(crate) fn own_lag(&self, lag: usize) -> [f64; 2] {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return [0.0; 2] };
         let AirCoupling { model, continuous: Some(continuous), settings, .. } = &**air else { return [0.0; 2] };
-        let Some(AirModel::Strips(strips)) = model.only() else { return [0.0; 2] };
-        let of = |states: &AirStates| match states.only() {
-            Some(AirState::Strips(state)) => strips.lag_m_s(state, continuous.gusts, lag),
-            Some(AirState::Lattice(_) | AirState::Rotor(_) | AirState::SlenderBody(_)) | None => 0.0,
-        };
-        let [before, after] = [&history.before, &history.after].map(of);
+        let [before, after] =
+            [&history.before, &history.after].map(|states| model.strip_lag_m_s(states, &continuous.stack, lag));
         if history.steps == 0 {
             return [after, 0.0];
         }
@@ -68,7 +62,7 @@ impl System {
         for lag in 0..self.lag_count() {
             let [own_m_s, _] = self.own_lag(lag);
             if let Some(continuous) = self.air.as_mut().and_then(|air| air.continuous.as_mut()) {
-                continuous.lags_m_s[lag] = own_m_s;
+                continuous.lags[lag] = own_m_s;
             }
         }
         self.remember_lags();
@@ -82,7 +76,7 @@ impl System {
     /// Sets lag states in m/s from an external integrator: the state stores them, whether or not their rates are evaluated.
     pub(crate) fn set_lags(&mut self, lags_m_s: &[f64]) {
         if let Some(own) = self.air.as_mut().and_then(|air| air.continuous.as_mut()) {
-            own.lags_m_s.copy_from_slice(lags_m_s);
+            own.lags.copy_from_slice(lags_m_s);
         }
         self.remember_lags();
     }
@@ -91,28 +85,47 @@ impl System {
     fn remember_lags(&mut self) {
         let Some(air) = &self.air else { return };
         let AirCoupling { model, continuous: Some(own), .. } = &**air else { return };
-        let Some(AirModel::Strips(strips)) = model.only() else { return };
         if let Some(history) = &mut self.state.air {
             for states in [&mut history.before, &mut history.after] {
-                if let Some(AirState::Strips(state)) = states.only_mut() {
-                    strips.set_lags(&own.lags_m_s, own.gusts, state);
-                }
+                model.set_strip_lags(&own.lags, &own.stack, states);
             }
         }
     }
 
-    /// Solves for the current accelerations under aerodynamic loads, with these loads and the rates of the lag states: `M a + r(L) = 0` and
-    /// `L = L(a)`, eq. (W15). The equations must have been updated to the prescribed motions and projected. Allocates nothing.
+    /// Solves for the current accelerations under the loads of strips and slender bodies, [`System::settle_with`], as an external integrator
+    /// needs them: steps can continue from here.
     pub(crate) fn settle_in_air(&mut self) -> Result<(), PlantError> {
+        let Some(mut own) = self.air.as_mut().and_then(|air| air.continuous.take()) else { return Ok(()) };
+        let time_s = self.state.now.time_s;
+        if let Some(history) = &mut self.state.air {
+            (history.loads.begin_s, history.loads.end_s) = (time_s, time_s);
+        }
+        let settled = self.settle_with(&mut own);
+        let Self { state, air, .. } = self;
+        if let (Some(air), Some(history), Ok(())) = (air.as_mut(), &mut state.air, &settled) {
+            for (end, motion) in history.end.iter_mut().zip(&air.motions) {
+                *end = Sample::steady(motion);
+            }
+            history.begin.copy_from_slice(&history.end);
+            history.start_s = time_s;
+            history.at_begin.copy_from_slice(&history.loads.to);
+            (history.carried_m, history.gain, history.steps) = (Vector3::zeros(), Gain::default(), 0);
+        }
+        if let Some(air) = air {
+            air.continuous = Some(own);
+        }
+        settled
+    }
+
+    /// Solves for the current accelerations under aerodynamic loads, with these loads and the rates of the lag states: `M a + r(L) = 0` and
+    /// `L = L(a)`, eq. (W15). The equations must have been updated to the prescribed motions and projected. Allocates nothing without
+    /// rotors.
+    pub(super) fn settle_with(&mut self, own: &mut ContinuousAir) -> Result<(), PlantError> {
         let Self { equations, state, scratch, air, machine, .. } = self;
         let (time_s, none) = (state.now.time_s, Ok(()));
         let Some(air) = air else { return none };
         air.deflect(state, time_s)?;
-        let AirCoupling { model, motions, continuous: Some(own), settings, length_m, deflections, .. } = &mut **air
-        else {
-            return none;
-        };
-        let Some(AirModel::Strips(strips)) = model.only_mut() else { return none };
+        let AirCoupling { model, motions, settings, length_m, deflections, .. } = &mut **air;
         own.guess.fill(0.0);
         own.anderson.restart();
         let mut found = false;
@@ -131,11 +144,11 @@ impl System {
                 accelerations: Cow::Borrowed(&own.accelerations),
                 flow: flow(settings, state, time_s),
                 gust_m_s: Vector3::zeros(),
-                lags: Cow::Borrowed(&own.lags_m_s),
+                lags: Cow::Borrowed(&own.lags),
                 flaps: Cow::Borrowed(deflections),
                 flap_rad_s2: Cow::Borrowed(&own.flap_rad_s2),
             };
-            strips.respond(&at, own.gusts, &mut own.answer);
+            model.respond(&at, &mut own.stack, &mut own.answer);
             let (change_n, size_n) = own.compare(*length_m);
             if !change_n.is_finite() {
                 return Err(refusal(time_s, "the loads are not finite"));
@@ -157,7 +170,6 @@ impl System {
             write(&own.guess, &mut history.loads.to);
             history.loads.from.copy_from_slice(&history.loads.to);
             history.loads.impulsive.fill(Wrench::default());
-            (history.loads.begin_s, history.loads.end_s) = (time_s, time_s);
             history.scale_n = history.scale_n.max(size_n);
             if let Some(loads) = &mut equations.air {
                 loads.copy_from(&history.loads);
@@ -176,8 +188,8 @@ impl System {
                 break;
             }
         }
-        if let Some(sonic) = strips.sonic() {
-            return Err(gaps::failure(machine, settings, time_s, NoCirculation::Sonic(sonic)));
+        if let Some(failure) = model.sonic() {
+            return Err(gaps::failure(machine, settings, time_s, failure));
         }
         if !found {
             let cause = format!(
@@ -187,24 +199,15 @@ impl System {
             return Err(PlantError::Surroundings { time_s, cause });
         }
         if let Some(history) = &mut state.air {
-            remember(strips, own, history);
-            for (end, motion) in history.end.iter_mut().zip(motions.iter()) {
-                *end = Sample::steady(motion);
-            }
-            history.begin.copy_from_slice(&history.end);
-            history.start_s = time_s;
+            remember(model, own, history);
         }
         none
     }
 }
 
-/// Updates a history to the current time, so that the internal integrator can continue from it.
-fn remember(strips: &Strips, own: &ContinuousAir, history: &mut AirHistory) {
+/// Stores the last response in the states at both ends of the step.
+fn remember(model: &AirModels, own: &ContinuousAir, history: &mut AirHistory) {
     for states in [&mut history.before, &mut history.after] {
-        if let Some(AirState::Strips(state)) = states.only_mut() {
-            strips.remember(&own.lags_m_s, own.gusts, &own.answer, state);
-        }
+        model.remember(&own.lags, &own.stack, states);
     }
-    history.at_begin.copy_from_slice(&history.loads.to);
-    (history.carried_m, history.gain, history.steps) = (Vector3::zeros(), Gain::default(), 0);
 }

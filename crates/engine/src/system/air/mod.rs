@@ -5,6 +5,7 @@ pub(crate) mod controls;
 pub(crate) mod gaps;
 mod history;
 mod instant;
+pub(crate) mod instant_workspace;
 mod lattice_slopes;
 pub(crate) mod memory;
 pub(crate) mod sections;
@@ -12,7 +13,6 @@ pub(crate) mod slopes;
 pub(crate) mod start;
 mod step_loads;
 pub(crate) mod step_slopes;
-pub(crate) mod strip_workspace;
 mod view;
 
 pub(crate) use crate::aero::lattice_linear::{LatticeSlopes, SECTION_PARTS};
@@ -30,7 +30,7 @@ use crate::multibody::motion::Motion;
 use crate::multibody::station;
 use crate::solve::acceleration::Anderson;
 use crate::solve::point::Point;
-use crate::system::air::strip_workspace::ContinuousAir;
+use crate::system::air::instant_workspace::ContinuousAir;
 use crate::system::equations::Equations;
 use crate::system::outputs::Outputs;
 use nalgebra::Vector3;
@@ -53,7 +53,7 @@ pub(crate) struct AirCoupling {
     pub guess: Vec<f64>,
     pub residual: Vec<f64>,
     pub acceleration: Anderson,
-    /// Loads of strips at an instant, for external integrators.
+    /// Loads of strips and slender bodies at an instant, for external integrators.
     pub continuous: Option<ContinuousAir>,
     /// Longest chord, or largest diameter of a slender body, in m.
     pub length_m: f64,
@@ -120,7 +120,11 @@ impl AirCoupling {
         };
         let gusts = !settings.gusts.is_empty();
         Some(Self {
-            continuous: ContinuousAir::new(&model, sections, gusts),
+            continuous: if settings.is_continuous() {
+                ContinuousAir::new(&model, settings.flaps.len(), gusts)
+            } else {
+                None
+            },
             model,
             shares: shares(machine, &settings),
             blank,

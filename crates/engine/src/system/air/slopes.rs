@@ -1,13 +1,9 @@
 //! Derivatives of the aerodynamic response to small motions of the model, its lag states and its inputs, in continuous time: strips,
-//! NOTATION eqs. (W13) and (W14), and rotors, eqs. (B27) and (B31).
+//! NOTATION eqs. (W13) and (W14), rotors, eqs. (B27) and (B31), and slender bodies, eqs. (W21) and (W22), stacked by eq. (W23).
 
-use crate::aero::near_sheets::NoCirculation;
-use crate::aero::rotor::bem::Rotor;
-use crate::aero::rotor::loads::RotorLoads;
-use crate::aero::strip::Strips;
 use crate::aero::strip::continuous::{AIR_VARIABLES, LOAD_ROWS, LagPlace, MOTION_VARIABLES, Variable};
 use crate::aero::strip::instant::{Instant, SectionAcceleration};
-use crate::aero::{AirModel, AirModels, AirPart, AirState, AirStates};
+use crate::aero::{AirModel, AirPart};
 use crate::load::SectionMotion;
 use crate::machine;
 use crate::system::air::controls::deflections;
@@ -23,7 +19,7 @@ pub(crate) const SECTION_VARIABLES: usize = MOTION_VARIABLES;
 const AIR_RATES: usize = 6;
 
 /// Aerodynamic response per unit of each variable. Rows: loads of the sections in their frames (six each), rates of the lag states in their
-/// units per s, circulations of the strips in m²/s or, for a rotor, its loads and coefficients.
+/// units per s, and then, model by model, circulations in m²/s and hinge moments in N·m of strips, or loads and coefficients of a rotor.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AirSlopes {
     /// Number of load rows.
@@ -41,86 +37,15 @@ pub(crate) struct AirSlopes {
     pub air_rate: DMatrix<f64>,
 }
 
-/// An aerodynamic model with derivatives in continuous time.
-pub(super) enum Continuous<'a> {
-    Strips(&'a mut Strips),
-    Rotor(&'a mut Rotor),
-}
-
-impl<'a> Continuous<'a> {
-    fn of(model: &'a mut AirModels) -> Option<Self> {
-        match model.only_mut()? {
-            AirModel::Strips(strips) => Some(Self::Strips(strips)),
-            AirModel::Rotor(rotor) => Some(Self::Rotor(rotor)),
-            AirModel::Lattice(_) | AirModel::SlenderBody(_) => None,
-        }
-    }
-
-    /// Lag states, part by part; `None` with an aerodynamic model without derivatives.
-    pub fn lags(model: &AirModels, states: &AirStates, gusts: bool) -> Option<Vec<f64>> {
-        let own = model.each().zip(&states.0).map(|((model, _), state)| match (model, state) {
-            (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lags_m_s(state, gusts)),
-            (AirModel::Rotor(rotor), AirState::Rotor(state)) => Some(rotor.lag_values(state)),
-            (AirModel::SlenderBody(_), AirState::SlenderBody(_)) => Some(Vec::new()),
-            (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_) | AirModel::SlenderBody(_), _) => None,
-        });
-        Some(own.collect::<Option<Vec<Vec<f64>>>>()?.concat())
-    }
-
-    /// Number of rows of a response.
-    fn rows(&mut self, at: &Instant, gusts: bool) -> usize {
-        match self {
-            Self::Strips(strips) => strips.answer(at, gusts).len(),
-            Self::Rotor(rotor) => rotor.answer(at).len(),
-        }
-    }
-
-    fn slope(&mut self, at: &Instant, gusts: bool, variable: Variable) -> Vec<f64> {
-        match self {
-            Self::Strips(strips) => strips.slope(at, gusts, variable),
-            Self::Rotor(rotor) => rotor.slope(at, variable),
-        }
-    }
-}
-
 impl System {
-    /// Whether the aerodynamic models have linear models in continuous time: strips and rotors.
+    /// Whether the aerodynamic models have linear models in continuous time: strips, rotors and slender bodies.
     pub fn air_is_linearised(&self) -> bool {
         self.air.as_ref().is_some_and(|air| air.settings.is_linearised())
     }
 
-    /// Whether the machine has several aerodynamic models, which have no linear form together, or a slender body, which has none.
-    pub(crate) fn has_several_airs(&self) -> bool {
-        let air = self.machine.air.as_ref();
-        air.is_some_and(|air| air.parts.len() > 1 || air.slender_bodies().next().is_some())
-    }
-
-    /// Error: there is no linear model of several aerodynamic parts or of slender bodies.
-    pub(crate) fn several_airs(&self) -> PlantError {
-        let parts = self.machine.air.iter().flat_map(|air| &air.parts).map(|part| part.name.as_str());
-        let slender = self.machine.air.iter().flat_map(|air| air.slender_bodies()).map(|(part, _)| part.name.as_str());
-        let slender: Vec<&str> = slender.collect();
-        if !slender.is_empty() {
-            let cause = format!(
-                "linear models, modes and accelerations at an instant do not include slender bodies: [aerodynamics.<name>] {}; \
-                 remove them, or simulate the machine",
-                slender.join(", ")
-            );
-            return PlantError::Linearization { time_s: self.state.now.time_s, cause };
-        }
-        let cause = format!(
-            "linear models, modes and accelerations at an instant have one aerodynamic model, and the machine has {}: \
-             [aerodynamics.<name>] {}; keep one of them, or simulate the machine",
-            self.machine.air.as_ref().map_or(0, |air| air.parts.len()),
-            parts.collect::<Vec<_>>().join(", ")
-        );
-        PlantError::Linearization { time_s: self.state.now.time_s, cause }
-    }
-
-    /// Derivatives of the aerodynamic response at the current state, of a machine that has one model ([`System::has_several_airs`] is false).
-    /// `sections` holds motion and accelerations of all sections; `by` holds
-    /// their derivatives with respect to coordinates, rates and accelerations of the degrees of freedom, [`SECTION_VARIABLES`] rows for
-    /// each section. `None` if there are no strips or rotors.
+    /// Derivatives of the aerodynamic response at the current state, of all models. `sections` holds motion and accelerations of all
+    /// sections; `by` holds their derivatives with respect to coordinates, rates and accelerations of the degrees of freedom,
+    /// [`SECTION_VARIABLES`] rows for each section. `None` without aerodynamics or with a lattice.
     ///
     /// # Errors
     /// If strips with a speed of sound reach Mach 1, or if the momentum balance of an annulus is discontinuous.
@@ -142,12 +67,11 @@ impl System {
             flaps: deflections(&air.settings, &self.state.applied_inputs).collect::<Vec<_>>().into(),
             flap_rad_s2: vec![0.0; air.settings.flaps.len()].into(),
         };
-        let Some(mut model) = Continuous::of(&mut air.model) else { return Ok(None) };
-        let rows = model.rows(&at, gusts);
-        if let Continuous::Strips(strips) = &model
-            && let Some(sonic) = strips.sonic()
-        {
-            let failure = NoCirculation::Sonic(sonic);
+        let model = &mut air.model;
+        let Some(mut stack) = model.stack(gusts) else { return Ok(None) };
+        let rows = stack.rows();
+        model.respond(&at, &mut stack, &mut vec![0.0; rows]);
+        if let Some(failure) = model.sonic() {
             return Err(gaps::failure(&self.machine, &air.settings, self.state.now.time_s, failure));
         }
         let mut motion = by.map(|matrix| DMatrix::zeros(rows, matrix.ncols()));
@@ -157,7 +81,7 @@ impl System {
                 if by.iter().all(|matrix| matrix.row(place).iter().all(|entry| *entry == 0.0)) {
                     continue;
                 }
-                let slope = model.slope(&at, gusts, Variable::Motion { section, component });
+                let slope = model.slope(&at, &mut stack, Variable::Motion { section, component });
                 for (target, matrix) in motion.iter_mut().zip(by) {
                     let along = matrix.row(place);
                     for (row, value) in slope.iter().enumerate().filter(|(_, value)| **value != 0.0) {
@@ -167,7 +91,7 @@ impl System {
             }
         }
         let mut columns = |variables: Vec<Variable>| {
-            let slopes: Vec<f64> = variables.iter().flat_map(|variable| model.slope(&at, gusts, *variable)).collect();
+            let slopes: Vec<f64> = variables.iter().flat_map(|variable| model.slope(&at, &mut stack, *variable)).collect();
             DMatrix::from_vec(rows, variables.len(), slopes)
         };
         let lag = columns((0..at.lags.len()).map(Variable::Lag).collect());
@@ -177,10 +101,8 @@ impl System {
         let air_columns = columns(shared.chain(flaps.clone().map(Variable::FlapAngle)).collect());
         let rates = (0..AIR_RATES).map(Variable::AirRate);
         let air_rate = columns(rates.chain(flaps.map(Variable::FlapAcceleration)).collect());
-        if let Continuous::Rotor(rotor) = &mut model
-            && let Some(section) = rotor.jump()
-        {
-            return Err(self.no_slope(section));
+        if let Some([part, section]) = model.jump() {
+            return Err(self.no_slope(part, section));
         }
         Ok(Some(AirSlopes {
             load_rows: LOAD_ROWS * sections.len(),
@@ -244,10 +166,10 @@ impl System {
     }
 
     /// Error: the momentum balance of an annulus is discontinuous, so that there is no linear model.
-    fn no_slope(&self, section: usize) -> PlantError {
-        let mut blades =
-            self.machine.air.iter().flat_map(|air| &air.parts).flat_map(|part| self.stations_of_blades(part));
-        let place = blades.nth(section).unwrap_or_default();
+    fn no_slope(&self, part: usize, section: usize) -> PlantError {
+        let part = self.machine.air.as_ref().and_then(|air| air.parts.get(part));
+        let blades = part.map_or_else(Vec::new, |part| self.stations_of_blades(part));
+        let place = blades.get(section).cloned().unwrap_or_default();
         let cause = format!(
             "the momentum balance of {place} is discontinuous at this operating point, between two states of the \
              annulus; choose another wind, pitch or rotor speed, or write inflow_lag_s, with which it is continuous"
@@ -264,8 +186,7 @@ impl System {
     pub(crate) fn add_to_air(&mut self, answer: &[f64], amount: f64) -> Option<AirHistory> {
         let history = self.state.air.as_mut()?;
         let kept = history.clone();
-        let strips = self.machine.air.iter().flat_map(|air| &air.surfaces).map(|surface| surface.positions_m.len() - 1);
-        let (loads, rest) = answer.split_at(LOAD_ROWS * history.at_begin.len());
+        let loads = &answer[..LOAD_ROWS * history.at_begin.len()];
         let StepLoads { from, to, .. } = &mut history.loads;
         for ((from, to), entries) in from.iter_mut().zip(to).zip(loads.chunks_exact(LOAD_ROWS)) {
             for load in [from, to] {
@@ -273,36 +194,9 @@ impl System {
                 load.moment_n_m += Vector3::from_column_slice(&entries[3..]) * amount;
             }
         }
-        if let [Some(AirState::Rotor(before)), Some(AirState::Rotor(after))] =
-            [&mut history.before, &mut history.after].map(AirStates::only_mut)
-        {
-            // the last rows are the loads and coefficients of the rotor
-            let own = &rest[rest.len() - size_of::<RotorLoads>() / size_of::<f64>()..];
-            for state in [before, after] {
-                let numbers: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut state.loads));
-                numbers.iter_mut().zip(own).for_each(|(number, entry)| *number += entry * amount);
-            }
-            return Some(kept);
-        }
-        let flaps = self.machine.air.as_ref().map_or(0, |air| air.flaps.len());
-        let (rest, hinges) = rest.split_at(rest.len() - flaps);
-        let circulations = &rest[rest.len() - strips.sum::<usize>()..];
-        for state in [&mut history.before, &mut history.after].into_iter().filter_map(AirStates::only_mut) {
-            if let (AirState::Lattice(state), Some(AirModel::Lattice(lattice))) =
-                (&mut *state, self.air.as_ref().and_then(|air| air.model.only()))
-            {
-                for (moment, hinge) in state.hinges.iter_mut().zip(hinges) {
-                    moment.circulatory_n_m += hinge * amount;
-                }
-                lattice.add_strip_circulations(state, circulations, amount);
-            }
-            if let AirState::Strips(state) = state {
-                for (moment, hinge) in state.hinges.iter_mut().zip(hinges) {
-                    moment.circulatory_n_m += hinge * amount;
-                }
-                for (strip, circulation) in state.strips.iter_mut().zip(circulations) {
-                    strip.circulation_m2_s += circulation * amount;
-                }
+        if let Some(air) = &self.air {
+            for states in [&mut history.before, &mut history.after] {
+                air.model.add_rest(answer, amount, states);
             }
         }
         Some(kept)

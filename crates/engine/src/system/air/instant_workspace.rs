@@ -1,17 +1,18 @@
-//! Workspace for strip theory in a hybrid system.
+//! Workspace for the loads of the aerodynamic models at an instant.
 
 use crate::aero::strip::continuous::LOAD_ROWS;
 use crate::aero::strip::instant::SectionAcceleration;
-use crate::aero::{AirModel, AirModels};
+use crate::aero::{AirModels, Stack};
 use crate::solve::acceleration::Anderson;
 use nalgebra::Vector3;
 
-/// Workspace for the loads of strip theory at an instant, with their lag states.
+/// Workspace for the loads of the aerodynamic models at an instant, with their lag states.
 pub(crate) struct ContinuousAir {
     /// Whether gusts have separate lag states.
     pub gusts: bool,
-    /// Lag states in m/s, in the order of [`Strips::lags`].
-    pub lags_m_s: Vec<f64>,
+    /// Lag states, those of strips in m/s, in the order of linear models.
+    pub lags: Vec<f64>,
+    pub(super) stack: Stack,
     pub(super) accelerations: Vec<SectionAcceleration>,
     pub(super) answer: Vec<f64>,
     pub(super) guess: Vec<f64>,
@@ -22,25 +23,27 @@ pub(crate) struct ContinuousAir {
 }
 
 impl ContinuousAir {
-    /// Workspace for strips on all surfaces, which have a continuous-time form; `None` for other models.
-    pub fn new(model: &AirModels, sections: usize, gusts: bool) -> Option<Self> {
-        let Some(AirModel::Strips(strips)) = model.only() else { return None };
+    /// Workspace for models that have a response at an instant, with `flaps` control surfaces; `None` with a lattice.
+    pub fn new(model: &AirModels, flaps: usize, gusts: bool) -> Option<Self> {
+        let stack = model.stack(gusts)?;
+        let sections = model.sections();
         let loads = LOAD_ROWS * sections;
         Some(Self {
             gusts,
-            lags_m_s: vec![0.0; strips.lag_count(gusts)],
+            lags: vec![0.0; stack.lags()],
             accelerations: vec![[Vector3::zeros(); 2]; sections],
-            answer: vec![0.0; strips.rows(sections, gusts)],
+            answer: vec![0.0; stack.rows()],
+            stack,
             guess: vec![0.0; loads],
             residual: vec![0.0; loads],
             anderson: Anderson::new(loads),
-            flap_rad_s2: vec![0.0; strips.flap_count()],
+            flap_rad_s2: vec![0.0; flaps],
         })
     }
 
-    /// Rates of the lag states in m/s², from the last solution for the accelerations.
-    pub fn lag_rates_m_s2(&self) -> &[f64] {
-        &self.answer[self.guess.len()..][..self.lags_m_s.len()]
+    /// Rates of the lag states in their units per s, from the last solution for the accelerations.
+    pub fn lag_rates(&self) -> &[f64] {
+        &self.answer[self.guess.len()..][..self.lags.len()]
     }
 
     /// Magnitudes in N of the change from the guess to the result and of the result; moments are divided by `length_m`.
