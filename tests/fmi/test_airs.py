@@ -69,12 +69,13 @@ def test_sb23_model_exchange_agrees_with_co_simulation(foldwing, tmp_path, versi
     model.write_text(text.replace("step_s = 0.0025", "step_s = 0.0005"))
     fmu = tmp_path / f"glider{version}.fmu"
     subprocess.run([foldwing, "package", model, "-o", fmu, "--fmi", version, "--interface", "cs,me"], check=True)
-    names = ["aero.force.z", "aero.moment.y", "energy.elastic"]
-    settings = {"stop_time": 0.1, "output_interval": 0.005, "output": names}
+    # forces are arrays in FMI 3.0
+    names = ["energy.elastic", "energy.kinetic"] + (["aero.force.z", "aero.moment.y"] if version == "2" else [])
+    settings = {"stop_time": 0.05, "output_interval": 0.005, "output": names}
     own = fmpy.simulate_fmu(str(fmu), fmi_type="CoSimulation", **settings)
     other = fmpy.simulate_fmu(str(fmu), fmi_type="ModelExchange", relative_tolerance=1e-7, **settings)
     for name in names:
         there = np.interp(own["time"][4:], other["time"], other[name])
         miss = np.abs(there - own[name][4:]).max() / np.abs(own[name][4:]).max()
         print(f"SB-23 {name}: {miss:.1e}")
-        assert miss < 2e-2, name
+        assert miss < (1e-4 if name.startswith("energy") else 5e-3), name

@@ -146,10 +146,7 @@ impl DragPoint {
 impl Meeting {
     /// Velocity of the air relative to the section, gusts included.
     pub(super) fn drag_point(&self) -> DragPoint {
-        DragPoint {
-            across_m_s: self.gust_m_s - self.across_m_s,
-            along_m_s: self.along_m_s + self.gust_along_m_s,
-        }
+        DragPoint { across_m_s: self.gust_m_s - self.across_m_s, along_m_s: self.along_m_s + self.gust_along_m_s }
     }
 }
 
@@ -229,13 +226,7 @@ impl SlenderBody {
     }
 
     /// Velocities at a section, for a frustum with the unit vector `along`.
-    pub(super) fn meet(
-        &self,
-        section: usize,
-        along: &Vector3<f64>,
-        motions: &[SectionMotion],
-        flow: &Flow,
-    ) -> Meeting {
+    pub(super) fn meet(&self, section: usize, along: &Vector3<f64>, motions: &[SectionMotion], flow: &Flow) -> Meeting {
         let motion = &motions[section];
         let arm_m = self.arm_m(section, motions);
         let centre_m = motion.position_m + arm_m;
@@ -253,8 +244,7 @@ impl SlenderBody {
 
     /// Centres of the sections of a frustum in m, its direction and its length in m.
     pub(super) fn axis(&self, inner: usize, motions: &[SectionMotion]) -> ([Vector3<f64>; 2], Vector3<f64>, f64) {
-        let centres_m =
-            [inner, inner + 1].map(|section| motions[section].position_m + self.arm_m(section, motions));
+        let centres_m = [inner, inner + 1].map(|section| motions[section].position_m + self.arm_m(section, motions));
         let axis_m = centres_m[1] - centres_m[0];
         let length_m = axis_m.norm();
         (centres_m, axis_m / length_m, length_m)

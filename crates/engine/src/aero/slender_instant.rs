@@ -69,9 +69,8 @@ impl SlenderBody {
                 let rate_m_s2 = second_m_s2 + spin_rad_s.cross(&velocity_m_s);
                 let part_m_s = along.dot(&air_m_s);
                 let across_m_s = air_m_s - along * part_m_s;
-                let across_rate_m_s2 = rate_m_s2
-                    - along_rate * part_m_s
-                    - along * (along_rate.dot(&air_m_s) + along.dot(&rate_m_s2));
+                let across_rate_m_s2 =
+                    rate_m_s2 - along_rate * part_m_s - along * (along_rate.dot(&air_m_s) + along.dot(&rate_m_s2));
                 across_rate_m_s2 + spin_rad_s.cross(&across_m_s)
             });
             let [inner_m3, both_m3, outer_m3] = frustum.volumes_m3;

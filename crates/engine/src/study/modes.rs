@@ -17,8 +17,8 @@ use nalgebra::{Complex, Vector3};
 type Shape = (Vec<f64>, Vec<(Vector3<f64>, Vector3<f64>)>);
 
 impl Study<'_> {
-    /// Modes of lowest frequency about the current state, with shapes. They include the loads of strips and of rotors; other aerodynamic
-    /// loads are constant.
+    /// Modes of lowest frequency about the current state, with shapes. They include the loads of strips, rotors and slender bodies; those
+    /// of lattices are constant.
     pub fn modes(&mut self, count: usize) -> Result<Vec<ModeShape>, PlantError> {
         let (mut modes, _) = self.modes_and_rest(count)?;
         modes.truncate(count);

@@ -91,7 +91,8 @@ impl System {
             }
         }
         let mut columns = |variables: Vec<Variable>| {
-            let slopes: Vec<f64> = variables.iter().flat_map(|variable| model.slope(&at, &mut stack, *variable)).collect();
+            let slopes: Vec<f64> =
+                variables.iter().flat_map(|variable| model.slope(&at, &mut stack, *variable)).collect();
             DMatrix::from_vec(rows, variables.len(), slopes)
         };
         let lag = columns((0..at.lags.len()).map(Variable::Lag).collect());
