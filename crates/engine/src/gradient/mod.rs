@@ -9,6 +9,7 @@
 mod account;
 mod adjoint;
 mod air;
+mod along;
 mod block;
 mod directions;
 mod ends;
@@ -37,6 +38,7 @@ mod values;
 mod variation;
 mod vectors;
 
+pub use along::RunPieces;
 pub use error::GradientError;
 pub use inputs::{InputColumn, InputRows};
 pub use parameter::Parameter;
