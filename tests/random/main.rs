@@ -231,10 +231,8 @@ fn gr82_gradients_are_those_of_runs_with_the_same_steps() {
         if std::env::var_os("FOLDWING_ALL").is_some() {
             println!("GR-82 seed {seed}: {:.1e} {:.1e} {:.1e}, {}, {} limited, {} apart", found.worst[0], found.worst[1], found.worst[2], found.compared, found.limited, found.apart);
         }
-        if let Some(why) = &found.broken {
-            println!("GR-82: seed {seed}: {why}");
-            broken.push(seed);
-        }
+        found.broken.iter().for_each(|why| println!("GR-82: seed {seed}: {why}"));
+        broken.extend((!found.broken.is_empty()).then_some(seed));
         found.kinds.into_iter().for_each(|kind| *kinds.entry(kind).or_default() += 1);
         found.refused.into_iter().for_each(|(part, count)| *all.refused.entry(part).or_default() += count);
         for (worst, own) in all.worst.iter_mut().zip(found.worst) {
@@ -243,12 +241,23 @@ fn gr82_gradients_are_those_of_runs_with_the_same_steps() {
         all.compared += found.compared;
         all.limited += found.limited;
         all.apart += found.apart;
+        all.small += found.small;
+        all.rows.extend(found.rows);
+        all.commands += found.commands;
     }
-    let [adjoint, runs, products] = all.worst;
+    let [adjoint, runs, products, latches] = all.worst;
+    all.rows.sort_by(f64::total_cmp);
+    let within = |limit: f64| all.rows.partition_point(|apart| *apart <= limit);
+    println!(
+        "GR-82: forward and adjoint within 1e-10 in {} of {} rows, 1e-8 in {}; latches {latches:.1e}",
+        within(1e-10),
+        all.rows.len(),
+        within(1e-8)
+    );
     println!(
         "GR-82: {machines} machines, {silent} without: forward and adjoint {adjoint:.1e}, {} derivatives and runs {runs:.1e} \
-         ({} limited by the differences, {} numbers apart), products {products:.1e}",
-        all.compared, all.limited, all.apart
+         ({} limited by the differences, {} numbers apart), products {products:.1e}; {} rows are round-off; {} runs of the command",
+        all.compared, all.limited, all.apart, all.small, all.commands
     );
     kinds.iter().for_each(|(kind, count)| println!("  {count} with {kind}"));
     all.refused.iter().for_each(|(part, count)| println!("  {count} refused: {part}"));

@@ -54,7 +54,7 @@ use factors::{Factors, Side};
 use inputs::Piece;
 use parameter::Neighbours;
 use sections::Sections;
-use vectors::{add, dot, largest_product};
+use vectors::{add, add_all, dot, largest_products, scale};
 
 /// Derivatives of a run that is on a tape.
 pub struct Gradient<'a> {

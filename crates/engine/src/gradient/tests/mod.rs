@@ -24,6 +24,7 @@ mod motor;
 mod prescribed;
 mod refusals;
 mod rigid;
+mod rows;
 mod shear;
 mod spatial;
 mod starts;
