@@ -77,7 +77,10 @@ pub fn check(model: &Model, found: &mut Found) -> Option<()> {
     let mut rows = column.map(|column| (column, (0..inputs.times_s().len()).collect::<Vec<usize>>()));
     let both = loop {
         let all = |mode| {
-            let numbers = chosen.iter().filter_map(|at| number(&model, *at)).chain(rows.clone().map(|rows| of_rows(&model, &inputs, rows)));
+            let numbers = chosen
+                .iter()
+                .filter_map(|at| number(&model, *at))
+                .chain(rows.clone().map(|rows| of_rows(&model, &inputs, rows)));
             recorded.derivatives(&results, numbers.collect(), mode)
         };
         match [Mode::Forward, Mode::Adjoint].map(all) {
@@ -157,7 +160,9 @@ fn by_command((model, inputs): (&Model, &InputRows), options: &Options, both: [&
         for (row, own) in printed["of"].as_array().expect("rows").iter().zip(&own.of) {
             let slopes: Vec<f64> = serde_json::from_value(row["derivatives"].clone()).expect("numbers");
             if slopes != own.derivatives {
-                found.broken.push(format!("{mode} by the command, {}: {slopes:?}, not {:?}", own.name, own.derivatives));
+                found
+                    .broken
+                    .push(format!("{mode} by the command, {}: {slopes:?}, not {:?}", own.name, own.derivatives));
             }
         }
         found.commands += 1;
@@ -174,10 +179,16 @@ fn kinds(model: &Model) -> Vec<String> {
     for table in &model.tables {
         for (key, value) in &table.keys {
             let named = ["kind", "type", "model", "motion", "start"].contains(key);
-            let limit = ["torque_limit", "force_limit", "rate_limit", "release", "shear"].iter().any(|own| key.starts_with(own));
+            let limit = ["torque_limit", "force_limit", "rate_limit", "release", "shear"]
+                .iter()
+                .any(|own| key.starts_with(own));
             if let (true, Value::Text(word)) = (named, value) {
                 let last = table.name.split('.').next_back().unwrap_or_default();
-                let of = if last == "latch" || last == "simulation" { last } else { table.name.split('.').next().unwrap_or_default() };
+                let of = if last == "latch" || last == "simulation" {
+                    last
+                } else {
+                    table.name.split('.').next().unwrap_or_default()
+                };
                 kinds.push(format!("{of} {word}"));
             } else if limit {
                 kinds.push((*key).to_owned());
@@ -252,7 +263,10 @@ fn differences(
     found: &mut Found,
 ) {
     let mut place = 0;
-    let run = |recorded: &mut Recorded, by: &By, other: &dyn Fn(f64) -> Option<(Plant, InputRows)>, found: &mut Found| {
+    let run = |recorded: &mut Recorded,
+               by: &By,
+               other: &dyn Fn(f64) -> Option<(Plant, InputRows)>,
+               found: &mut Found| {
         let mut failed = String::new();
         for share in DIFFERENCES {
             let step = share * size(by);
@@ -268,7 +282,8 @@ fn differences(
         *found.refused.entry(format!("differences: {failed}")).or_default() += 1;
         None
     };
-    let largest: Vec<f64> = forward.of.iter().map(|row| self::largest(&scaled(&row.derivatives, &forward.by), &[])).collect();
+    let largest: Vec<f64> =
+        forward.of.iter().map(|row| self::largest(&scaled(&row.derivatives, &forward.by), &[])).collect();
     let judge = |by: &By, column: usize, (share, values): (f64, Vec<Vec<f64>>), found: &mut Found| {
         for (result, row) in forward.of.iter().enumerate() {
             let at = |run: usize| values[run][result];
@@ -488,8 +503,10 @@ fn some_results(
 fn some_numbers(random: &mut fastrand::Rng, model: &Model) -> Vec<(usize, usize, f64)> {
     let mut all = numbers(model);
     random.shuffle(&mut all);
-    let of_joint = |at: &(usize, usize, f64)| ["joint.", "failure."].iter().any(|kind| model.tables[at.0].name.starts_with(kind));
-    let (joints, others): (Vec<_>, Vec<_>) = all.into_iter().filter(|at| number(model, *at).is_some()).partition(of_joint);
+    let of_joint =
+        |at: &(usize, usize, f64)| ["joint.", "failure."].iter().any(|kind| model.tables[at.0].name.starts_with(kind));
+    let (joints, others): (Vec<_>, Vec<_>) =
+        all.into_iter().filter(|at| number(model, *at).is_some()).partition(of_joint);
     let rest = joints.iter().skip(NUMBERS / 2).copied();
     joints.iter().take(NUMBERS / 2).copied().chain(others).chain(rest).take(NUMBERS).collect()
 }
@@ -513,7 +530,10 @@ fn number(model: &Model, at: (usize, usize, f64)) -> Option<Numbers> {
 fn of_rows(model: &Model, inputs: &InputRows, (column, rows): (usize, Vec<usize>)) -> Numbers {
     let values = &inputs.columns()[column].values;
     let index = inputs.columns()[column].index;
-    let by = rows.iter().map(|row| By { name: format!("input {index}@{}", inputs.times_s()[*row]), value: values[*row], unit: "" }).collect();
+    let by = rows
+        .iter()
+        .map(|row| By { name: format!("input {index}@{}", inputs.times_s()[*row]), value: values[*row], unit: "" })
+        .collect();
     let largest = values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let plant = || machine(model, &View::plain()).map(|machine| Plant::new(Arc::new(machine)));
     let step = if largest == 0.0 { 1e-3 } else { 1e-3 * largest };

@@ -162,7 +162,8 @@ fn beamed(model: &Model, body: &str) -> Model {
         gone.push(name.trim_start_matches("body.").to_owned());
         let kept = table.keys.iter().filter(|(key, _)| matches!(*key, "length_m" | "count")).cloned();
         let keys = kept.collect();
-        *table = Table { name, keys }.with("section", "beamed").with("elements", 2_usize).with("stiffness_damping_s", 3e-4);
+        *table =
+            Table { name, keys }.with("section", "beamed").with("elements", 2_usize).with("stiffness_damping_s", 3e-4);
     }
     // its loads have other stations
     let on_it = |table: &Table| table.name.starts_with("load.") && gone.iter().any(|name| table.is("body", name));

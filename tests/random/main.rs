@@ -12,7 +12,6 @@ mod keys;
 #[path = "../machines/mod.rs"]
 mod machines;
 mod outputs;
-mod scratch;
 #[allow(dead_code, reason = "verification uses the rest")]
 #[path = "../verification/linear_rows/compare.rs"]
 mod rows;
@@ -229,7 +228,10 @@ fn gr82_gradients_are_those_of_runs_with_the_same_steps() {
             None => silent += 1,
         }
         if std::env::var_os("FOLDWING_ALL").is_some() {
-            println!("GR-82 seed {seed}: {:.1e} {:.1e} {:.1e}, {}, {} limited, {} apart", found.worst[0], found.worst[1], found.worst[2], found.compared, found.limited, found.apart);
+            println!(
+                "GR-82 seed {seed}: {:.1e} {:.1e} {:.1e}, {}, {} limited, {} apart",
+                found.worst[0], found.worst[1], found.worst[2], found.compared, found.limited, found.apart
+            );
         }
         found.broken.iter().for_each(|why| println!("GR-82: seed {seed}: {why}"));
         broken.extend((!found.broken.is_empty()).then_some(seed));

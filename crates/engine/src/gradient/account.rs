@@ -310,14 +310,21 @@ impl Gradient<'_> {
         let (before, behind) = (&tape.steps[index_before], &tape.steps[index]);
         let [was, is] = self.energies_at_event(index_before, index);
         let loses = before.failures != behind.failures && falls([was, is]);
+        let refused = || {
+            let remedy =
+                format!("choose times before the event at {} s, or use finite differences", behind.start.time_s);
+            GradientError::OtherChoice { part: OTHER_ENERGIES, remedy }
+        };
+        // at a row of the inputs a change of the row does work, and the failure dissipates the rest
+        if loses && before.piece != behind.piece && self.entries.iter().any(|entry| entry.row.is_some()) {
+            return Err(refused());
+        }
         let size = [was, is].iter().flatten().fold(0.0f64, |size, energy| size.max(energy.abs()));
         for account in [Account::Work, Account::Dissipated] {
             let booked = account.booked(&behind.start) - account.booked(&before.end);
             let known = account.of_jumps(loses, [is[0] - was[0], is[1] - was[1]]);
             if (booked - known).abs() > SAME_JUMP * size.max(booked.abs()) {
-                let remedy =
-                    format!("choose times before the event at {} s, or use finite differences", behind.start.time_s);
-                return Err(GradientError::OtherChoice { part: OTHER_ENERGIES, remedy });
+                return Err(refused());
             }
         }
         Ok(loses)

@@ -85,8 +85,7 @@ impl Plant {
         (step_s, end_s): (f64, f64),
         expected: Option<Indicator>,
     ) -> Result<(), PlantError> {
-        let sharpened =
-            |plant: &mut Self| expected.map_or(Ok(()), |indicator| plant.sharpen_crossing(indicator));
+        let sharpened = |plant: &mut Self| expected.map_or(Ok(()), |indicator| plant.sharpen_crossing(indicator));
         self.take_fixed(step_s, end_s)
             .and_then(|()| sharpened(self))
             .map_err(|_| PlantError::Clock { time_s: end_s, step_s })
