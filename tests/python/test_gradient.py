@@ -348,7 +348,7 @@ def random_gradients():
 @pytest.mark.parametrize("path", random_gradients(), ids=lambda path: path.stem)
 def test_gr86_random_machines_have_the_derivatives_of_the_command(path):
     """GR-86. Derivatives of random machines with events and inputs over time are those of the command, equal numbers in both modes, and
-    products of both are equal to 1e-10 of their terms: `⟨ȳ, J δ⟩ = ⟨Jᵀ ȳ, δ⟩`."""
+    products of both are equal to 1e-6 of their terms, as in GR-82: `⟨ȳ, J δ⟩ = ⟨Jᵀ ȳ, δ⟩`."""
     known = json.loads(path.read_text(encoding="utf-8"))
     model = fw.load(path.with_suffix(".toml"))
     table = path.with_suffix(".csv")
@@ -366,4 +366,4 @@ def test_gr86_random_machines_have_the_derivatives_of_the_command(path):
     weights = random.uniform(-1.0, 1.0, len(forward.of)) / np.where(largest > 1e-4, largest, np.inf)
     along = random.uniform(-1.0, 1.0, len(forward.by)) * sizes
     terms = np.abs(weights[:, None] * forward.jacobian * along).sum()
-    assert abs(weights @ (forward.jacobian @ along) - adjoint.vjp(weights) @ along) <= 1e-10 * terms
+    assert abs(weights @ (forward.jacobian @ along) - adjoint.vjp(weights) @ along) <= 1e-6 * terms

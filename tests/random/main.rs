@@ -220,7 +220,7 @@ fn x13_gradients_are_the_same_both_ways() {
 fn gr82_gradients_are_those_of_runs_with_the_same_steps() {
     let mut all = frozen_runs::Found::default();
     let (mut kinds, mut machines, mut silent, mut broken) = (BTreeMap::<String, usize>::new(), 0, 0, Vec::new());
-    let seeds: Vec<u64> = seeds(60_u64.div_ceil(share() as u64)).into_iter().take(200).collect();
+    let seeds: Vec<u64> = seeds(30_u64.div_ceil(share() as u64)).into_iter().take(200).collect();
     for seed in seeds {
         let mut found = frozen_runs::Found::default();
         match frozen_runs::check(&draw(seed), &mut found) {
