@@ -158,7 +158,9 @@ wheel: build package-venv ## Build the Python package for this machine: $(TARGET
 
 python: wheel ## Test the Python package from its wheel: what it computes, its documentation, its types
 	@$(PACKAGE_PYTHON) -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
-	FOLDWING=$(abspath $(COMMAND)) $(abspath $(PACKAGE_PYTHON)) -m pytest -q --junitxml=$(abspath $(TEST_TIMES))/python.xml tests/python $(PYTEST_ARGUMENTS)
+	@rm -rf $(TARGET)/gradients
+	FOLDWING_MACHINES=12 FOLDWING_MODELS=$(abspath $(TARGET)/gradients) $(CARGO) test --locked --release --test random -- --quiet gr82_
+	FOLDWING=$(abspath $(COMMAND)) FOLDWING_GRADIENTS=$(abspath $(TARGET)/gradients) $(abspath $(PACKAGE_PYTHON)) -m pytest -q --junitxml=$(abspath $(TEST_TIMES))/python.xml tests/python $(PYTEST_ARGUMENTS)
 
 release-check: wheel test-venv ## Check what a release uploads: every crate builds from its archive, the wheels pass twine; minutes, needs the network
 	@$(PYTHON) tools/create_venv.py $(RELEASE) --requirements python/requirements-release.txt

@@ -23,6 +23,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 LONG = re.compile(r"^ *#\[ignore = \"long; `make long` runs it\"\]\n *fn (\w+)\(", re.M)
 # Tests over many similar cases: `make test` sets FOLDWING_SHARE, the tests take one case in that many (tests/verification/share.rs).
 SHARED = {
+    "gr82_gradients_are_those_of_runs_with_the_same_steps",
     "m01_mutated_models",
     "me21_declared_dependencies_have_no_false_zero",
     "mutated_bytes_never_panic",

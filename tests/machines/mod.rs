@@ -23,7 +23,7 @@ pub use airs::AIRS;
 pub use course::Doing;
 pub use dc_motor::DC_MOTORS;
 pub use draw::{STEPS, draw};
-pub use model::{Model, Value};
+pub use model::{Model, Table, Value};
 pub use no_slip::NO_SLIP;
 pub use rigid::RIGID;
 pub use shrink::shrink;

@@ -1,7 +1,10 @@
 """Gradients of runs and identification: against the command, and for known parameters."""
 
+import csv
 import json
+import os
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -334,3 +337,33 @@ def test_optimize_refuses_what_it_cannot_do():
             call()
     with pytest.raises(fw.StaticsError, match="no closing of the latch"):
         wing.optimize("fold.latch_time", {"fold.motor_damping": (0.0, 1.0)}, start={"fold.motor_damping": 0.9})
+
+
+def random_gradients():
+    """Models and derivatives that the test GR-82 has written: `make python` names the folder."""
+    folder = os.environ.get("FOLDWING_GRADIENTS")
+    return sorted(Path(folder).glob("gradient_*.json")) if folder else []
+
+
+@pytest.mark.parametrize("path", random_gradients(), ids=lambda path: path.stem)
+def test_gr86_random_machines_have_the_derivatives_of_the_command(path):
+    """GR-86. Derivatives of random machines with events and inputs over time are those of the command, equal numbers in both modes, and
+    products of both are equal to 1e-6 of their terms, as in GR-82: `⟨ȳ, J δ⟩ = ⟨Jᵀ ȳ, δ⟩`."""
+    known = json.loads(path.read_text(encoding="utf-8"))
+    model = fw.load(path.with_suffix(".toml"))
+    table = path.with_suffix(".csv")
+    inputs = None
+    if table.exists():
+        names, *rows = list(csv.reader(table.read_text(encoding="utf-8").splitlines()))
+        inputs = dict(zip(names, np.array(rows, dtype=float).T))
+    options = {"stop": known["stop"], "inputs": inputs}
+    forward, adjoint = (model.gradient(known["of"], known["by"], mode=mode, **options) for mode in ("forward", "adjoint"))
+    printed = np.array([row["derivatives"] for row in known["printed"]["of"]])
+    assert np.array_equal(forward.jacobian, printed)
+    sizes = np.where(forward.numbers == 0.0, 1.0, np.abs(forward.numbers))
+    largest = np.abs(forward.jacobian * sizes).max(axis=1)
+    random = np.random.default_rng(1)
+    weights = random.uniform(-1.0, 1.0, len(forward.of)) / np.where(largest > 1e-4, largest, np.inf)
+    along = random.uniform(-1.0, 1.0, len(forward.by)) * sizes
+    terms = np.abs(weights[:, None] * forward.jacobian * along).sum()
+    assert abs(weights @ (forward.jacobian @ along) - adjoint.vjp(weights) @ along) <= 1e-6 * terms

@@ -3,7 +3,7 @@
 //! Parts whose derivatives are not covered are removed, as named by the errors; the remaining machine has any combination of the joints,
 //! bodies, loads and events that gradients cover.
 
-use crate::machines::{Model, Value, View};
+use crate::machines::{Model, Table, Value, View};
 use crate::{STEPS, Verdict, machine, start, step_s};
 use foldwing::plant::{Gradient, GradientError, Parameter, Plant, RunResult, Tape};
 
@@ -110,7 +110,7 @@ fn covered(model: &Model) -> Option<(Model, Plant, Tape)> {
 }
 
 /// The machine without the part that an error names.
-fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
+pub fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     let remove = |name: &str| {
         let index =
             model.tables.iter().position(|table| table.name == name || table.name.starts_with(&format!("{name}.")));
@@ -128,6 +128,7 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         "bodies with shear in air"
         | "loads inside elements with shear"
         | "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
+        "bodies with mode shapes" => Some(beamed(model, place)),
         "damping by ratios of modes" => key_removed(model, "body.", &["modal_damping_ratios"]),
         "currents of electrical motors" => of_joint("dc_motor"),
         "rigid loops" => remove(&format!("loop.{place}")),
@@ -139,6 +140,35 @@ fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         part if part.starts_with("real-time mode") => remove("solver"),
         _ => None,
     }
+}
+
+/// The machine with a beam in place of a body with mode shapes; copies of a body have its name and a number.
+fn beamed(model: &Model, body: &str) -> Model {
+    let mut model = model.clone();
+    let own = |name: &str| name.strip_prefix("modal_body.").is_some_and(|name| body.starts_with(name));
+    let section = Table::new("section.beamed")
+        .with("shape", "rectangle")
+        .with("width_m", 0.04)
+        .with("height_m", 0.004)
+        .with("density_kg_m3", 1500.0)
+        .with("youngs_modulus_Pa", 1e10)
+        .with("poisson_ratio", 0.3);
+    if model.table("section.beamed").is_none() {
+        model.tables.push(section);
+    }
+    let mut gone = Vec::new();
+    for table in model.tables.iter_mut().filter(|table| own(&table.name)) {
+        let name = table.name.trim_start_matches("modal_").to_owned();
+        gone.push(name.trim_start_matches("body.").to_owned());
+        let kept = table.keys.iter().filter(|(key, _)| matches!(*key, "length_m" | "count")).cloned();
+        let keys = kept.collect();
+        *table =
+            Table { name, keys }.with("section", "beamed").with("elements", 2_usize).with("stiffness_damping_s", 3e-4);
+    }
+    // its loads have other stations
+    let on_it = |table: &Table| table.name.starts_with("load.") && gone.iter().any(|name| table.is("body", name));
+    model.tables.retain(|table| !on_it(table));
+    model
 }
 
 /// The machine without the shear of a body; copies of a body have its name and a number.
@@ -185,7 +215,7 @@ fn clamped(model: &Model, joint: &str) -> Model {
 }
 
 /// Numbers in the model that are not zero: table, key, value.
-fn numbers(model: &Model) -> Vec<(usize, usize, f64)> {
+pub fn numbers(model: &Model) -> Vec<(usize, usize, f64)> {
     let mut found = Vec::new();
     for (t, table) in model.tables.iter().enumerate() {
         let of_machine =
@@ -206,7 +236,7 @@ fn numbers(model: &Model) -> Vec<(usize, usize, f64)> {
     found
 }
 
-fn parameter(model: &Model, (table, key): (usize, usize), value: f64) -> Result<Parameter, String> {
+pub fn parameter(model: &Model, (table, key): (usize, usize), value: f64) -> Result<Parameter, String> {
     let name = format!("{}.{}", model.tables[table].name, model.tables[table].keys[key].0);
     Parameter::new(name, value, 1e-3 * value.abs(), |value| {
         let mut other = model.clone();

@@ -5,6 +5,7 @@
 //! `FOLDWING_SHARE` to draw a share of the machines for each invariant; `make long` and `cargo test` draw all.
 
 mod dependencies;
+mod frozen_runs;
 mod gradients;
 mod invariants;
 mod keys;
@@ -211,6 +212,59 @@ fn x11_rows_of_linear_models_are_those_of_the_machine() {
 #[test]
 fn x13_gradients_are_the_same_both_ways() {
     hold("X-13", 60, gradients::both_ways);
+}
+
+/// GR-82. Gradients of random machines' runs through the interface behind command and Python, with events and inputs over time: forward
+/// against adjoint, both against differences of runs with the same steps, and products of both with random vectors.
+#[test]
+fn gr82_gradients_are_those_of_runs_with_the_same_steps() {
+    let mut all = frozen_runs::Found::default();
+    let (mut kinds, mut machines, mut silent, mut broken) = (BTreeMap::<String, usize>::new(), 0, 0, Vec::new());
+    let seeds: Vec<u64> = seeds(30_u64.div_ceil(share() as u64)).into_iter().take(200).collect();
+    for seed in seeds {
+        let mut found = frozen_runs::Found::default();
+        match frozen_runs::check(&draw(seed), &mut found) {
+            Some(()) => machines += 1,
+            None => silent += 1,
+        }
+        if std::env::var_os("FOLDWING_ALL").is_some() {
+            println!(
+                "GR-82 seed {seed}: {:.1e} {:.1e} {:.1e}, {}, {} limited, {} apart",
+                found.worst[0], found.worst[1], found.worst[2], found.compared, found.limited, found.apart
+            );
+        }
+        found.broken.iter().for_each(|why| println!("GR-82: seed {seed}: {why}"));
+        broken.extend((!found.broken.is_empty()).then_some(seed));
+        found.kinds.into_iter().for_each(|kind| *kinds.entry(kind).or_default() += 1);
+        found.refused.into_iter().for_each(|(part, count)| *all.refused.entry(part).or_default() += count);
+        for (worst, own) in all.worst.iter_mut().zip(found.worst) {
+            *worst = worst.max(own);
+        }
+        all.compared += found.compared;
+        all.limited += found.limited;
+        all.apart += found.apart;
+        all.small += found.small;
+        all.rows.extend(found.rows);
+        all.commands += found.commands;
+    }
+    let [adjoint, runs, products, latches] = all.worst;
+    all.rows.sort_by(f64::total_cmp);
+    let within = |limit: f64| all.rows.partition_point(|apart| *apart <= limit);
+    println!(
+        "GR-82: forward and adjoint within 1e-10 in {} of {} rows, 1e-8 in {}; latches {latches:.1e}",
+        within(1e-10),
+        all.rows.len(),
+        within(1e-8)
+    );
+    println!(
+        "GR-82: {machines} machines, {silent} without: forward and adjoint {adjoint:.1e}, {} derivatives and runs {runs:.1e} \
+         ({} limited by the differences, {} numbers apart), products {products:.1e}; {} rows are round-off; {} runs of the command",
+        all.compared, all.limited, all.apart, all.small, all.commands
+    );
+    kinds.iter().for_each(|(kind, count)| println!("  {count} with {kind}"));
+    all.refused.iter().for_each(|(part, count)| println!("  {count} refused: {part}"));
+    assert!(broken.is_empty(), "GR-82 is broken by seeds {broken:?}");
+    assert!(machines > 0, "no machine");
 }
 
 /// ME-21. Model Exchange: the dependencies of the model description have no false zero, for as many machines with Model Exchange as usual.

@@ -1,7 +1,7 @@
 //! Motor of a joint: its torque law, the slew of its neutral angle, and the active piece of its limits.
 
 use crate::force::dc_motor::Armature;
-use crate::force::drive::{Drive, DriveTorque, Piece, Pieces, Slew, SlewPiece};
+use crate::force::drive::{Drive, DriveTorque, Piece, Pieces, Slew, SlewPart, SlewPiece};
 use crate::force::memory::{JointMemory, Told};
 use crate::force::{Here, Outcome, Push};
 use crate::solve::Powers;
@@ -47,6 +47,13 @@ pub struct HeldMotor {
     pieces: Pieces,
     /// Piece of the slew.
     slew: SlewPiece,
+}
+
+impl HeldMotor {
+    /// Pieces of the torques and part of the slew.
+    pub fn pieces(self) -> (Pieces, SlewPart) {
+        (self.pieces, self.slew.part)
+    }
 }
 
 impl Motor {

@@ -5,7 +5,9 @@ use crate::gradient::step::{ONWARD, time_step_s};
 use crate::gradient::tape::Step;
 use crate::gradient::variation::Variation;
 use crate::gradient::{Entry, Gradient, GradientError, add};
+use crate::load::RootMotion;
 use crate::math::difference::SIXTH_ORDER;
+use crate::multibody::energy::first_moment_kg_m;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::{EnergyOutputs, System};
@@ -152,10 +154,35 @@ impl Gradient<'_> {
         let shares = self.shares(at.time_s);
         let of = |(entry, share): (&Entry, f64)| by_neighbours[entry.beside].map(|slope| share * slope);
         let mut slopes: Vec<[f64; 2]> = self.entries.iter().zip(shares).map(of).collect();
+        let by_rates = self.work_by_rates(at);
+        slopes.iter_mut().zip(by_rates).for_each(|([work, _], by_rate)| *work += by_rate);
         for (slopes, variation) in slopes.iter_mut().zip(variations) {
             add_slopes_along(self.system, (at, middle_s), variation, slopes);
         }
         slopes
+    }
+
+    /// Slopes of the power of work with respect to the rows of gravity and of the root's acceleration by their rates, eq. (X36): a gravity
+    /// field that varies in time does work on the potential. A change of all rows, which the neighbouring machines have, does not change
+    /// its rate.
+    fn work_by_rates(&mut self, at: &Point) -> Vec<f64> {
+        let root = self.system.state.inputs.layout().root;
+        let gravity = root.place(0, offset_of!(RootMotion, gravity_m_s2));
+        let acceleration = root.place(0, offset_of!(RootMotion, acceleration_m_s2));
+        let in_field = |entry: &Entry| {
+            let column = &self.tape.inputs.columns()[self.neighbours[entry.beside].column()?];
+            let axis = |first: usize| column.index.checked_sub(first).filter(|axis| *axis < 3);
+            let (axis, sign) =
+                axis(gravity).map(|axis| (axis, 1.0)).or_else(|| axis(acceleration).map(|axis| (axis, -1.0)))?;
+            Some((axis, sign * self.tape.inputs.weight_rate_1_s(entry.row?, self.piece)))
+        };
+        let rates: Vec<Option<(usize, f64)>> = self.entries.iter().map(in_field).collect();
+        if rates.iter().all(Option::is_none) {
+            return vec![0.0; rates.len()];
+        }
+        self.place(at);
+        let moment_kg_m = first_moment_kg_m(&self.system.equations.model, &self.system.equations.work);
+        rates.iter().map(|rate| rate.map_or(0.0, |(axis, rate)| -rate * moment_kg_m[axis])).collect()
     }
 
     fn powers_by_neighbours(&mut self, step: &Step, at: &Point) -> Vec<[f64; 2]> {
@@ -209,7 +236,11 @@ impl Gradient<'_> {
     pub(super) fn power_by_parameters(&mut self, account: Account, step: &Step, at: &Point) -> Vec<f64> {
         let both = self.powers_by_neighbours(step, at);
         let by_neighbours: Vec<f64> = both.into_iter().map(|slopes| account.of_powers(slopes)).collect();
-        self.by_parameters(at.time_s, &by_neighbours)
+        let mut by_parameters = self.by_parameters(at.time_s, &by_neighbours);
+        for (sum, by_rate) in by_parameters.iter_mut().zip(self.work_by_rates(at)) {
+            *sum += account.of_powers([by_rate, 0.0]);
+        }
+        by_parameters
     }
 
     /// Subtracts the slopes of the energies before an event at the start of a step in the rows of the accounts.
@@ -279,14 +310,21 @@ impl Gradient<'_> {
         let (before, behind) = (&tape.steps[index_before], &tape.steps[index]);
         let [was, is] = self.energies_at_event(index_before, index);
         let loses = before.failures != behind.failures && falls([was, is]);
+        let refused = || {
+            let remedy =
+                format!("choose times before the event at {} s, or use finite differences", behind.start.time_s);
+            GradientError::OtherChoice { part: OTHER_ENERGIES, remedy }
+        };
+        // at a row of the inputs a change of the row does work, and the failure dissipates the rest
+        if loses && before.piece != behind.piece && self.entries.iter().any(|entry| entry.row.is_some()) {
+            return Err(refused());
+        }
         let size = [was, is].iter().flatten().fold(0.0f64, |size, energy| size.max(energy.abs()));
         for account in [Account::Work, Account::Dissipated] {
             let booked = account.booked(&behind.start) - account.booked(&before.end);
             let known = account.of_jumps(loses, [is[0] - was[0], is[1] - was[1]]);
             if (booked - known).abs() > SAME_JUMP * size.max(booked.abs()) {
-                let remedy =
-                    format!("choose times before the event at {} s, or use finite differences", behind.start.time_s);
-                return Err(GradientError::OtherChoice { part: OTHER_ENERGIES, remedy });
+                return Err(refused());
             }
         }
         Ok(loses)

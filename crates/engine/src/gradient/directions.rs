@@ -4,7 +4,7 @@
 //! directions, so that each direction removes more than a correction by `N⁻¹` alone would. Directions of one solution serve all others with
 //! the same matrix.
 
-use crate::gradient::{add, dot, largest_product};
+use crate::gradient::{add, dot, largest_products, scale};
 use crate::multibody::Model;
 
 /// Remainder, as a share of the solution, at which a linear system is solved.
@@ -57,9 +57,9 @@ impl Directions {
         Self { scales_m, ones, ..Self::default() }
     }
 
-    /// The largest displacement of a change of the coordinates.
-    pub fn size(&self, change: &[f64]) -> f64 {
-        largest_product(change, &self.scales_m)
+    /// The largest displacement of each of several changes of the coordinates.
+    pub fn sizes<const N: usize>(&self, changes: [&[f64]; N]) -> [f64; N] {
+        largest_products(changes, &self.scales_m)
     }
 
     /// Discards all directions, for another matrix with the same factors.
@@ -106,7 +106,7 @@ impl Directions {
         mut image: impl FnMut(&[f64], &mut [f64]),
     ) -> Result<&[f64], f64> {
         let n = left.len();
-        left.iter_mut().zip(&self.scales_m).for_each(|(left, scale)| *left *= scale);
+        scale(&mut left, &self.scales_m);
         self.solution.clear();
         self.solution.extend_from_slice(guess);
         // the component along directions of other solutions
@@ -116,9 +116,10 @@ impl Directions {
         let (mut whole, mut own) = (others, 0);
         let mut distance = self.distance.unwrap_or(f64::INFINITY);
         loop {
-            let size = self.size(&self.solution);
+            let [size] = self.sizes([&self.solution]);
             whole = whole.max(size);
-            let (rest, allowed) = (largest_product(&left, &self.ones), SOLVED * whole);
+            let [rest] = largest_products([&left], &self.ones);
+            let allowed = SOLVED * whole;
             if rest <= allowed {
                 return Ok(&self.solution);
             }
@@ -143,7 +144,7 @@ impl Directions {
             let (direction, image_of) = row.split_at_mut(n);
             direction.iter_mut().zip(&left).zip(&self.scales_m).for_each(|((own, left), scale)| *own = left / scale);
             image(direction, image_of);
-            image_of.iter_mut().zip(&self.scales_m).for_each(|(image, scale)| *image *= scale);
+            scale(image_of, &self.scales_m);
             let apart = left.iter().zip(&*image_of).fold(0.0f64, |apart, (a, b)| apart.max((a - b).abs()));
             distance = if distance < f64::INFINITY { distance.max(apart / rest) } else { apart / rest };
             if let Some(known) = &mut self.distance {
@@ -206,7 +207,7 @@ mod tests {
             let mut image = vec![0.0; n];
             product(&solution, &mut image);
             let rest = left.iter().zip(&image).fold(0.0f64, |rest, (a, b)| rest.max((a - b).abs()));
-            let whole = largest_product(&solution, &directions.ones);
+            let [whole] = largest_products([&solution], &directions.ones);
             // the second product is the one by which the distance from the identity is confirmed
             assert!(products <= 2 && rest < SOLVED * whole, "{products} products, remainder {rest:e} of {whole}");
         }

@@ -92,6 +92,14 @@ pub enum GradientError {
         /// Result, in words.
         what: String,
     },
+    /// A run along the steps of a tape that does not take them.
+    #[error("from {time_s} s on the run has other steps than the tape: {what}; choose a smaller change of the model")]
+    Apart {
+        /// End of the step in s.
+        time_s: f64,
+        /// Difference, in words.
+        what: &'static str,
+    },
     /// A linear system without a solution to round-off.
     #[error(
         "the iteration for the linear equations of the step to {time_s} s converges too slowly (relative residual \

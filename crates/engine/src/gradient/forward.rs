@@ -33,6 +33,10 @@ impl Gradient<'_> {
     pub fn forward(&mut self, results: &[RunResult]) -> Result<Vec<Vec<f64>>, GradientError> {
         let steps = results.iter().map(|result| self.step_of(*result)).collect::<Result<Vec<_>, _>>()?;
         let last = steps.iter().copied().max().unwrap_or(0);
+        // the start has the inputs of the first step
+        if let Some(first) = self.tape.steps.first() {
+            self.adopt(first);
+        }
         let parameters = self.entries.len();
         let mut table = vec![vec![0.0; parameters]; results.len()];
         let mut front = Front { variations: self.start_variations(), shifts_s: vec![0.0; parameters] };

@@ -131,6 +131,17 @@ impl InputRows {
         at(left, 1.0 - share) + at(right, share)
     }
 
+    /// Rate of this share in 1/s.
+    pub(crate) fn weight_rate_1_s(&self, row: usize, piece: Piece) -> f64 {
+        let [left, right] = piece.rows;
+        if left == right {
+            return 0.0;
+        }
+        let rate_1_s = 1.0 / (self.times_s[right] - self.times_s[left]);
+        let at = |own: usize, rate_1_s: f64| if own == row { rate_1_s } else { 0.0 };
+        at(right, rate_1_s) - at(left, rate_1_s)
+    }
+
     /// Place between the rows of a stretch, 0 to 1.
     fn share(&self, piece: Piece, time_s: f64) -> f64 {
         let [left, right] = piece.rows;

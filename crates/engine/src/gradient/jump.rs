@@ -114,7 +114,7 @@ impl Gradient<'_> {
         let zeros = vec![0.0; left.len()];
         equations.clear_held(&mut left);
         equations.solve(&mut left);
-        let others = directions.size(size);
+        let [others] = directions.sizes([size]);
         let solution = directions.solve(left, &zeros, others, |direction, image| {
             equations.residual_along(derivative, Motion { q: &zeros, v: &zeros, a: direction }, image);
             equations.solve(image);

@@ -222,20 +222,6 @@ impl Gradient<'_> {
     }
 }
 
-/// Value of the mean of a run on a tape, for comparisons.
-#[cfg(test)]
-pub(super) fn of_run(plant: &mut crate::run::Plant, tape: &Tape, result: RunResult) -> f64 {
-    let tableau = plant.tableau();
-    let system = plant.system_mut();
-    let Some((mean, tableau)) = Mean::of(result, tape, system).zip(tableau) else { return f64::NAN };
-    let mut sum = 0.0;
-    for step in covered(tape, mean) {
-        super::parameter::adopt(system, step, &tape.inputs);
-        sum += mean_in(system, tableau, step, mean);
-    }
-    sum
-}
-
 /// Share of a step, whose joints are adopted, in a mean.
 fn mean_in(system: &mut System, tableau: &Tableau, step: &Step, mean: Mean) -> f64 {
     let Some(index) = mean.output() else { return f64::NAN };

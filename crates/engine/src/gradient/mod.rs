@@ -9,6 +9,7 @@
 mod account;
 mod adjoint;
 mod air;
+mod along;
 mod block;
 mod directions;
 mod ends;
@@ -37,6 +38,7 @@ mod values;
 mod variation;
 mod vectors;
 
+pub use along::RunPieces;
 pub use error::GradientError;
 pub use inputs::{InputColumn, InputRows};
 pub use parameter::Parameter;
@@ -52,7 +54,7 @@ use factors::{Factors, Side};
 use inputs::Piece;
 use parameter::Neighbours;
 use sections::Sections;
-use vectors::{add, dot, largest_product};
+use vectors::{add, add_all, dot, largest_products, scale};
 
 /// Derivatives of a run that is on a tape.
 pub struct Gradient<'a> {

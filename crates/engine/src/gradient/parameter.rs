@@ -305,6 +305,11 @@ impl Neighbours {
         Ok(Self { plants, rows, start, start_memory, difference, forces, scratch, slope, adopted: NOT_ADOPTED })
     }
 
+    /// Place of the input over time whose rows are differentiated by, among its columns; `None` for a single number.
+    pub fn column(&self) -> Option<usize> {
+        self.plants.first().and_then(|perturbed| perturbed.offset).map(|offset| offset.column)
+    }
+
     /// Adopts the states of the joints in a step.
     pub fn adopt(&mut self, step: &Step, inputs: &InputRows) {
         let address = std::ptr::from_ref(step).addr();

@@ -3,7 +3,7 @@
 use crate::gradient::factors::{Factors, LANES, Side};
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::variation::{Causes, Variation};
-use crate::gradient::{Entry, Gradient, GradientError, add};
+use crate::gradient::{Entry, Gradient, GradientError, add, add_all};
 use crate::multibody::kinematics::Motion;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
@@ -101,7 +101,8 @@ impl Gradient<'_> {
         let Self { system, derivative, directions, factors, .. } = self;
         let equations = &mut system.equations;
         let Variation { q, v, a } = variation;
-        let others = directions.size(v).max(directions.size(q));
+        let [of_v, of_q] = directions.sizes([v, q]);
+        let others = of_v.max(of_q);
         let [mut along_q, mut along_v] = [const { Vec::new() }; 2];
         let solution = directions.solve(left, a, others, |direction, image| {
             along_v.clear();
@@ -316,6 +317,7 @@ impl Gradient<'_> {
         let points: Vec<&Point> = std::iter::once(&step.start).chain(step.solved()).collect();
         for stage in 1..self.tableau.stages() {
             let (at, row) = (points[stage], self.tableau.rows[stage - 1]);
+            let predictor = self.tableau.predictor(stage);
             let laws = self.laws(at.time_s, step.middle_s());
             let shares = self.shares(at.time_s);
             let by_time = self.time_slope(at, h);
@@ -332,13 +334,10 @@ impl Gradient<'_> {
             for (direction, before) in taken.iter().enumerate() {
                 let Variation { q, v, .. } = &before[0];
                 let mut variation = Variation { q: q.clone(), v: v.clone(), a: vec![0.0; n] };
-                for (earlier, weight) in self.tableau.predictor(stage) {
-                    add(&mut variation.a, weight, &before[earlier].a);
-                }
-                for (weight, stage) in row.iter().zip(before) {
-                    add(&mut variation.q, h * weight, &stage.v);
-                    add(&mut variation.v, h * weight, &stage.a);
-                }
+                add_all(&mut variation.a, predictor.iter().map(|&(earlier, weight)| (weight, &before[earlier].a[..])));
+                let earlier = || row.iter().zip(before).map(|(weight, stage)| (h * weight, stage));
+                add_all(&mut variation.q, earlier().map(|(weight, stage)| (weight, &stage.v[..])));
+                add_all(&mut variation.v, earlier().map(|(weight, stage)| (weight, &stage.a[..])));
                 let of_length = direction == starts.len();
                 if of_length {
                     for (weight, point) in row.iter().chain([&self.tableau.gamma]).zip(&points) {

@@ -1,7 +1,7 @@
 //! A machine to be run and studied: the public interface of [`crate::system`], [`crate::study`], [`crate::run`] and
 //! [`crate::gradient`].
 
-pub use crate::gradient::{Gradient, GradientError, InputColumn, InputRows, Parameter, RunResult, Tape};
+pub use crate::gradient::{Gradient, GradientError, InputColumn, InputRows, Parameter, RunPieces, RunResult, Tape};
 pub use crate::run::{
     Floquet, FloquetMode, Harmonic, Latency, NearbyMotion, Pauses, PeriodicMotion, Plant, Reached, SAMPLES, Seen,
     Settled, Turn,

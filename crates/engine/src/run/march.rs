@@ -34,6 +34,10 @@ const MAX_LOCATING_STEPS: usize = 40;
 /// Maximum number of steps for locating one crossing in real time: after the tangent at the end of the first trial, the distance of the
 /// latch from the crossing, as a fraction of the step, decreases with the square of the step.
 const MAX_LOCATING_STEPS_REAL_TIME: usize = 2;
+/// Repetitions of a step that ends at a crossing in comparisons of runs, and the end of the last one after the crossing, as a share of
+/// [`CROSSING_S`], within the range in which a latch must capture.
+const SHARPENINGS: usize = 2;
+const SHARPENED: f64 = 0.25;
 /// Last correction, as a rotation in rad or a displacement divided by the model's length, above which a stage in real-time mode counts as
 /// unsolved: the next correction could move any part arbitrarily far.
 const LOST_REST: f64 = 1.0;
@@ -422,6 +426,20 @@ impl Plant {
             let newton_s = trial_s + here / closing;
             let inside = newton_s > low && newton_s < high;
             trial_s = if inside { newton_s } else { low + (high - low) * low_gap / (low_gap - high_gap) };
+        }
+        Ok(())
+    }
+
+    /// Repeats a step that ends at a crossing, so that it ends there to round-off: a fixed share of [`CROSSING_S`] after it.
+    pub(super) fn sharpen_crossing(&mut self, indicator: Indicator) -> Result<(), Untaken> {
+        for _ in 0..SHARPENINGS {
+            let State { start, ahead, joints, .. } = &self.system.state;
+            if joints[indicator.joint].crossed & (1 << indicator.number) == 0 {
+                break;
+            }
+            let step_s = ahead.time_s - start.time_s;
+            let (distance, closing) = self.distance(indicator);
+            self.attempt_given(step_s + distance / closing + SHARPENED * CROSSING_S)?;
         }
         Ok(())
     }

@@ -15,6 +15,7 @@ pub use latency::Latency;
 pub use pauses::{Pauses, Reached};
 pub use periodic::{Floquet, FloquetMode, Harmonic, NearbyMotion, PeriodicMotion, SAMPLES, Seen, Settled, Turn};
 
+use crate::force::set::Indicator;
 use crate::machine::{Machine, Method, StartState};
 use crate::signal::{Inputs, Parameters, SolverParameters};
 use crate::solve::stepper::{self, Stepper};
@@ -77,10 +78,17 @@ impl Plant {
         self.stepper.tableau()
     }
 
-    /// Takes one step of given length, or to the first crossing within it, for comparisons of runs with identical steps.
-    #[cfg(test)]
-    pub(crate) fn take_fixed_step(&mut self, step_s: f64, end_s: f64) -> Result<(), PlantError> {
-        self.take_fixed(step_s, end_s).map_err(|_| PlantError::Clock { time_s: end_s, step_s })
+    /// Takes one step of given length to a time, or to the first crossing within it, for comparisons of runs with identical steps; a crossing
+    /// that is expected is located to round-off.
+    pub(crate) fn take_fixed_step(
+        &mut self,
+        (step_s, end_s): (f64, f64),
+        expected: Option<Indicator>,
+    ) -> Result<(), PlantError> {
+        let sharpened = |plant: &mut Self| expected.map_or(Ok(()), |indicator| plant.sharpen_crossing(indicator));
+        self.take_fixed(step_s, end_s)
+            .and_then(|()| sharpened(self))
+            .map_err(|_| PlantError::Clock { time_s: end_s, step_s })
     }
 
     /// Analyses of the current state: equilibria, modes, linear models, derivatives.

@@ -13,4 +13,4 @@ mod tests;
 
 pub use error::{GradientsError, QuantityError};
 pub use quantity::{Average, Extreme, Quantity};
-pub use solve::{By, Derivatives, Gradients, Mode, Numbers, Options, differentiate};
+pub use solve::{By, Derivatives, Gradients, Mode, Numbers, Options, Recorded, Results, differentiate};

@@ -4,7 +4,7 @@ use crate::names;
 use crate::sensitivity::error::{GradientsError, QuantityError};
 use crate::sensitivity::extreme::Samples;
 use crate::sensitivity::quantity::{Average, Named, Quantity};
-use foldwing_engine::plant::{Gradient, InputRows, Parameter, Plant, RunResult, Tape};
+use foldwing_engine::plant::{Gradient, InputRows, Parameter, Plant, RunPieces, RunResult, Tape};
 use foldwing_fmi::interface::Interface;
 use serde::Serialize;
 
@@ -98,62 +98,167 @@ pub struct Derivatives {
 ///
 /// # Errors
 /// Results that do not exist, parts of the model that gradients do not cover, and a run that fails.
-pub fn differentiate(mut plant: Plant, numbers: Vec<Numbers>, options: &Options) -> Result<Gradients, GradientsError> {
-    let start_s = plant.machine().experiment.start_time_s;
-    let stop_s = options.stop_s.unwrap_or(plant.machine().experiment.stop_time_s);
-    if stop_s.partial_cmp(&start_s) != Some(std::cmp::Ordering::Greater) || !stop_s.is_finite() {
-        return Err(GradientsError::Stop { start_s, stop_s });
-    }
-    let named = named(&plant, options)?;
-    // run to the stop, so that latch times up to there are found
-    options.inputs.set(&mut plant, start_s);
-    plant.initialize(start_s)?;
-    let mut tape = plant.run_on_tape_with(&options.inputs, &[stop_s])?;
-    let (results, times_s): (Vec<RunResult>, Vec<Option<f64>>) =
-        results((&mut plant, &mut tape), &named, (start_s, stop_s))?.into_iter().unzip();
-    let (mut by, mut parameters) = (Vec::new(), Vec::new());
-    for numbers in numbers {
-        by.extend(numbers.by);
-        parameters.push(numbers.parameter);
-    }
-    let adjoint = match options.mode {
-        // an adjoint pass of an integral differences the integrand by all coordinates at every stage
-        Mode::Auto if named.iter().any(|own| own.is_integral(plant.outputs().layout().accounts())) => false,
-        Mode::Auto => results.len() as f64 * ADJOINT_FROM < by.len() as f64,
-        Mode::Forward => false,
-        Mode::Adjoint => true,
-    };
-    let name = plant.machine().name.clone();
-    let mut gradient = Gradient::new(&mut plant, &tape, parameters)?;
-    let mut values = gradient.values(&results)?;
-    let mut table = match (by.is_empty(), adjoint) {
-        (true, _) => vec![Vec::new(); results.len()],
-        (false, true) => results.iter().map(|result| gradient.adjoint(*result)).collect::<Result<_, _>>()?,
-        (false, false) => gradient.forward(&results)?,
-    };
-    for ((own, value), row) in named.iter().zip(&mut values).zip(&mut table) {
-        if let Quantity::Average { kind: Average::RootMeanSquare, .. } = own.quantity {
-            if *value == 0.0 {
-                return Err(GradientsError::Quantity { of: own.name.clone(), error: QuantityError::Zero });
-            }
-            *value = value.sqrt();
-            row.iter_mut().for_each(|slope| *slope /= 2.0 * *value);
-        }
-    }
-    let of = named.into_iter().zip(times_s).zip(values).zip(table);
-    let of = of.map(|(((own, time_s), value), derivatives)| {
-        let Named { name, unit, .. } = own;
-        Derivatives { name, unit, time_s: time_s.unwrap_or(value), value, derivatives }
-    });
-    let mode = if adjoint { Mode::Adjoint } else { Mode::Forward };
-    Ok(Gradients { name, start_s, stop_s, steps: tape.steps(), mode, by, of: of.collect() })
+pub fn differentiate(plant: Plant, numbers: Vec<Numbers>, options: &Options) -> Result<Gradients, GradientsError> {
+    let stop_s = checked_stop_s(&plant, options)?;
+    // names before the run
+    let named = named(&plant, &options.of)?;
+    let mut recorded = Recorded::run(plant, &options.inputs, stop_s)?;
+    let results = recorded.results(named)?;
+    recorded.derivatives(&results, numbers, options.mode)
 }
 
-/// The results named by the options.
-fn named(plant: &Plant, options: &Options) -> Result<Vec<Named>, GradientsError> {
+/// Stop time of the run in s.
+fn checked_stop_s(plant: &Plant, options: &Options) -> Result<f64, GradientsError> {
+    let start_s = plant.machine().experiment.start_time_s;
+    let stop_s = options.stop_s.unwrap_or(plant.machine().experiment.stop_time_s);
+    match stop_s.partial_cmp(&start_s) == Some(std::cmp::Ordering::Greater) && stop_s.is_finite() {
+        true => Ok(stop_s),
+        false => Err(GradientsError::Stop { start_s, stop_s }),
+    }
+}
+
+/// A run whose steps are kept, for derivatives of its results and for runs of other models with the same steps.
+pub struct Recorded {
+    plant: Plant,
+    tape: Tape,
+    start_s: f64,
+    stop_s: f64,
+    pieces: Option<RunPieces>,
+}
+
+/// Results of a recorded run.
+#[derive(Debug, Clone)]
+pub struct Results {
+    named: Vec<Named>,
+    list: Vec<RunResult>,
+    /// Times in s; a latch time is itself the result and has no time.
+    times_s: Vec<Option<f64>>,
+}
+
+impl Recorded {
+    /// Runs a model and keeps its steps; `plant` has its start values and is not yet initialised.
+    ///
+    /// # Errors
+    /// A stop time before the start, parts of the model that gradients do not cover, and a run that fails.
+    pub fn new(plant: Plant, options: &Options) -> Result<Self, GradientsError> {
+        let stop_s = checked_stop_s(&plant, options)?;
+        Self::run(plant, &options.inputs, stop_s)
+    }
+
+    /// To the stop, so that latch times up to there are found.
+    fn run(mut plant: Plant, inputs: &InputRows, stop_s: f64) -> Result<Self, GradientsError> {
+        let start_s = plant.machine().experiment.start_time_s;
+        inputs.set(&mut plant, start_s);
+        plant.initialize(start_s)?;
+        let tape = plant.run_on_tape_with(inputs, &[stop_s])?;
+        Ok(Self { plant, tape, start_s, stop_s, pieces: None })
+    }
+
+    /// The steps.
+    pub fn tape(&self) -> &Tape {
+        &self.tape
+    }
+
+    /// The results with these names, as in [`Options::of`].
+    ///
+    /// # Errors
+    /// Results that do not exist or have no derivative.
+    pub fn find(&mut self, of: &[String]) -> Result<Results, GradientsError> {
+        let named = named(&self.plant, of)?;
+        self.results(named)
+    }
+
+    fn results(&mut self, named: Vec<Named>) -> Result<Results, GradientsError> {
+        let Self { plant, tape, start_s, stop_s, .. } = self;
+        let (list, times_s) = results((plant, tape), &named, (*start_s, *stop_s))?.into_iter().unzip();
+        Ok(Results { named, list, times_s })
+    }
+
+    /// Derivatives of results; the plants of `numbers` differ from that of the run only in the perturbed number. Without numbers only the values
+    /// are computed.
+    ///
+    /// # Errors
+    /// Numbers and results without derivatives.
+    pub fn derivatives(
+        &mut self,
+        results: &Results,
+        numbers: Vec<Numbers>,
+        mode: Mode,
+    ) -> Result<Gradients, GradientsError> {
+        let Self { plant, tape, start_s, stop_s, .. } = self;
+        let Results { named, list, times_s } = results;
+        let (mut by, mut parameters) = (Vec::new(), Vec::new());
+        for numbers in numbers {
+            by.extend(numbers.by);
+            parameters.push(numbers.parameter);
+        }
+        let adjoint = match mode {
+            // an adjoint pass of an integral differences the integrand by all coordinates at every stage
+            Mode::Auto if named.iter().any(|own| own.is_integral(plant.outputs().layout().accounts())) => false,
+            Mode::Auto => list.len() as f64 * ADJOINT_FROM < by.len() as f64,
+            Mode::Forward => false,
+            Mode::Adjoint => true,
+        };
+        let name = plant.machine().name.clone();
+        let mut gradient = Gradient::new(plant, tape, parameters)?;
+        let mut values = gradient.values(list)?;
+        let mut table = match (by.is_empty(), adjoint) {
+            (true, _) => vec![Vec::new(); list.len()],
+            (false, true) => list.iter().map(|result| gradient.adjoint(*result)).collect::<Result<_, _>>()?,
+            (false, false) => gradient.forward(list)?,
+        };
+        for ((own, value), row) in named.iter().zip(&mut values).zip(&mut table) {
+            if let Quantity::Average { kind: Average::RootMeanSquare, .. } = own.quantity {
+                if *value == 0.0 {
+                    return Err(GradientsError::Quantity { of: own.name.clone(), error: QuantityError::Zero });
+                }
+                *value = value.sqrt();
+                row.iter_mut().for_each(|slope| *slope /= 2.0 * *value);
+            }
+        }
+        let of = named.iter().zip(times_s).zip(values).zip(table);
+        let of = of.map(|(((own, time_s), value), derivatives)| {
+            let (name, unit) = (own.name.clone(), own.unit);
+            Derivatives { name, unit, time_s: time_s.unwrap_or(value), value, derivatives }
+        });
+        let mode = if adjoint { Mode::Adjoint } else { Mode::Forward };
+        let (start_s, stop_s, steps) = (*start_s, *stop_s, tape.steps());
+        Ok(Gradients { name, start_s, stop_s, steps, mode, by, of: of.collect() })
+    }
+
+    /// Values of the results of another model in a run with the same steps: derivatives are those of this run, whose differences tend to
+    /// them. `None` if a force lies on another smooth piece at some stage, so that a difference would pass its kink.
+    ///
+    /// `plant` has its start values and is not yet initialised; the rows of `inputs` have the times of those of the run.
+    ///
+    /// # Errors
+    /// A run with other events, and results that it does not have.
+    pub fn along(
+        &mut self,
+        mut plant: Plant,
+        inputs: &InputRows,
+        results: &Results,
+    ) -> Result<Option<Vec<f64>>, GradientsError> {
+        inputs.set(&mut plant, self.start_s);
+        plant.initialize(self.start_s)?;
+        let tape = plant.run_along(&self.tape, inputs)?;
+        let own = self.pieces.get_or_insert_with(|| self.plant.pieces_on_tape(&self.tape));
+        if plant.pieces_on_tape(&tape) != *own {
+            return Ok(None);
+        }
+        let (start_s, stop_s) = (self.start_s, self.stop_s);
+        let mut other = Self { plant, tape, start_s, stop_s, pieces: None };
+        let found = other.results(results.named.clone())?;
+        let found = other.derivatives(&found, Vec::new(), Mode::Forward)?;
+        Ok(Some(found.of.iter().map(|row| row.value).collect()))
+    }
+}
+
+/// The results with these names.
+fn named(plant: &Plant, of: &[String]) -> Result<Vec<Named>, GradientsError> {
     let interface = Interface::new(plant.machine());
     let mut list: Vec<Named> = Vec::new();
-    for of in options.of.iter().flat_map(|list| names::split(list)) {
+    for of in of.iter().flat_map(|list| names::split(list)) {
         let found = Named::of(of, plant.machine(), &interface)
             .map_err(|error| GradientsError::Quantity { of: of.to_owned(), error })?;
         list.extend(found);

@@ -4,11 +4,8 @@ use super::*;
 use crate::aero::flow::GustShape;
 use crate::aero::strip::indicial::Fit;
 use crate::aero::surface::Profile;
-use crate::force::Outcome;
-use crate::load::Wrench;
 use crate::machine::Coupling;
 use crate::machine::builder::{FlapBuilder, GustBuilder};
-use crate::system::air::{AirHistory, StepLoads};
 
 /// Numbers of a folding wing in wind.
 #[derive(Clone, Copy)]
@@ -143,92 +140,6 @@ fn air_results(plant: &Plant, rigid: bool) -> Vec<RunResult> {
         layout.root.place(0, 0) + 3,
     ];
     (0..2).flat_map(|time| indices.map(|index| RunResult::Output { index, time })).collect()
-}
-
-/// The loads that act, as those of a step without circulation.
-fn acting(before: &AirHistory, loads: &[Wrench]) -> AirHistory {
-    let mut history = before.clone();
-    for (own, load) in history.loads.impulsive.iter_mut().zip(loads) {
-        *own = *load;
-    }
-    history.loads.from.fill(Wrench::default());
-    history.loads.to.fill(Wrench::default());
-    history
-}
-
-/// The run of another machine with the steps of a tape: chosen lengths stay, crossings are located, and in every aerodynamic step the loads
-/// are those of the motion at its end, to round-off.
-fn retraced_in_air(tape: &Tape, times_s: &[f64], machine: Machine, results: &[RunResult]) -> Vec<f64> {
-    let mut plant = started(machine);
-    let mut values = vec![f64::NAN; results.len()];
-    let first = tape.steps.first().and_then(|step| step.air.as_deref()).expect("air");
-    let own = plant.system_mut().state.air.clone().expect("air");
-    // the air at the start of the first step
-    let mut before = AirHistory {
-        before: own.after.clone(),
-        begin: own.end.clone(),
-        steps: 1,
-        loads: StepLoads { end_s: first.loads.end_s, from: own.loads.to.clone(), ..own.loads.clone() },
-        ..own
-    };
-    for span in tape.spans() {
-        let end_s = tape.steps[span.start].air.as_deref().map_or(f64::NAN, |air| air.loads.end_s);
-        before.loads.end_s = end_s;
-        let begin = plant.system_mut().state.clone();
-        let mut loads = {
-            let mut loads = vec![Wrench::default(); before.begin.len()];
-            tape.steps[span.start].air.as_deref().expect("air").loads.write(&mut loads);
-            loads
-        };
-        let mut copy = Tape::default();
-        let mut after = None;
-        for trial in 0.. {
-            assert!(trial < 60, "loads do not converge");
-            plant.allow_work(1.0);
-            let system = plant.system_mut();
-            system.state = begin.clone();
-            system.configure();
-            system.state.air = Some(acting(&before, &loads));
-            let ahead = system.state.ahead.clone();
-            system.state.start.copy_from(&ahead);
-            system.discontinuity(|_, _| Outcome::default()).unwrap_or_else(|error| panic!("{error}"));
-            copy = Tape::default();
-            copy.air = plant.system_mut().state.air.clone().map(Arc::new);
-            for index in span.clone() {
-                let step = &tape.steps[index];
-                let starts = index == span.start;
-                plant
-                    .step_on_tape(&mut copy, (step.piece, starts), |plant| retrace(plant, step))
-                    .unwrap_or_else(|error| panic!("{error}"));
-                let (own, taped) = (copy.steps[index - span.start].ending, step.ending);
-                let crosses = |ending| matches!(ending, Ending::Crossing(_));
-                assert_eq!(crosses(own), crosses(taped), "step {index} to {} s", step.end.time_s);
-            }
-            let system = plant.system_mut();
-            let end = system.state.ahead.clone();
-            let found = system.air_step_after(&before, &end).unwrap_or_else(|error| panic!("{error}")).expect("air");
-            let mut new = loads.clone();
-            found.loads.write(&mut new);
-            let change = new.iter().zip(&loads).fold(0.0f64, |most, (a, b)| {
-                most.max((a.force_n - b.force_n).amax()).max((a.moment_n_m - b.moment_n_m).amax())
-            });
-            let size = new.iter().fold(0.0f64, |most, load| most.max(load.force_n.amax()));
-            loads = new;
-            after = Some(found);
-            if change < 1e-14 * size {
-                break;
-            }
-        }
-        read_results(&mut plant, (&copy, span.start), (tape, span), (times_s, results), &mut values);
-        let after = after.expect("a trial");
-        before = AirHistory {
-            before: after.after.clone(),
-            begin: after.end.clone(),
-            loads: StepLoads { from: after.loads.to.clone(), ..after.loads.clone() },
-            ..after
-        };
-    }
-    values
 }
 
 /// The largest differences of forward and adjoint, and of forward and the slopes of `run`, relative to the largest entry of a result.
@@ -391,7 +302,7 @@ fn gradients_in_air_pass_through_events() {
         let mut places = [0, 2, 5, 7, 9, 11].map(|place| AIR_PLACES[place]).to_vec();
         places.extend(rigid.then_some(knot));
         let (both, differences, events) = compare_in_air(kind, (&times_s, &places), |tape, machine, results| {
-            retraced_in_air(tape, &times_s, machine, results)
+            retraced_at(tape, machine, &InputRows::default(), (&times_s, results))
         });
         assert!(events > 0, "no event");
         assert!(both < 1e-10, "{latched} {rigid}: {both:.1e}");
@@ -409,7 +320,7 @@ fn gradients_in_air_pass_through_a_failure() {
     let time: AirPlace = ("fail_s", |n| &mut n.wing.fail_s);
     let places = [&[0, 2, 5, 7, 9].map(|place| AIR_PLACES[place])[..], &[time]].concat();
     let (both, differences, _) = compare_in_air(kind, (&times_s, &places), |tape, machine, results| {
-        retraced_in_air(tape, &times_s, machine, results)
+        retraced_at(tape, machine, &InputRows::default(), (&times_s, results))
     });
     println!("GR-81 {both:.1e} {differences:.1e}");
     assert!(both < 1e-10, "{both:.1e}");

@@ -3,15 +3,13 @@
 use super::*;
 use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};
-use crate::gradient::tape::{Ending, Mark, Step};
+use crate::gradient::tape::{Ending, Step};
 use crate::machine::builder::MachineBuilder;
 use crate::machine::{
     Air, AttachedMass, Beyond, Body, Effect, EndStops, Failure, Gauge, GeneratorLaw, Joint, JointKind, JointMotion,
     Latch, LatchKind, LiftingSurface, Machine, Method, Motion, Motor, OneFreedom, Solver, Spring, StartState,
 };
-use crate::system::PlantError;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::ops::Range;
 use std::sync::Arc;
 
 mod accounts;
@@ -26,6 +24,7 @@ mod motor;
 mod prescribed;
 mod refusals;
 mod rigid;
+mod rows;
 mod shear;
 mod spatial;
 mod starts;
@@ -199,59 +198,6 @@ const DIFFERENCE: f64 = 5e-4;
 /// Slope of a result by a number, as a share of both, that is round-off.
 const NO_SLOPE: f64 = 1e-9;
 
-/// Takes a step of a tape again: a chosen length stays, a given end is reached, and a crossing that moves has room.
-fn retrace(plant: &mut Plant, step: &Step) -> Result<(), PlantError> {
-    let from_s = plant.system_mut().state.start.time_s;
-    let end_s = match step.ending {
-        Ending::Chosen => from_s + step.length_s(),
-        Ending::Given => step.end.time_s,
-        Ending::Timed => plant.system_mut().equations.next_kink_s(from_s),
-        Ending::Crossing(_) => from_s + 1.4 * step.length_s(),
-    };
-    plant.take_fixed_step(end_s - from_s, end_s)
-}
-
-/// Reads those results that lie in some steps of a tape, behind the same steps on a copy, whose first one has the number `first` on the
-/// tape. The state of the plant stays.
-fn read_results(
-    plant: &mut Plant,
-    (copy, first): (&Tape, usize),
-    (tape, steps): (&Tape, Range<usize>),
-    (times_s, results): (&[f64], &[RunResult]),
-    values: &mut [f64],
-) {
-    let behind = plant.system_mut().state.clone();
-    for (value, result) in values.iter_mut().zip(results) {
-        match *result {
-            RunResult::Output { index: output, time } if steps.contains(&tape.marks[time].step) => {
-                let step = tape.marks[time].step - first;
-                let branch = plant.branch(copy, step, times_s[time]).unwrap_or_else(|error| panic!("{error}"));
-                let system = plant.system_mut();
-                system.state.now.copy_from(&branch.end);
-                system.evaluate();
-                *value = system.outputs.values()[output];
-            }
-            RunResult::LatchTime { joint } | RunResult::Impulse { joint } => {
-                let latch = plant.system_mut().state.joints[joint].latch;
-                if latch.closed && value.is_nan() {
-                    *value = if result.is_latch_time() { latch.time_s } else { latch.impulse_n_m_s };
-                }
-            }
-            RunResult::Mean { index, time, square } if steps.contains(&tape.marks[time].step) => {
-                let step = tape.marks[time].step - first;
-                let branch = plant.branch(copy, step, times_s[time]).unwrap_or_else(|error| panic!("{error}"));
-                let mut copy = copy.clone();
-                copy.marks = vec![Mark { step, branch: Some(branch) }];
-                *value = mean::of_run(plant, &copy, RunResult::Mean { index, time: 0, square });
-            }
-            RunResult::Output { .. } | RunResult::Mean { .. } => {}
-        }
-    }
-    let system = plant.system_mut();
-    system.state = behind;
-    system.configure();
-}
-
 /// The run of another machine with the steps of a tape: the chosen lengths stay, crossings are located, requested times are reached.
 fn retraced(tape: &Tape, machine: Machine, results: &[RunResult]) -> Vec<f64> {
     retraced_with(tape, machine, &tape.inputs, results)
@@ -259,26 +205,25 @@ fn retraced(tape: &Tape, machine: Machine, results: &[RunResult]) -> Vec<f64> {
 
 /// The same with other inputs over time, whose rows have the times of those of the tape.
 fn retraced_with(tape: &Tape, machine: Machine, inputs: &InputRows, results: &[RunResult]) -> Vec<f64> {
+    retraced_at(tape, machine, inputs, (&TIMES_S, results))
+}
+
+/// The same for results at other times.
+fn retraced_at(
+    tape: &Tape,
+    machine: Machine,
+    inputs: &InputRows,
+    (times_s, results): (&[f64], &[RunResult]),
+) -> Vec<f64> {
     let mut plant = Plant::new(Arc::new(machine));
     inputs.set(&mut plant, 0.0);
     plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
-    let mut copy = Tape::with_inputs(inputs.clone());
-    let mut piece = None;
-    let mut values = vec![f64::NAN; results.len()];
-    for (index, step) in tape.steps.iter().enumerate() {
-        plant.allow_work(1.0);
-        let begins = piece.replace(step.piece) != Some(step.piece)
-            && plant.begin_piece(inputs, step.piece).unwrap_or_else(|error| panic!("{error}"));
-        plant
-            .step_on_tape(&mut copy, (step.piece, begins), |plant| retrace(plant, step))
-            .unwrap_or_else(|error| panic!("{error}"));
-        if step.ending == Ending::Given {
-            plant.end_piece(&mut copy, step.end.time_s).unwrap_or_else(|error| panic!("{error}"));
-        }
-        assert_eq!(copy.steps[index].ending == Ending::Chosen, step.ending == Ending::Chosen, "step {index}");
-        read_results(&mut plant, (&copy, 0), (tape, index..index + 1), (&TIMES_S, results), &mut values);
+    let mut copy = plant.run_along(tape, inputs).unwrap_or_else(|error| panic!("{error}"));
+    for time_s in times_s {
+        plant.request(&mut copy, *time_s).unwrap_or_else(|error| panic!("{error}"));
     }
-    values
+    let mut gradient = Gradient::new(&mut plant, &copy, Vec::new()).unwrap_or_else(|error| panic!("{error}"));
+    gradient.values(results).unwrap_or_else(|error| panic!("{error}"))
 }
 
 struct Compared {

@@ -1,0 +1,88 @@
+//! Gradients by rows of inputs over time whose present rows matter at the start, and whose rates matter.
+
+use super::limits::commanded;
+use super::*;
+use crate::load::{RootMotion, Wrench};
+use std::mem::offset_of;
+
+/// Difference of runs in the unit of the input.
+const SHIFT: f64 = 1e-3;
+
+/// Derivatives by all rows of the only input over time, both ways and by differences of runs with the same steps: the largest differences,
+/// relative to the result's largest.
+fn by_rows(machine: &Machine, inputs: &InputRows, results: impl Fn(&Plant) -> Vec<RunResult>) -> [f64; 2] {
+    let mut plant = commanded(machine.clone(), inputs);
+    let tape = plant.run_on_tape_with(inputs, &TIMES_S).unwrap_or_else(|error| panic!("{error}"));
+    let results = results(&plant);
+    let rows = inputs.times_s().len();
+    let fresh = || Ok::<_, String>(Plant::new(Arc::new(machine.clone())));
+    let parameter = Parameter::of_rows("rows", (0, (0..rows).collect()), SHIFT, fresh).unwrap();
+    let mut gradient = Gradient::new(&mut plant, &tape, vec![parameter]).unwrap_or_else(|error| panic!("{error}"));
+    // values first, as the command does: they leave the inputs of the end of the run
+    gradient.values(&results).unwrap_or_else(|error| panic!("{error}"));
+    let forward = gradient.forward(&results).unwrap_or_else(|error| panic!("{error}"));
+    let adjoint: Vec<Vec<f64>> =
+        results.iter().map(|result| gradient.adjoint(*result).unwrap_or_else(|error| panic!("{error}"))).collect();
+    let mut known = vec![vec![0.0; rows]; results.len()];
+    for row in 0..rows {
+        for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
+            let mut columns = inputs.columns().to_vec();
+            columns[0].values[row] += steps * SHIFT;
+            let changed = InputRows::new(inputs.times_s().to_vec(), columns).unwrap();
+            for (known, value) in known.iter_mut().zip(retraced_with(&tape, machine.clone(), &changed, &results)) {
+                known[row] += weight / (12.0 * SHIFT) * value;
+            }
+        }
+    }
+    let mut worst = [0.0f64; 2];
+    for ((forward, adjoint), known) in forward.iter().zip(&adjoint).zip(&known) {
+        let scale = known.iter().fold(0.0f64, |scale, slope| scale.max(slope.abs()));
+        for ((forward, adjoint), known) in forward.iter().zip(adjoint).zip(known) {
+            let apart = [(forward - adjoint).abs() / scale, (forward - known).abs() / scale];
+            worst = [worst[0].max(apart[0]), worst[1].max(apart[1])];
+        }
+    }
+    worst
+}
+
+/// GR-84: GR-02's wing from its static equilibrium under a load that changes over time, by the rows of the load: the first of them moves the
+/// start.
+#[test]
+fn rows_of_a_load_move_the_equilibrium_at_the_start() {
+    let mut machine = Numbers::USUAL.machine(false).unwrap();
+    machine.experiment.start = StartState::Equilibrium;
+    let layout = *Plant::new(Arc::new(machine.clone())).inputs().layout();
+    let index = layout.stations.place(0, offset_of!(Wrench, force_n)) + 2;
+    let column = InputColumn { index, held: false, values: vec![0.3, 0.4, 0.1, 0.5, 0.2] };
+    let inputs = InputRows::new(vec![-0.1, 0.05, 0.15, 0.15, 0.6], vec![column]).unwrap();
+    let worst = by_rows(&machine, &inputs, |plant| {
+        let layout = *plant.outputs().layout();
+        let indices = [layout.gauges.place(0, 0), layout.joints.place(1, 0), layout.energy.place(0, 0)];
+        (0..2).flat_map(|time| indices.map(|index| RunResult::Output { index, time })).collect()
+    });
+    println!("GR-84 {:.1e} {:.1e}", worst[0], worst[1]);
+    assert!(worst[0] < 1e-10, "{:.1e}", worst[0]);
+    assert!(worst[1] < 1e-6, "{:.1e}", worst[1]);
+}
+
+/// GR-85: accounts of GR-01's wing by the rows of an acceleration of the root and of gravity with a ramp and a jump: the work of a field
+/// depends on its rate.
+#[test]
+fn accounts_by_rows_of_a_field() {
+    let machine = Numbers::USUAL.machine(true).unwrap();
+    let layout = *Plant::new(Arc::new(machine.clone())).inputs().layout();
+    for (offset, first) in
+        [(offset_of!(RootMotion, acceleration_m_s2), 1.0), (offset_of!(RootMotion, gravity_m_s2), -9.81)]
+    {
+        let values = [0.0, 2.0, 3.0, -1.0, 0.5].map(|change| first + change).to_vec();
+        let column = InputColumn { index: layout.root.place(0, offset) + 2, held: false, values };
+        let inputs = InputRows::new(vec![-0.1, 0.05, 0.18, 0.18, 0.6], vec![column]).unwrap();
+        let worst = by_rows(&machine, &inputs, |plant| {
+            let indices = plant.outputs().layout().accounts();
+            (0..2).flat_map(|time| indices.map(|index| RunResult::Output { index, time })).collect()
+        });
+        println!("GR-85 {:.1e} {:.1e}", worst[0], worst[1]);
+        assert!(worst[0] < 1e-9, "{:.1e}", worst[0]);
+        assert!(worst[1] < 1e-6, "{:.1e}", worst[1]);
+    }
+}
