@@ -1,13 +1,14 @@
 //! Joints of the model file: structure and descriptions, as in [`crate::file`]. Keys of prismatic joints are next to those of revolute
 //! joints; [`PAIRS`] lists the pairs.
 
+use crate::freedom_file::{RotationFile, TranslationFile};
 use foldwing_engine::machine::Travel;
 use foldwing_engine::machine::builder::Attitude;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// Joint that holds the inner end of a body. The keys from `axis` on depend on the joint type.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JointFile {
     /// Joint type.
@@ -34,7 +35,7 @@ pub(super) struct JointFile {
     pub mount_rotation_deg: [f64; 3],
     /// Hinge axis in the parent's section frame, of any length except zero. Positive angles follow the right-hand rule.
     /// For a prismatic joint the sliding axis; positions are positive in its direction. Required for revolute,
-    /// prismatic and universal joints, and for sliding ones with `attitude = "hinge"`.
+    /// prismatic, cylindrical and universal joints, and for sliding ones with `attitude = "hinge"`.
     pub axis: Option<[f64; 3]>,
     /// Second axis of a universal joint in the body's section frame, not parallel to `axis` at the start.
     pub body_axis: Option<[f64; 3]>,
@@ -96,13 +97,18 @@ pub(super) struct JointFile {
     pub latch: Option<LatchFile>,
     /// End stops of a revolute or prismatic joint.
     pub end_stops: Option<EndStopsFile>,
+    /// Rotation of a cylindrical joint.
+    pub rotation: Option<RotationFile>,
+    /// Translation of a cylindrical joint.
+    pub translation: Option<TranslationFile>,
 }
 
 /// Joint type.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum JointType {
     /// No relative motion.
+    #[default]
     Clamped,
     /// Rotation about one axis.
     Revolute,
@@ -117,6 +123,9 @@ pub(super) enum JointType {
     Ball,
     /// Six degrees of freedom; on the root only.
     Free,
+    /// Translation along one axis and rotation about it. The model has the joints `<joint>_translation` and
+    /// `<joint>_rotation`, and between them the body `<joint>_carriage` without mass.
+    Cylindrical,
 }
 
 impl JointFile {
@@ -141,7 +150,7 @@ impl JointType {
         match self {
             Self::Revolute => Some(Travel::Rotation),
             Self::Prismatic | Self::Sliding => Some(Travel::Translation),
-            Self::Clamped | Self::Universal | Self::Ball | Self::Free => None,
+            Self::Clamped | Self::Universal | Self::Ball | Self::Free | Self::Cylindrical => None,
         }
     }
 
@@ -155,6 +164,7 @@ impl JointType {
             Self::Universal => "universal",
             Self::Ball => "ball",
             Self::Free => "free",
+            Self::Cylindrical => "cylindrical",
         }
     }
 }

@@ -25,6 +25,7 @@ mod error;
 mod failure_file;
 mod failures;
 mod file;
+mod freedom_file;
 mod function;
 mod generator;
 mod gust;

@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 mod accounts;
 mod air;
+mod chains;
 mod failures;
 mod folding;
 mod generators;

@@ -1,0 +1,81 @@
+//! Joints that are chains of joints with one degree of freedom each, with bodies without mass between them, NOTATION eq. (J20).
+
+use super::{JointBuilder, Type};
+use crate::machine::fault::Checker;
+use crate::machine::{Joint, Travel};
+
+/// A degree of freedom of a chain, about or along the axis of its joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Freedom {
+    /// Name of its table in the model file; the name of its joint in the machine is `<joint>_<name>`.
+    pub name: &'static str,
+    /// Rotation or translation.
+    pub travel: Travel,
+}
+
+/// Degrees of freedom of a cylindrical joint, from the parent outward.
+pub const CYLINDRICAL: &[Freedom] = &[
+    Freedom { name: "translation", travel: Travel::Translation },
+    Freedom { name: "rotation", travel: Travel::Rotation },
+];
+
+impl Freedom {
+    /// Name of its joint in the machine.
+    pub fn joint(&self, chain: &str) -> String {
+        format!("{chain}_{}", self.name)
+    }
+}
+
+/// Name of a body without mass between two joints of a chain or of a sliding joint, counted from 0 at the parent.
+pub fn carriage(joint: &str, index: usize) -> String {
+    match index {
+        0 => format!("{joint}_carriage"),
+        _ => format!("{joint}_carriage{}", index + 1),
+    }
+}
+
+impl JointBuilder {
+    /// Start, motion, motor, spring, latch and end stops of the rotation of a cylindrical joint, as of a revolute joint:
+    /// `.rotation(|own| own.start_angle_rad(0.1))`. Parent, mount and axis are those of the cylindrical joint.
+    pub fn rotation(self, change: impl FnOnce(Self) -> Self) -> Self {
+        self.freedom(Travel::Rotation, change)
+    }
+
+    /// Start, motion, motor, spring, latch and end stops of the translation of a cylindrical joint, as of a prismatic joint:
+    /// `.translation(|own| own.start_position_m(0.1))`. Parent, mount and axis are those of the cylindrical joint.
+    pub fn translation(self, change: impl FnOnce(Self) -> Self) -> Self {
+        self.freedom(Travel::Translation, change)
+    }
+
+    fn freedom(mut self, travel: Travel, change: impl FnOnce(Self) -> Self) -> Self {
+        let kind = Type::of_travel(travel);
+        let found = self.freedoms.iter().position(|own| own.kind == kind);
+        let own = found.map_or_else(|| Joint::builder("", kind), |index| self.freedoms.remove(index));
+        self.freedoms.push(change(own));
+        self
+    }
+
+    /// The joints of a chain, from the parent outward; none of another joint.
+    pub(super) fn chain(&self) -> Vec<JointBuilder> {
+        let own = |freedom: &Freedom| {
+            let kind = Type::of_travel(freedom.travel);
+            let stated = self.freedoms.iter().find(|own| own.kind == kind).cloned();
+            let own = stated.unwrap_or_else(|| Joint::builder("", kind));
+            JointBuilder { name: freedom.joint(&self.name), axis: self.axis, ..own }
+        };
+        self.kind.freedoms().iter().map(own).collect()
+    }
+
+    /// Reports degrees of freedom that this type of joint does not have.
+    pub(super) fn refuse_freedoms(&self, checker: &mut Checker) {
+        for own in &self.freedoms {
+            let known = |freedom: &&Freedom| Type::of_travel(freedom.travel) == own.kind;
+            if self.kind.freedoms().iter().any(|freedom| known(&freedom)) {
+                continue;
+            }
+            let name = CYLINDRICAL.iter().find(known).map_or("freedom", |freedom| freedom.name);
+            let allowed = format!("this key only with type = {:?}", Type::Cylindrical.name());
+            checker.refuse(&["joint", &self.name, name], format!("a {name}"), allowed);
+        }
+    }
+}
