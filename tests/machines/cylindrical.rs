@@ -36,12 +36,40 @@ pub fn draw(seed: u64) -> Model {
     for (name, slides) in joints {
         cylindrical(&mut dice, &mut model, &name, slides);
     }
+    if seed.is_multiple_of(8) {
+        electrical(&mut dice, &mut model);
+    }
     // a free translation or rotation without stiffness has no equilibrium
     for table in &mut model.tables {
         table.keys.retain(|(key, value)| !(*key == "start" && *value == Value::from("equilibrium")));
     }
     model.seed = seed;
     model
+}
+
+/// Adds an electrical motor to each free degree of freedom of the cylindrical joints.
+fn electrical(dice: &mut Dice, model: &mut Model) {
+    for (part, constant) in [("translation", "force_constant_N_A"), ("rotation", "torque_constant_N_m_A")] {
+        let of_part =
+            |table: &&Table| table.name.starts_with("joint.") && table.name.ends_with(part) && !table.has("motion");
+        let names: Vec<String> = model.tables.iter().filter(of_part).map(|table| table.name.clone()).collect();
+        for name in names {
+            let (resistance, value) = (dice.size(0.5, 5.0), dice.size(0.1, 0.4));
+            let motor = Table::new(format!("{name}.dc_motor"))
+                .with("resistance_ohm", resistance)
+                .with("inductance_H", resistance * dice.size(2e-4, 2e-2))
+                .with(constant, if part == "translation" { 10.0 * value } else { value / 5.0 })
+                .with("voltage_V", dice.number(-3.0, 3.0));
+            let joint = name.trim_start_matches("joint.").replace('.', "_");
+            // a motor that loses its torque cannot be an electrical one
+            let lost = |table: &Table| table.is("kind", "motor_loss") && table.is("joint", &joint);
+            while let Some(index) = model.tables.iter().position(lost) {
+                *model = model.without(index);
+            }
+            let place = model.tables.iter().position(|table| table.name == name).expect("the table");
+            model.tables.insert(place + 1, motor);
+        }
+    }
 }
 
 /// Makes a joint cylindrical.

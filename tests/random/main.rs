@@ -472,7 +472,7 @@ fn x18_machines_with_electrical_motors() {
 /// and translation cannot both keep their signs.
 #[test]
 fn x19_machines_with_cylindrical_joints() {
-    let seeds = || CYLINDRICAL..CYLINDRICAL + 40_u64.div_ceil(share() as u64);
+    let seeds = || CYLINDRICAL..CYLINDRICAL + 30_u64.div_ceil(share() as u64);
     let (mut lost, mut moving, mut machines) = (0, 0, 0);
     for seed in seeds() {
         let model = draw(seed);
@@ -551,7 +551,7 @@ fn x10_the_generator_draws_the_whole_format() {
         .chain(NO_SLIP..NO_SLIP + 20)
         .chain(AIRS..AIRS + 200)
         .chain(DC_MOTORS..DC_MOTORS + 20)
-        .chain(CYLINDRICAL..CYLINDRICAL + 40)
+        .chain(CYLINDRICAL..CYLINDRICAL + 120)
     {
         let file: toml::Table = draw(seed).text(&View::plain()).parse().expect("TOML");
         drawn.extend(keys::said(&schema, Some(&serde_json::to_value(&file).expect("JSON"))));
