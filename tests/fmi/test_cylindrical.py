@@ -32,6 +32,7 @@ stiffness_damping_s = 2e-4
 
 [mass.load]
 body = "boom"
+position_m = 0.8
 mass_kg = 0.2
 offset_m = [0.0, 0.05, 0.03]
 

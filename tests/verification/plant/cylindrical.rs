@@ -270,7 +270,7 @@ fn cj03_a_helicoidal_pendulum() {
     println!("CJ-03 {found:?}, misses {miss:.1e}, drift {drift:.1e} J");
     assert!(swing > 1.0, "the pendulum swings by {swing} rad");
     // the step control permits 1e-10 per step, in a few hundred steps
-    agree("CJ-03", miss, 1e-8);
+    agree("CJ-03", miss, 5e-8);
     agree("CJ-03 energy in J", drift, 1e-7);
 }
 
@@ -564,7 +564,7 @@ fn cj08_energy_and_saved_states() {
     }
     let drift = (balance_j(plant.outputs()) - before_j).abs() / largest_j;
     println!("CJ-08 drift {drift:.1e} of {largest_j} J, {:?}", plant.outputs().energy());
-    assert!(contact && plant.outputs().latches()[0].time_s > 0.0, "the stop and the latch act");
+    assert!(contact && plant.outputs().latches()[2].time_s > 0.0, "the stop and the latch act");
     agree("CJ-08", drift, 1e-5);
 
     let mut plant = start(busy());
@@ -707,8 +707,9 @@ fn cj11_refusals_name_the_table() {
         assert_ne!(changed, text, "{from}");
         let refused = config::parse(&changed, "cylindrical.toml").expect_err(to).to_string();
         assert!(refused.contains(key) && refused.contains(allowed), "{to}: {refused}");
-        if let Some(line) =
-            changed.lines().position(|line| line == to && key.ends_with(to.split(' ').next().expect("a key")))
+        if let Some(line) = changed
+            .lines()
+            .position(|line| line == to && !to.is_empty() && key.ends_with(to.split(' ').next().expect("a key")))
         {
             assert!(refused.contains(&format!("cylindrical.toml:{}:", line + 1)), "{to}: {refused}");
         }
