@@ -2,7 +2,7 @@
 
 use crate::document::{Document, key_text};
 use crate::error::{Fault, Problem};
-use crate::freedom_file::is_common;
+use crate::freedoms::is_common;
 use crate::meant::did_you_mean;
 use foldwing_engine::machine::units::quoted;
 use std::collections::BTreeMap;

@@ -3,10 +3,8 @@
 use crate::body_file::FrameFile;
 use crate::checker::Checker;
 use crate::file::ModelFile;
-use crate::joint_file::{
-    AttitudeFile, EndStopsFile, JointFile, JointType, LatchFile, LatchType, MotionType, MotorFile, PAIRS, SpringFile,
-    TableEnds,
-};
+use crate::freedom_file::{EndStopsFile, LatchFile, LatchType, MotionType, MotorFile, SpringFile, TableEnds};
+use crate::joint_file::{AttitudeFile, JointFile, JointType, PAIRS};
 use foldwing_engine::machine::builder::{JointBuilder, LatchBuilder};
 use foldwing_engine::machine::units::quoted;
 use foldwing_engine::machine::{
@@ -255,7 +253,7 @@ fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
             JointType::Revolute => {
                 (slides, format!("{turns} instead: the keys of a revolute joint are in deg and N·m"))
             }
-            // its tables are checked each, and those of the joint itself are refused
+            // an error at the table itself; each degree of freedom is checked with its own tables
             JointType::Cylindrical => continue,
             JointType::Clamped | JointType::Universal | JointType::Ball | JointType::Free => {
                 (slides, "this key only with type = \"prismatic\" or \"sliding\"".to_owned())

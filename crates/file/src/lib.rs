@@ -26,6 +26,7 @@ mod failure_file;
 mod failures;
 mod file;
 mod freedom_file;
+mod freedoms;
 mod function;
 mod generator;
 mod gust;

@@ -2,7 +2,8 @@
 
 mod attitude;
 pub(super) mod carriage;
-pub(super) mod chain;
+mod chain;
+pub(super) mod freedom;
 mod kind;
 
 pub use attitude::Attitude;
@@ -166,8 +167,8 @@ impl Joint {
         Self::builder(name, Type::Ball)
     }
 
-    /// A cylindrical joint: a translation along `axis` and a rotation about it, in the parent's section frame, of any nonzero length. What acts
-    /// on them is set by [`JointBuilder::translation`] and [`JointBuilder::rotation`].
+    /// A cylindrical joint: a translation along `axis` and a rotation about it, in the parent's section frame, of any nonzero length.
+    /// [`JointBuilder::translation`] and [`JointBuilder::rotation`] set start, motion and forces of each.
     ///
     /// The machine then has two joints, `<joint>_translation` and `<joint>_rotation`, with all that prismatic and revolute joints have, and
     /// between them the body `<joint>_carriage` without mass.

@@ -21,7 +21,7 @@ pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, InternalLoadBuilder};
 pub use failure::FailureBuilder;
 pub use flap::FlapBuilder;
 pub use gust::GustBuilder;
-pub use joint::chain::{CYLINDRICAL, Freedom, carriage};
+pub use joint::freedom::{CYLINDRICAL, Freedom, carriage};
 pub use joint::{Attitude, JointBuilder};
 pub use latch::LatchBuilder;
 pub use no_slip::NoSlipBuilder;

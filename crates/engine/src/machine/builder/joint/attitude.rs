@@ -1,6 +1,6 @@
 //! Attitudes of bodies on sliding joints.
 
-use super::chain::carriage;
+use super::freedom::carriage;
 use nalgebra::Vector3;
 
 /// Attitude of the body of a sliding joint relative to the beam's section.

@@ -1,7 +1,7 @@
 //! Joints that consist of several, with carriages, bodies without mass, between them: a hinge or a ball joint on a sliding joint, NOTATION
 //! eq. (J16), and chains of joints with one degree of freedom, eq. (J20).
 
-use super::chain::carriage;
+use super::freedom::carriage;
 use super::{Attitude, Holder, JointBuilder, Type};
 use crate::machine::builder::body::BodyBuilder;
 use crate::machine::fault::Checker;

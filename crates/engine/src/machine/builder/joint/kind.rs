@@ -1,6 +1,6 @@
 //! Types of joints in the builder.
 
-use super::chain::{CYLINDRICAL, Freedom};
+use super::freedom::{CYLINDRICAL, Freedom};
 use crate::machine::Travel;
 
 /// Type of a joint in the builder.
