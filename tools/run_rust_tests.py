@@ -45,6 +45,7 @@ SHARED = {
     "x13_gradients_are_the_same_both_ways",
     "x17_machines_with_several_airs",
     "x18_machines_with_electrical_motors",
+    "x19_machines_with_cylindrical_joints",
 }
 LINE = re.compile(r"test (?P<name>\S+)(?: - should panic)? \.\.\. ok <(?P<seconds>[\d.]+)s>$")
 

@@ -58,6 +58,10 @@ class Builder:
         """Add a prismatic joint."""
         return self.joint(name, child, type="prismatic", parent=parent, **keys)
 
+    def cylindrical(self, name: str, child: str, *, parent: str = "root", **keys: Any) -> Builder:
+        """Add a cylindrical joint: the child slides along `axis` and rotates about it, with the tables `translation` and `rotation`."""
+        return self.joint(name, child, type="cylindrical", parent=parent, **keys)
+
     def sliding(self, name: str, child: str, *, parent: str, **keys: Any) -> Builder:
         """Add a sliding joint: the child slides along the axis of the beam `parent`, from `start_position_m` (m).
 

@@ -2,6 +2,7 @@
 
 use crate::machines::airs::{self, AIRS};
 use crate::machines::course::{Action, Doing};
+use crate::machines::cylindrical::{self, CYLINDRICAL};
 use crate::machines::dc_motor::{self, DC_MOTORS};
 use crate::machines::model::{Form, Model, Table, Value};
 use crate::machines::no_slip::{self, NO_SLIP};
@@ -110,8 +111,11 @@ impl Draft {
 
 /// A machine from a seed, reproducible; seeds from [`SLIDING`] on give machines with sliding joints, those from [`RIGID`] on machines with rigid
 /// loops, those from [`NO_SLIP`] on machines with skates and wheels, those from [`AIRS`] on machines with several aerodynamic models,
-/// those from [`DC_MOTORS`] on machines with electrical motors.
+/// those from [`DC_MOTORS`] on machines with electrical motors, those from [`CYLINDRICAL`] on machines with cylindrical joints.
 pub fn draw(seed: u64) -> Model {
+    if seed >= CYLINDRICAL {
+        return cylindrical::draw(seed);
+    }
     if seed >= DC_MOTORS {
         return dc_motor::draw(seed);
     }

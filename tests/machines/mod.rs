@@ -8,6 +8,7 @@
 mod air;
 mod airs;
 mod course;
+mod cylindrical;
 mod dc_motor;
 mod draw;
 mod model;
@@ -21,6 +22,7 @@ mod view;
 
 pub use airs::AIRS;
 pub use course::Doing;
+pub use cylindrical::CYLINDRICAL;
 pub use dc_motor::DC_MOTORS;
 pub use draw::{STEPS, draw};
 pub use model::{Model, Table, Value};

@@ -7,7 +7,14 @@ use std::collections::BTreeSet;
 pub fn said(schema: &Value, file: Option<&Value>) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     walk(schema, schema, file, "", &mut found);
-    found
+    // the tables of both degrees of freedom of a cylindrical joint are those of other joints, each with the keys of its own kind of motion
+    let common = |key: String| match key.split('.').collect::<Vec<_>>()[..] {
+        ["joint", "*", "rotation" | "translation", _, ..] if key.matches('.').count() > 3 => {
+            key.replacen(".rotation", "", 1).replacen(".translation", "", 1)
+        }
+        _ => key,
+    };
+    found.into_iter().map(common).collect()
 }
 
 fn walk(schema: &Value, node: &Value, file: Option<&Value>, path: &str, found: &mut BTreeSet<String>) {

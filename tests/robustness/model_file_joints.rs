@@ -149,7 +149,7 @@ fn foreign_keys() {
     for joint in [BALL, FREE] {
         assert_eq!(
             message(&format!("{joint}\naxis = [0, 1, 0]")),
-            refusal(31, "axis", "[0, 1, 0]", "\"revolute\" or \"prismatic\" or \"universal\"")
+            refusal(31, "axis", "[0, 1, 0]", "\"revolute\" or \"prismatic\" or \"universal\" or \"cylindrical\"")
         );
         assert_eq!(
             message(&format!("{joint}\nbody_axis = [0, 1, 0]")),

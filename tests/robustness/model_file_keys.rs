@@ -157,7 +157,7 @@ fn choices() {
     assert_eq!(
         message("\"clamped\"", "\"welded\""),
         "wing.toml:25: key 'joint.mount.type': \"welded\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
-         \"prismatic\" or \"sliding\" or \"universal\" or \"ball\" or \"free\""
+         \"prismatic\" or \"sliding\" or \"universal\" or \"ball\" or \"free\" or \"cylindrical\""
     );
     assert_eq!(
         message("[solver]", "[solver]\nmethod = \"euler\""),

@@ -207,7 +207,7 @@ fn axes() {
     assert_eq!(
         message("type = \"clamped\"", "type = \"clamped\"\naxis = [0, 1, 0]"),
         "wing.toml:26: key 'joint.mount.axis': [0, 1, 0] is not allowed; allowed: this key only with type = \
-         \"revolute\" or \"prismatic\" or \"universal\""
+         \"revolute\" or \"prismatic\" or \"universal\" or \"cylindrical\""
     );
 }
 

@@ -42,7 +42,7 @@ fn misplaced_keys() {
          [joint.<name>.spring] or [joint.<name>.latch] or [joint.<name>.end_stops]; allowed keys: type, parent, child, parent_position_m, parent_frame, parent_offset_m, root_position_m, \
          mount_rotation_deg, axis, body_axis, start_angular_velocity_deg_s, start_velocity_m_s, start_angle_deg, \
          start_rate_deg_s, attitude, start_position_m, start_rate_m_s, release, motion, polynomial_deg, table_s_deg, \
-         polynomial_m, table_s_m, table_ends, motor, spring, generator, dc_motor, latch, end_stops"
+         polynomial_m, table_s_m, table_ends, motor, spring, generator, dc_motor, latch, end_stops, rotation, translation"
     );
     assert_eq!(
         message("load_stations = 4", "gravity_m_s2 = [0, 0, 0]"),
@@ -81,13 +81,13 @@ fn choices() {
             "\"clamped\"",
             "\"clamp\"",
             "wing.toml:25: key 'joint.mount.type': \"clamp\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
-             \"prismatic\" or \"sliding\" or \"universal\" or \"ball\" or \"free\" (did you mean \"clamped\"?)",
+             \"prismatic\" or \"sliding\" or \"universal\" or \"ball\" or \"free\" or \"cylindrical\" (did you mean \"clamped\"?)",
         ),
         (
             "\"revolute\"",
             "\"Revolut\"",
             "wing.toml:29: key 'joint.fold.type': \"Revolut\" is not allowed; allowed: \"clamped\" or \"revolute\" or \
-             \"prismatic\" or \"sliding\" or \"universal\" or \"ball\" or \"free\" (did you mean \"revolute\"?)",
+             \"prismatic\" or \"sliding\" or \"universal\" or \"ball\" or \"free\" or \"cylindrical\" (did you mean \"revolute\"?)",
         ),
         (
             "\"explicit\"",

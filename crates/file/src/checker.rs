@@ -2,6 +2,7 @@
 
 use crate::document::{Document, key_text};
 use crate::error::{Fault, Problem};
+use crate::freedoms::is_common;
 use crate::meant::did_you_mean;
 use foldwing_engine::machine::units::quoted;
 use std::collections::BTreeMap;
@@ -13,7 +14,8 @@ pub(super) struct Checker<'d, 'a> {
     problems: Vec<Problem>,
     /// Paths of the machine whose values were replaced after an error; further errors there are consequences of it.
     stand_ins: Vec<Vec<String>>,
-    /// Names of copies, of parts that are defined once in the file and copied in the machine, with the names of their originals.
+    /// Names of copies, of parts that are defined once in the file and copied in the machine, with the names of their originals; of the degrees
+    /// of freedom of joints with their tables, as in `strut.rotation`.
     copies: &'d BTreeMap<String, String>,
 }
 
@@ -30,12 +32,13 @@ impl Checker<'_, '_> {
         self.push(self.document.refusal(&self.stated(path), allowed.into()));
     }
 
-    /// Path in the file for a path that may belong to a copy.
+    /// Path in the file for a path that may belong to a copy, or to a degree of freedom of a joint.
     fn stated<'p>(&'p self, path: &[&'p str]) -> Vec<&'p str> {
         let mut path = path.to_vec();
-        if let Some(name) = path.get(1).and_then(|name| self.copies.get(*name)) {
-            path[1] = name;
-        }
+        let Some(original) = path.get(1).and_then(|name| self.copies.get(*name)) else { return path };
+        let table = path.get(2).is_some_and(|key| !is_common(key));
+        let parts = original.split('.').take(if table { 2 } else { 1 });
+        path.splice(1..2, parts);
         path
     }
 

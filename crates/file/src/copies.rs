@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 /// Copied bodies and their attached parts.
 #[derive(Debug, Default)]
 pub(super) struct Copies {
-    /// Names of copies, with the names of their originals in the file.
+    /// Names of copies, with the names of their originals in the file; names of parts of joints, with their paths in the file.
     pub names: BTreeMap<String, String>,
     /// Table, original name and name of the copy for copies whose name is already in use.
     pub taken: Vec<(&'static str, String, String)>,
@@ -54,12 +54,12 @@ pub(super) fn expand(file: &mut ModelFile) -> Copies {
         }
         carried!(mass, load, gauge, internal_load, skate, wheel, surface, control_surface);
     }
-    // errors of the parts of a sliding joint whose body rotates are those of the joint
+    // errors of the parts of a joint that consists of several are those of the joint
     for (name, joint) in &file.joint {
         let original = copies.names.get(name).unwrap_or(name).clone();
         let own = |part: &String| file.joint.contains_key(part) || file.rigid_body.contains_key(part);
-        let parts = joint.attitude().parts(name).into_iter().flatten().filter(|part| !own(part));
-        copies.names.extend(parts.map(|part| (part, original.clone())));
+        let parts = joint.parts(name, &original).into_iter();
+        copies.names.extend(parts.filter(|(part, _)| !own(part)));
     }
     copies
 }

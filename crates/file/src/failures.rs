@@ -3,7 +3,6 @@
 use crate::checker::Checker;
 use crate::failure_file::{FailureFile, FailureKind, WhenFile};
 use crate::file::ModelFile;
-use crate::joint_file::JointType;
 use foldwing_engine::machine::builder::{FailureBuilder, MachineBuilder};
 use foldwing_engine::machine::failure::{BoundSide, FrictionBrake, Quantity};
 use foldwing_engine::machine::units::quoted;
@@ -36,9 +35,12 @@ pub(super) fn add(file: &ModelFile, mut machine: MachineBuilder, checker: &mut C
     machine
 }
 
-/// Type of motion of a joint in the file; rotation if there is no joint with this name.
+/// Type of motion of a joint of the model; rotation if there is no joint with this name.
 fn travel(file: &ModelFile, joint: &str) -> Travel {
-    file.joint.get(joint).map_or(JointType::Revolute, |joint| joint.kind).travel().unwrap_or(Travel::Rotation)
+    let single = file.joint.get(joint).and_then(|joint| joint.kind.travel());
+    let chains = file.joint.iter().flat_map(|(name, chain)| chain.kind.freedoms().iter().map(move |own| (name, own)));
+    let of_chain = || chains.into_iter().find(|(name, own)| own.joint(name) == joint).map(|(_, own)| own.travel);
+    single.or_else(of_chain).unwrap_or(Travel::Rotation)
 }
 
 fn build(name: &str, failure: &FailureFile, file: &ModelFile, checker: &mut Checker) -> Option<FailureBuilder> {

@@ -1,7 +1,8 @@
 //! Builds the torque law of a generator in the model file.
 
 use crate::checker::Checker;
-use crate::joint_file::{AboveTableFile, JointFile, JointType};
+use crate::freedom_file::AboveTableFile;
+use crate::joint_file::{JointFile, JointType};
 use foldwing_engine::machine::{Beyond, GeneratorLaw};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;

@@ -1,13 +1,17 @@
 //! Joints of the model file: structure and descriptions, as in [`crate::file`]. Keys of prismatic joints are next to those of revolute
 //! joints; [`PAIRS`] lists the pairs.
 
+use crate::freedom_file::{
+    DcMotorFile, EndStopsFile, GeneratorFile, LatchFile, MotionType, MotorFile, RotationFile, SpringFile, TableEnds,
+    TranslationFile,
+};
 use foldwing_engine::machine::Travel;
 use foldwing_engine::machine::builder::Attitude;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// Joint that holds the inner end of a body. The keys from `axis` on depend on the joint type.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JointFile {
     /// Joint type.
@@ -34,7 +38,7 @@ pub(super) struct JointFile {
     pub mount_rotation_deg: [f64; 3],
     /// Hinge axis in the parent's section frame, of any length except zero. Positive angles follow the right-hand rule.
     /// For a prismatic joint the sliding axis; positions are positive in its direction. Required for revolute,
-    /// prismatic and universal joints, and for sliding ones with `attitude = "hinge"`.
+    /// prismatic, cylindrical and universal joints, and for sliding ones with `attitude = "hinge"`.
     pub axis: Option<[f64; 3]>,
     /// Second axis of a universal joint in the body's section frame, not parallel to `axis` at the start.
     pub body_axis: Option<[f64; 3]>,
@@ -96,13 +100,18 @@ pub(super) struct JointFile {
     pub latch: Option<LatchFile>,
     /// End stops of a revolute or prismatic joint.
     pub end_stops: Option<EndStopsFile>,
+    /// Rotation of a cylindrical joint.
+    pub rotation: Option<RotationFile>,
+    /// Translation of a cylindrical joint.
+    pub translation: Option<TranslationFile>,
 }
 
 /// Joint type.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum JointType {
     /// No relative motion.
+    #[default]
     Clamped,
     /// Rotation about one axis.
     Revolute,
@@ -117,6 +126,9 @@ pub(super) enum JointType {
     Ball,
     /// Six degrees of freedom; on the root only.
     Free,
+    /// Translation along one axis and rotation about it. The model has the joints `<joint>_translation` and
+    /// `<joint>_rotation`, and between them the body `<joint>_carriage` without mass.
+    Cylindrical,
 }
 
 impl JointFile {
@@ -141,7 +153,7 @@ impl JointType {
         match self {
             Self::Revolute => Some(Travel::Rotation),
             Self::Prismatic | Self::Sliding => Some(Travel::Translation),
-            Self::Clamped | Self::Universal | Self::Ball | Self::Free => None,
+            Self::Clamped | Self::Universal | Self::Ball | Self::Free | Self::Cylindrical => None,
         }
     }
 
@@ -155,6 +167,7 @@ impl JointType {
             Self::Universal => "universal",
             Self::Ball => "ball",
             Self::Free => "free",
+            Self::Cylindrical => "cylindrical",
         }
     }
 }
@@ -169,214 +182,6 @@ pub(super) enum AttitudeFile {
     Hinge,
     /// Rotation about any axis.
     Ball,
-}
-
-/// Motion of a fold angle or a position.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum MotionType {
-    /// Driven by torques or forces.
-    Free,
-    /// Locked at its start value.
-    Locked,
-    /// Prescribed by `polynomial_deg` or `table_s_deg`, or `polynomial_m` or `table_s_m`.
-    Prescribed,
-}
-
-/// End conditions of a table of angles or positions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum TableEnds {
-    /// Zero rate at both ends: accelerates in the first interval, decelerates in the last; constant outside.
-    Rest,
-    /// Zero acceleration at the first and the last row, constant rate outside.
-    Extrapolate,
-}
-
-/// Motor: its torque on the outer body about the hinge is `−(k (θ − θ_cmd) + c θ̇ + T)`, limited; a prismatic joint's
-/// motor has a force of the same form, by the keys in m and N. Universal and ball joints have `k` and `c` only: per
-/// axis, or about the rotation vector from the start attitude.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MotorFile {
-    /// Stiffness `k`.
-    #[serde(default, rename = "stiffness_N_m_rad")]
-    #[schemars(range(min = 0.0))]
-    pub stiffness_n_m_rad: f64,
-    /// Damping `c`.
-    #[serde(default, rename = "damping_N_m_s_rad")]
-    #[schemars(range(min = 0.0))]
-    pub damping_n_m_s_rad: f64,
-    /// Constant torque `T`, towards negative angles.
-    #[serde(default, rename = "constant_torque_N_m")]
-    pub constant_torque_n_m: f64,
-    /// Maximum magnitude of the motor torque `−(k (θ − θ_cmd) + c θ̇ + T)`, default unlimited. The joint's spring, the
-    /// latch and the external torque are not limited.
-    #[serde(rename = "torque_limit_N_m")]
-    #[schemars(range(min = 0.0))]
-    pub torque_limit_n_m: Option<f64>,
-    /// Maximum slew rate of the commanded angle, default unlimited.
-    #[schemars(range(min = 0.0))]
-    pub rate_limit_deg_s: Option<f64>,
-    /// Moment of inertia on the joint's angle only: for a geared motor, the rotor's inertia times the square of the
-    /// gear ratio. It adds neither mass nor gyroscopic moment. Default 0.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub inertia_kg_m2: f64,
-    /// Gear ratio of a revolute joint's motor: rotor revolutions per joint revolution, negative for opposite rotation.
-    /// Rotation of the joint's parent about the axis then also accelerates the rotor, which reacts on the parent: the
-    /// coupling inertia is `inertia_kg_m2` over the ratio. Default: an infinite ratio (no coupling).
-    #[schemars(extend("x-allowed" = "a finite ratio other than 0"))]
-    pub gear_ratio: Option<f64>,
-    /// Start value of the commanded (neutral) angle `θ_cmd`.
-    #[serde(default)]
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub command_deg: f64,
-    /// Stiffness `k` of a prismatic joint's motor.
-    #[serde(default, rename = "stiffness_N_m")]
-    #[schemars(range(min = 0.0))]
-    pub stiffness_n_m: f64,
-    /// Damping `c` of a prismatic joint's motor.
-    #[serde(default, rename = "damping_N_s_m")]
-    #[schemars(range(min = 0.0))]
-    pub damping_n_s_m: f64,
-    /// Constant force of a prismatic joint's motor, towards negative positions.
-    #[serde(default, rename = "constant_force_N")]
-    pub constant_force_n: f64,
-    /// Maximum magnitude of the motor force of a prismatic joint, default unlimited; see `torque_limit_N_m`.
-    #[serde(rename = "force_limit_N")]
-    #[schemars(range(min = 0.0))]
-    pub force_limit_n: Option<f64>,
-    /// Maximum slew rate of the commanded position, default unlimited.
-    #[schemars(range(min = 0.0))]
-    pub rate_limit_m_s: Option<f64>,
-    /// Mass on a prismatic joint's position only: for a lead screw, the rotor's inertia times (2π/lead)². It has no
-    /// weight. Default 0.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub mass_kg: f64,
-    /// Start value of the commanded (neutral) position.
-    #[serde(default)]
-    pub command_m: f64,
-}
-
-/// Passive spring and damper of a revolute joint: torque `−(k (θ − θ_0) + c θ̇)` on the outer body about the hinge; for
-/// a prismatic joint a force, by the keys in m and N. Not limited.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SpringFile {
-    /// Stiffness `k`.
-    #[serde(default, rename = "stiffness_N_m_rad")]
-    #[schemars(range(min = 0.0))]
-    pub stiffness_n_m_rad: f64,
-    /// Damping `c`.
-    #[serde(default, rename = "damping_N_m_s_rad")]
-    #[schemars(range(min = 0.0))]
-    pub damping_n_m_s_rad: f64,
-    /// Angle `θ_0` of zero spring torque.
-    #[serde(default)]
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub rest_angle_deg: f64,
-    /// Stiffness `k` of a prismatic joint's spring.
-    #[serde(default, rename = "stiffness_N_m")]
-    #[schemars(range(min = 0.0))]
-    pub stiffness_n_m: f64,
-    /// Damping `c` of a prismatic joint's damper.
-    #[serde(default, rename = "damping_N_s_m")]
-    #[schemars(range(min = 0.0))]
-    pub damping_n_s_m: f64,
-    /// Position of zero spring force of a prismatic joint.
-    #[serde(default)]
-    pub rest_position_m: f64,
-}
-
-/// Type of a latch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum LatchType {
-    /// A stiff spring about `angle_deg` or `position_m`.
-    #[default]
-    Elastic,
-    /// Without spring: an impulse stops the joint, and a reaction holds it at the angle or position at which it
-    /// latched.
-    Rigid,
-}
-
-/// Latch: closes as soon as it is enabled and the angle is within `capture_deg` of `angle_deg`, or the position within
-/// `capture_m` of `position_m`, from either side, at any rate.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LatchFile {
-    /// Type of the latch, default `elastic`.
-    #[serde(default)]
-    pub kind: LatchType,
-    /// Angle at which the latch closes.
-    #[serde(default)]
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub angle_deg: f64,
-    /// Ratio of the closed joint's stiffness to that of motor and spring together, `k`: the latch adds `(ratio − 1) k`.
-    /// Elastic latches only.
-    #[schemars(extend("exclusiveMinimum" = 1))]
-    pub stiffness_ratio: Option<f64>,
-    /// Stiffness that the latch adds; instead of `stiffness_ratio`.
-    #[serde(rename = "stiffness_N_m_rad")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub stiffness_n_m_rad: Option<f64>,
-    /// Half-width of the capture window, default 1e-6 rad: a latch with a wider window closes that far from its angle.
-    /// With an elastic latch the wing then oscillates about the latch angle; a rigid latch holds the angle at which it
-    /// closed.
-    #[schemars(range(min = 0.0, max = 360.0))]
-    pub capture_deg: Option<f64>,
-    /// Position at which the latch of a prismatic joint closes.
-    #[serde(default)]
-    pub position_m: f64,
-    /// Stiffness that the latch of a prismatic joint adds; instead of `stiffness_ratio`.
-    #[serde(rename = "stiffness_N_m")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub stiffness_n_m: Option<f64>,
-    /// Half-width of the capture window of a prismatic joint's latch, default 1e-6 m; see `capture_deg`.
-    #[schemars(range(min = 0.0))]
-    pub capture_m: Option<f64>,
-    /// Closed at the start at any angle or position. Elastic latches only: a rigid latch is closed at the start if it
-    /// is enabled and `start_angle_deg` or `start_position_m` lies in its capture window.
-    #[serde(default)]
-    pub initially_closed: bool,
-    /// Start value of the enable input.
-    #[serde(default = "yes")]
-    pub enable: bool,
-}
-
-/// End stops of a joint's travel: a unilateral stiff spring and damper beyond either end, which push the joint back and
-/// never pull it. At least one end is required.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct EndStopsFile {
-    /// Lower end, none by default.
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub lower_deg: Option<f64>,
-    /// Upper end, none by default; above `lower_deg`.
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub upper_deg: Option<f64>,
-    /// Stiffness beyond an end.
-    #[serde(rename = "stiffness_N_m_rad")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub stiffness_n_m_rad: Option<f64>,
-    /// Damping beyond an end. Default 0: fully elastic rebound.
-    #[serde(default, rename = "damping_N_m_s_rad")]
-    #[schemars(range(min = 0.0))]
-    pub damping_n_m_s_rad: f64,
-    /// Lower end of a prismatic joint's travel, none by default.
-    pub lower_m: Option<f64>,
-    /// Upper end of a prismatic joint's travel, none by default; above `lower_m`.
-    pub upper_m: Option<f64>,
-    /// Stiffness beyond an end of a prismatic joint's travel.
-    #[serde(rename = "stiffness_N_m")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub stiffness_n_m: Option<f64>,
-    /// Damping beyond an end of a prismatic joint's travel; see `damping_N_m_s_rad`.
-    #[serde(default, rename = "damping_N_s_m")]
-    #[schemars(range(min = 0.0))]
-    pub damping_n_s_m: f64,
 }
 
 /// Keys of the tables `motor`, `spring`, `dc_motor`, `latch` and `end_stops` of a revolute joint, with the corresponding keys of a prismatic joint.
@@ -400,79 +205,3 @@ pub(super) const PAIRS: &[(&str, &str, &str)] = &[
     ("end_stops", "stiffness_N_m_rad", "stiffness_N_m"),
     ("end_stops", "damping_N_m_s_rad", "damping_N_s_m"),
 ];
-
-/// Generator on the high-speed shaft of a revolute joint's motor: torque as a function of speed. Speeds refer to the
-/// high-speed shaft: the joint rate times `gear_ratio` of `[joint.<name>.motor]`; torque against the motion is
-/// positive.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct GeneratorFile {
-    /// Rows `[speed in rpm, torque in N·m]`, speeds ascending, linear between rows.
-    #[serde(rename = "table_rpm_N_m")]
-    #[schemars(length(min = 1, max = 1000), extend("x-allowed" = "1 to 1000 rows [speed in rpm, torque in N·m] of finite numbers, speeds ascending"))]
-    pub table_rpm_n_m: Vec<[f64; 2]>,
-    /// Torque over the square of the speed below the first row, in N·m/rpm²; default: the torque of the first row.
-    #[serde(rename = "quadratic_gain_N_m_rpm2")]
-    #[schemars(range(min = 0.0))]
-    pub quadratic_gain_n_m_rpm2: Option<f64>,
-    /// Quantity that is constant above the last row, default `constant_torque`.
-    #[serde(default)]
-    pub above_table: AboveTableFile,
-    /// Ratio of electrical to mechanical power, default 1.
-    #[serde(default = "whole")]
-    #[schemars(range(min = 0.0, max = 1.0))]
-    pub efficiency: f64,
-    /// Start value of the input `<joint>.generator_on`: false disconnects it. Default true.
-    #[serde(default = "yes")]
-    pub on: bool,
-}
-
-/// Electrical DC motor with permanent magnets: the armature current `i` follows from the input `<joint>.voltage` `u`,
-/// `L di/dt + R i + K N θ̇ = u`, and the torque on the outer body about the hinge is `K N i`, with the gear ratio `N` of
-/// `[joint.<name>.motor]`, 1 if it has none. For a prismatic or sliding joint the motor has a force of the same form, without a gear
-/// ratio.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DcMotorFile {
-    /// Resistance `R` of the armature.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub resistance_ohm: f64,
-    /// Inductance `L` of the armature.
-    #[serde(rename = "inductance_H")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub inductance_h: f64,
-    /// Torque `K` per current on the motor's shaft, equal to the voltage per speed in V·s/rad. Required for revolute joints.
-    #[serde(rename = "torque_constant_N_m_A")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub torque_constant_n_m_a: Option<f64>,
-    /// Force per current of a prismatic or sliding joint's motor, equal to the voltage per velocity in V·s/m. Required for
-    /// these joints.
-    #[serde(rename = "force_constant_N_A")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub force_constant_n_a: Option<f64>,
-    /// Start value of the input `<joint>.voltage`, default 0.
-    #[serde(default, rename = "voltage_V")]
-    pub voltage_v: f64,
-    /// Current at the start, default 0. A start in equilibrium has the current `u/R`.
-    #[serde(default, rename = "start_current_A")]
-    pub start_current_a: f64,
-}
-
-/// Quantity that is constant above the table of a generator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum AboveTableFile {
-    /// The torque of the last row.
-    #[default]
-    ConstantTorque,
-    /// The power of the last row.
-    ConstantPower,
-}
-
-fn whole() -> f64 {
-    1.0
-}
-
-pub(super) fn yes() -> bool {
-    true
-}

@@ -3,10 +3,8 @@
 use crate::body_file::FrameFile;
 use crate::checker::Checker;
 use crate::file::ModelFile;
-use crate::joint_file::{
-    AttitudeFile, EndStopsFile, JointFile, JointType, LatchFile, LatchType, MotionType, MotorFile, PAIRS, SpringFile,
-    TableEnds,
-};
+use crate::freedom_file::{EndStopsFile, LatchFile, LatchType, MotionType, MotorFile, SpringFile, TableEnds};
+use crate::joint_file::{AttitudeFile, JointFile, JointType, PAIRS};
 use foldwing_engine::machine::builder::{JointBuilder, LatchBuilder};
 use foldwing_engine::machine::units::quoted;
 use foldwing_engine::machine::{
@@ -19,9 +17,11 @@ const ROOT: &str = "root";
 
 /// Axes, and keys without a field of the same name in the machine, with the joint types that have them.
 const KEYS: &[(&str, &[JointType])] = {
-    use JointType::{Prismatic, Revolute, Sliding, Universal};
+    use JointType::{Cylindrical, Prismatic, Revolute, Sliding, Universal};
     &[
-        ("axis", &[Revolute, Prismatic, Universal]),
+        ("axis", &[Revolute, Prismatic, Universal, Cylindrical]),
+        ("rotation", &[Cylindrical]),
+        ("translation", &[Cylindrical]),
         ("body_axis", &[Universal]),
         ("attitude", &[Sliding]),
         ("polynomial_deg", &[Revolute]),
@@ -118,8 +118,15 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
                 }
                 continue;
             }
+            let freedoms = joint.kind.freedoms().iter();
+            let freedoms = freedoms.filter(|own| types.iter().any(|kind| kind.travel() == Some(own.travel)));
+            let freedoms: Vec<&str> = freedoms.map(|own| own.name).collect();
             let names: Vec<&str> = types.iter().copied().map(JointType::name).collect();
-            checker.refuse(&["joint", name, key], format!("this key only with type = {}", quoted(&names)));
+            let allowed = match freedoms.is_empty() {
+                true => format!("this key only with type = {}", quoted(&names)),
+                false => format!("this key of a {} joint only in its {}", joint.kind.name(), quoted(&freedoms)),
+            };
+            checker.refuse(&["joint", name, key], allowed);
         }
     }
     for (key, field) in
@@ -130,10 +137,6 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
             checker.refuse(&["joint", name, "motor", key], "this key only with type = \"revolute\"");
             checker.stands_in(&["joint", name, "motor", field]);
         }
-    }
-    refuse_other_travel(name, joint, checker);
-    if joint.kind.travel() == Some(Travel::Translation) && checker.states(&["joint", name, "motor", "gear_ratio"]) {
-        checker.refuse(&["joint", name, "motor", "gear_ratio"], "this key only with type = \"revolute\"");
     }
     let place = parent_frame(name, joint, file, checker);
     // rotates vectors to the parent frame of the joint
@@ -150,6 +153,16 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
         JointType::Universal => Joint::universal(name, axis, joint.body_axis.unwrap_or_default()),
         JointType::Ball => Joint::ball(name),
         JointType::Free => Joint::free(name),
+        JointType::Cylindrical => {
+            joint.kind.freedoms().iter().fold(Joint::cylindrical(name, axis), |chain, freedom| {
+                let table = joint.freedom(freedom.travel);
+                let change = |own| act(own, &freedom.joint(name), &table, checker);
+                match freedom.travel {
+                    Travel::Rotation => chain.rotation(change),
+                    Travel::Translation => chain.translation(change),
+                }
+            })
+        }
     };
     built = on_parent(built, name, joint, checker);
     let mount = Rotation3::new(radians(joint.mount_rotation_deg));
@@ -164,6 +177,15 @@ fn build(name: &str, joint: &JointFile, file: &ModelFile, checker: &mut Checker)
     }
     if let Some(velocity_m_s) = joint.start_velocity_m_s {
         built = built.start_velocity_m_s(velocity_m_s);
+    }
+    act(built, name, joint, checker)
+}
+
+/// Adds start, motion, motor, springs, latch and end stops to a joint, or to a degree of freedom of a chain.
+fn act(mut built: JointBuilder, name: &str, joint: &JointFile, checker: &mut Checker) -> JointBuilder {
+    refuse_other_travel(name, joint, checker);
+    if joint.kind.travel() == Some(Travel::Translation) && checker.states(&["joint", name, "motor", "gear_ratio"]) {
+        checker.refuse(&["joint", name, "motor", "gear_ratio"], "this key only with type = \"revolute\"");
     }
     if let Some(angle_deg) = joint.start_angle_deg {
         built = built.start_angle_rad(angle_deg.to_radians());
@@ -231,6 +253,8 @@ fn refuse_other_travel(name: &str, joint: &JointFile, checker: &mut Checker) {
             JointType::Revolute => {
                 (slides, format!("{turns} instead: the keys of a revolute joint are in deg and N·m"))
             }
+            // an error at the table itself; each degree of freedom is checked with its own tables
+            JointType::Cylindrical => continue,
             JointType::Clamped | JointType::Universal | JointType::Ball | JointType::Free => {
                 (slides, "this key only with type = \"prismatic\" or \"sliding\"".to_owned())
             }

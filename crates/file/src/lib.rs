@@ -25,6 +25,8 @@ mod error;
 mod failure_file;
 mod failures;
 mod file;
+mod freedom_file;
+mod freedoms;
 mod function;
 mod generator;
 mod gust;

@@ -64,11 +64,11 @@ pub(super) struct ModalBodyFile {
     /// Deflection of the outer end in each edgewise shape at the start. Default 0.
     pub edge_start_m: Option<Vec<f64>>,
     /// Include the axial shortening due to bending. Without it a rotating blade has no centrifugal stiffening.
-    #[serde(default = "crate::joint_file::yes")]
+    #[serde(default = "crate::freedom_file::yes")]
     pub axial_shortening: bool,
     /// Include the rotation of sections due to bending. Without it sections, and bodies attached to the outer end, keep
     /// the attitude of the inner end, and moments on them do not bend the body.
-    #[serde(default = "crate::joint_file::yes")]
+    #[serde(default = "crate::freedom_file::yes")]
     pub section_rotation: bool,
     /// Distances of load stations from the inner end, ascending. Default: none.
     #[schemars(length(max = 1000))]

@@ -89,45 +89,54 @@ pub fn reference() -> String {
     page += &format!("\n{START}");
     let tree = tree();
     let top = Node::root(&tree);
+    let mut seen = Vec::new();
     table(&mut page, "Top level", top);
     for (key, property) in properties(top) {
         let items = property.child("additionalProperties");
         if items.is_table() {
-            group(&mut page, &format!("[{key}.<name>]"), items.resolve());
+            group((&mut page, &mut seen), &format!("[{key}.<name>]"), items.resolve());
         } else if property.resolve()["type"] == "object" {
             let table = property.resolve();
-            group(&mut page, &format!("[{key}]"), table);
+            group((&mut page, &mut seen), &format!("[{key}]"), table);
             let named = table.child("additionalProperties");
             if named.is_table() {
-                group(&mut page, &format!("[{key}.<name>]"), named.resolve());
+                group((&mut page, &mut seen), &format!("[{key}.<name>]"), named.resolve());
             }
         }
     }
     page
 }
 
+/// The page, and the definitions of inner tables that it has.
+type Page<'p, 's> = (&'p mut String, &'p mut Vec<&'s str>);
+
 /// Writes a table of the model file with its variants and the tables inside it.
-fn group(page: &mut String, title: &str, schema: Node) {
+fn group<'s>((page, seen): Page<'_, 's>, title: &str, schema: Node<'s>) {
     match tagged(schema) {
         Some((tag, variants)) => {
             for (name, variant) in variants {
                 table(page, &format!("{title} with {tag} = {name:?}"), variant);
-                inner_tables(page, title, variant);
+                inner_tables((page, seen), title, variant);
             }
         }
         None => table(page, title, schema),
     }
-    inner_tables(page, title, schema);
+    inner_tables((page, seen), title, schema);
 }
 
-fn inner_tables(page: &mut String, title: &str, schema: Node) {
+fn inner_tables<'s>((page, seen): Page<'_, 's>, title: &str, schema: Node<'s>) {
     for (key, property) in properties(schema) {
         let inner = property.resolve();
         let items = inner.child("additionalProperties");
         if items.is_table() {
-            group(page, &format!("{}.{key}.<name>]", title.trim_end_matches(']')), items.resolve());
+            group((page, seen), &format!("{}.{key}.<name>]", title.trim_end_matches(']')), items.resolve());
         } else if inner["type"] == "object" {
-            group(page, &format!("{}.{key}]", title.trim_end_matches(']')), inner);
+            // a definition that several tables have is written once
+            if property.reference().is_some_and(|name| seen.contains(&name)) {
+                continue;
+            }
+            seen.extend(property.reference());
+            group((page, seen), &format!("{}.{key}]", title.trim_end_matches(']')), inner);
         }
     }
 }

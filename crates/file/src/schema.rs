@@ -76,6 +76,11 @@ impl<'s> Node<'s> {
         Some(self.here[key].as_list()?.iter().map(move |here| self.at(here)))
     }
 
+    /// Definition to which the node refers, if it does.
+    pub fn reference(self) -> Option<&'s str> {
+        self.here["$ref"].as_str()
+    }
+
     /// Follows a `$ref` into `$defs`.
     pub fn resolve(self) -> Self {
         let target = self.here["$ref"].as_str().and_then(|path| path.strip_prefix("#/$defs/"));
@@ -228,9 +233,15 @@ pub(super) fn in_range(value: f64, schema: &Json) -> bool {
 
 /// Tables that have a key, in the notation of the file, such as `[joint.<name>.motor]`; empty if there are none or many.
 pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
-    let mut found = Vec::new();
+    let mut found: Vec<String> = Vec::new();
+    let mut seen: Vec<usize> = Vec::new();
     let mut look = |title: String, schema: Node| {
-        if properties(schema).any(|(known, _)| known == key) {
+        // a definition that several tables have is named once, and a table in one that has the key is not named
+        let inner = found.iter().any(|home| title.starts_with(&format!("{}.", home.trim_end_matches(']'))));
+        let definition = std::ptr::from_ref(schema.here).addr();
+        let again = seen.contains(&definition);
+        seen.push(definition);
+        if !inner && !again && properties(schema).any(|(known, _)| known == key) {
             found.push(title);
         }
     };

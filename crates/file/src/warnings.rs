@@ -291,9 +291,13 @@ impl Look<'_, '_> {
     fn angles(&mut self, file: &ModelFile) {
         for (name, joint) in &file.joint {
             let latch = joint.latch.as_ref().map(|latch| latch.angle_deg);
-            let angles: [(&[&str], Option<f64>); 2] = [
+            let rotation = joint.rotation.as_ref();
+            let own_latch = rotation.and_then(|own| own.latch.as_ref()).map(|latch| latch.angle_deg);
+            let angles: [(&[&str], Option<f64>); 4] = [
                 (&["joint", name, "start_angle_deg"], joint.start_angle_deg),
                 (&["joint", name, "latch", "angle_deg"], latch),
+                (&["joint", name, "rotation", "start_angle_deg"], rotation.and_then(|own| own.start_angle_deg)),
+                (&["joint", name, "rotation", "latch", "angle_deg"], own_latch),
             ];
             for (path, angle) in angles {
                 let Some(angle) = angle.filter(|angle| angle.fract() != 0.0) else { continue };

@@ -429,6 +429,10 @@ fn produced() -> Vec<String> {
                  [skate.blade]\nbody = \"block\"\n";
     write("gear_slips.toml", slips.as_bytes());
 
+    let strut = include_str!("../../verification/plant/cylindrical.toml");
+    let of_both = "parent_offset_m = [0.1, 0.2, 0.3]\nspring.stiffness_N_m = 3.0";
+    write("strut.toml", strut.replace("parent_offset_m = [0.1, 0.2, 0.3]", of_both).as_bytes());
+
     // a body that slides along a beam, with parts that exclude it
     let rail = include_str!("../../verification/plant/sliding.toml");
     let reaches = |old: &str, new: &str| {
@@ -496,6 +500,7 @@ fn produced() -> Vec<String> {
         "check rail_on_bead.toml",
         "check rail_outside.toml",
         "check rail_turned.toml",
+        "check strut.toml",
         "check rail_damped.toml",
         "check rail_clamped.toml",
         "static rail_fine.toml",

@@ -28,6 +28,7 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ("flight/folding_aircraft.toml", "no steady flight"),
     ("flying_aircraft.toml", "no steady flight"),
     ("gear/castor.toml", "constrains velocities"),
+    ("gear/oleo.toml", "constrains velocities"),
     ("models/flying_wing.toml", "no steady flight"),
     ("models/double_pendulum.toml", "no stiffness resists a motion of joint"),
 ];

@@ -8,6 +8,7 @@ pub(crate) mod machines;
 mod carried;
 mod chains;
 mod corners;
+mod cylindrical;
 mod dc_motor;
 mod deployment;
 mod double_pendulum;

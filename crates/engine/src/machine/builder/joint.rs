@@ -2,6 +2,8 @@
 
 mod attitude;
 pub(super) mod carriage;
+mod chain;
+pub(super) mod freedom;
 mod kind;
 
 pub use attitude::Attitude;
@@ -28,7 +30,7 @@ pub(super) enum Holder {
 }
 
 /// A joint under construction, see [`Joint::clamped`], [`Joint::revolute`], [`Joint::prismatic`], [`Joint::universal`], [`Joint::ball`],
-/// [`Joint::free`]. By default its parent is the root, at its origin.
+/// [`Joint::free`], [`Joint::cylindrical`]. By default its parent is the root, at its origin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointBuilder {
     pub(super) name: String,
@@ -39,6 +41,8 @@ pub struct JointBuilder {
     axis: Vector3<f64>,
     body_axis: Vector3<f64>,
     attitude: Attitude,
+    /// Degrees of freedom of a chain, as joints of one degree of freedom without a name.
+    freedoms: Vec<JointBuilder>,
     start_angular_velocity_rad_s: Option<Vector3<f64>>,
     start_velocity_m_s: Option<Vector3<f64>>,
     start_angle_rad: Option<f64>,
@@ -66,6 +70,7 @@ impl Joint {
             axis: Vector3::zeros(),
             body_axis: Vector3::zeros(),
             attitude: Attitude::Section,
+            freedoms: Vec::new(),
             start_angular_velocity_rad_s: None,
             start_velocity_m_s: None,
             start_angle_rad: None,
@@ -160,6 +165,15 @@ impl Joint {
     /// A ball joint, which allows all rotations.
     pub fn ball(name: impl Into<String>) -> JointBuilder {
         Self::builder(name, Type::Ball)
+    }
+
+    /// A cylindrical joint: a translation along `axis` and a rotation about it, in the parent's section frame, of any nonzero length.
+    /// [`JointBuilder::translation`] and [`JointBuilder::rotation`] set start, motion and forces of each.
+    ///
+    /// The machine then has two joints, `<joint>_translation` and `<joint>_rotation`, with all that prismatic and revolute joints have, and
+    /// between them the body `<joint>_carriage` without mass.
+    pub fn cylindrical(name: impl Into<String>, axis: impl Into<Vector3<f64>>) -> JointBuilder {
+        JointBuilder { axis: axis.into(), ..Self::builder(name, Type::Cylindrical) }
     }
 
     /// A free joint, for a free-flying body. Its parent must be the root.
@@ -311,6 +325,7 @@ impl JointBuilder {
                 JointKind::Sliding(Box::new(self.build_one_freedom(Travel::Translation, start, start_time_s, checker)))
             }
             Type::Universal | Type::Ball | Type::Free => JointKind::Spatial(Box::new(self.build_spatial(checker))),
+            Type::Cylindrical => unreachable!("a chain is divided into its joints"),
         };
         Joint { name: self.name.clone(), parent, offset_m: self.offset_m, mount: self.mount, kind }
     }
@@ -351,8 +366,13 @@ impl JointBuilder {
         for (key, types, found) in stated.into_iter().chain(machinery) {
             if let (Some(found), false) = (found, types.contains(&self.kind)) {
                 let names: Vec<&str> = types.iter().copied().map(Type::name).collect();
+                let freedoms = self.kind.freedoms().iter().filter(|own| types.contains(&Type::of_travel(own.travel)));
+                let freedoms: Vec<&str> = freedoms.map(|own| own.name).collect();
                 let allowed = match attitude::of_start(key).filter(|_| self.kind == Sliding) {
                     Some(attitude) => format!("this key of a sliding joint only with attitude = {attitude:?}"),
+                    None if !freedoms.is_empty() => {
+                        format!("this key of a {} joint only in its {}", self.kind.name(), quoted(&freedoms))
+                    }
                     None => format!("this key only with type = {}", quoted(&names)),
                 };
                 checker.refuse(&["joint", &self.name, key], found, allowed);
@@ -431,7 +451,7 @@ impl JointBuilder {
         let (freedom, spin) = match self.kind {
             Type::Universal => self.universal(spin, checker),
             Type::Free => (SpatialFreedom::Free, spin),
-            Type::Ball | Type::Clamped | Type::Revolute | Type::Prismatic | Type::Sliding => {
+            Type::Ball | Type::Clamped | Type::Revolute | Type::Prismatic | Type::Sliding | Type::Cylindrical => {
                 (SpatialFreedom::Ball, spin)
             }
         };

@@ -21,6 +21,7 @@ pub use body::{BodyBuilder, ClosureBuilder, GaugeBuilder, InternalLoadBuilder};
 pub use failure::FailureBuilder;
 pub use flap::FlapBuilder;
 pub use gust::GustBuilder;
+pub use joint::freedom::{CYLINDRICAL, Freedom, carriage};
 pub use joint::{Attitude, JointBuilder};
 pub use latch::LatchBuilder;
 pub use no_slip::NoSlipBuilder;
@@ -214,7 +215,7 @@ impl MachineBuilder {
 
     fn assemble(&self, checker: &mut Checker) -> Machine {
         let start_time_s = self.experiment.start_time_s;
-        let described = joint::carriage::with_carriages(&self.bodies);
+        let described = joint::carriage::with_carriages(&self.bodies, checker);
         let tree = tree::resolve(&described, checker);
         let mut bodies: Vec<Body> = Vec::with_capacity(described.len());
         for index in &tree.order {

@@ -1,5 +1,6 @@
 //! Attitudes of bodies on sliding joints.
 
+use super::freedom::carriage;
 use nalgebra::Vector3;
 
 /// Attitude of the body of a sliding joint relative to the beam's section.
@@ -23,7 +24,7 @@ impl Attitude {
     /// Names of the parts of a joint whose body rotates: the carriage, and the joint of the body on it. `None` for a body that has the
     /// attitude of the section.
     pub fn parts(&self, joint: &str) -> Option<[String; 2]> {
-        let named = |part: &str| Some([format!("{joint}_carriage"), format!("{joint}_{part}")]);
+        let named = |part: &str| Some([carriage(joint, 0), format!("{joint}_{part}")]);
         match self {
             Self::Section => None,
             Self::Hinge(_) => named("hinge"),

@@ -1,10 +1,12 @@
-//! Bodies that rotate on sliding joints: a hinge or a ball joint holds them on a carriage without mass, NOTATION eq. (J16).
+//! Joints that consist of several, with carriages, bodies without mass, between them: a hinge or a ball joint on a sliding joint, NOTATION
+//! eq. (J16), and chains of joints with one degree of freedom, eq. (J20).
 
+use super::freedom::carriage;
 use super::{Attitude, Holder, JointBuilder, Type};
 use crate::machine::builder::body::BodyBuilder;
 use crate::machine::fault::Checker;
 use crate::machine::{Body, Joint};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use std::borrow::Cow;
 
 impl JointBuilder {
@@ -26,11 +28,13 @@ impl JointBuilder {
         }
     }
 
-    /// The carriage and the body, each with its joint, if the body rotates on a sliding joint.
-    fn parts(&self, body: &BodyBuilder) -> Option<[(BodyBuilder, JointBuilder); 2]> {
-        let [carriage, joint] = self.attitude.parts(&self.name).filter(|_| self.kind == Type::Sliding)?;
-        let mut slide = JointBuilder { attitude: Attitude::Section, mount: Matrix3::identity(), ..self.clone() };
-        let mut turning = match self.attitude {
+    /// The joints of which this one consists, from the parent outward; none if it is a single joint.
+    fn links(&self) -> Vec<JointBuilder> {
+        let Some([_, joint]) = self.attitude.parts(&self.name).filter(|_| self.kind == Type::Sliding) else {
+            return self.chain();
+        };
+        let mut slide = JointBuilder { attitude: Attitude::Section, ..self.clone() };
+        let turning = match self.attitude {
             Attitude::Hinge(axis) => JointBuilder {
                 start_angle_rad: slide.start_angle_rad.take(),
                 start_rate_rad_s: slide.start_rate_rad_s.take(),
@@ -41,20 +45,45 @@ impl JointBuilder {
                 ..Joint::ball(joint)
             },
         };
-        (turning.holder, turning.mount) = (Holder::Body(carriage.clone(), None), self.mount);
-        Some([(Body::rigid(carriage).load_stations(0), slide), (body.clone(), turning)])
+        vec![slide, turning]
+    }
+
+    /// The body on the last of these joints, and a carriage on each of the others.
+    fn parts(&self, body: &BodyBuilder) -> Option<Vec<(BodyBuilder, JointBuilder)>> {
+        let links = self.links();
+        let last = links.len().checked_sub(1)?;
+        let placed = links.into_iter().enumerate().map(|(index, link)| {
+            let carried = if index == last {
+                (body.clone(), self.mount)
+            } else {
+                (Body::rigid(carriage(&self.name, index)).load_stations(0), Matrix3::identity())
+            };
+            let (holder, offset_m) = match index.checked_sub(1) {
+                Some(inner) => (Holder::Body(carriage(&self.name, inner), None), Vector3::zeros()),
+                None => (self.holder.clone(), self.offset_m),
+            };
+            (carried.0, JointBuilder { holder, offset_m, mount: carried.1, ..link })
+        });
+        Some(placed.collect())
     }
 }
 
-/// Bodies with their joints, with a carriage before every body that rotates on a sliding joint.
-pub(in crate::machine::builder) fn with_carriages(
-    bodies: &[(BodyBuilder, JointBuilder)],
-) -> Cow<'_, [(BodyBuilder, JointBuilder)]> {
-    if bodies.iter().all(|(_, joint)| joint.attitude == Attitude::Section) {
+/// Bodies with their joints, with a carriage before every body that rotates on a sliding joint or is held by a chain of joints.
+pub(in crate::machine::builder) fn with_carriages<'b>(
+    bodies: &'b [(BodyBuilder, JointBuilder)],
+    checker: &mut Checker,
+) -> Cow<'b, [(BodyBuilder, JointBuilder)]> {
+    bodies.iter().for_each(|(_, joint)| joint.refuse_freedoms(checker));
+    let is_single = |joint: &JointBuilder| joint.attitude == Attitude::Section && joint.kind.freedoms().is_empty();
+    if bodies.iter().all(|(_, joint)| is_single(joint)) {
         return Cow::Borrowed(bodies);
     }
+    for (_, joint) in bodies.iter().filter(|(_, joint)| !joint.kind.freedoms().is_empty()) {
+        joint.refuse_strangers(checker);
+        joint.refuse_attitude(checker);
+    }
     let parted = bodies.iter().flat_map(|(body, joint)| match joint.parts(body) {
-        Some(parts) => parts.to_vec(),
+        Some(parts) => parts,
         None => vec![(body.clone(), joint.clone())],
     });
     Cow::Owned(parted.collect())
