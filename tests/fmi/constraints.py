@@ -1,4 +1,4 @@
-"""Checks that tests of the FMUs of one model in both versions have in common: constraints, several aerodynamic models, electrical motors."""
+"""Checks that tests of the FMUs of one model in both versions have in common: constraints, several aerodynamic models, DC motors."""
 
 import csv
 import re

@@ -1,4 +1,4 @@
-"""A machine with an electrical motor as an FMU of both versions: the motion of the command, Model Exchange, rollback."""
+"""A machine with a DC motor as an FMU of both versions: the motion of the command, Model Exchange, rollback."""
 
 import subprocess
 

@@ -47,7 +47,7 @@ pub fn draw(seed: u64) -> Model {
     model
 }
 
-/// Adds an electrical motor to each free degree of freedom of the cylindrical joints.
+/// Adds a DC motor to each free degree of freedom of the cylindrical joints.
 fn electrical(dice: &mut Dice, model: &mut Model) {
     for (part, constant) in [("translation", "force_constant_N_A"), ("rotation", "torque_constant_N_m_A")] {
         let of_part =

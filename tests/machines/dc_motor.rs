@@ -1,14 +1,14 @@
-//! Machines with electrical motors, in a separate range of seeds.
+//! Machines with DC motors, in a separate range of seeds.
 
 use crate::machines::draw::{Dice, draw as draw_other};
 use crate::machines::model::{Model, Table};
 use crate::machines::rigid::RIGID;
 use crate::machines::sliding::SLIDING;
 
-/// Machines of this seed and above have electrical motors.
+/// Machines of this seed and above have DC motors.
 pub const DC_MOTORS: u64 = 5_000_000;
 
-/// A machine of another range of seeds, with electrical motors on most of its free revolute, prismatic and sliding joints; machines without
+/// A machine of another range of seeds, with DC motors on most of its free revolute, prismatic and sliding joints; machines without
 /// such a joint are unchanged.
 pub fn draw(seed: u64) -> Model {
     let own = seed - DC_MOTORS;

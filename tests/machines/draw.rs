@@ -111,7 +111,7 @@ impl Draft {
 
 /// A machine from a seed, reproducible; seeds from [`SLIDING`] on give machines with sliding joints, those from [`RIGID`] on machines with rigid
 /// loops, those from [`NO_SLIP`] on machines with skates and wheels, those from [`AIRS`] on machines with several aerodynamic models,
-/// those from [`DC_MOTORS`] on machines with electrical motors, those from [`CYLINDRICAL`] on machines with cylindrical joints.
+/// those from [`DC_MOTORS`] on machines with DC motors, those from [`CYLINDRICAL`] on machines with cylindrical joints.
 pub fn draw(seed: u64) -> Model {
     if seed >= CYLINDRICAL {
         return cylindrical::draw(seed);

@@ -130,7 +130,7 @@ pub fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         | "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
         "bodies with mode shapes" => Some(beamed(model, place)),
         "damping by ratios of modes" => key_removed(model, "body.", &["modal_damping_ratios"]),
-        "currents of electrical motors" => of_joint("dc_motor"),
+        "currents of DC motors" => of_joint("dc_motor"),
         "rigid loops" => remove(&format!("loop.{place}")),
         part if part.starts_with("failures") => remove(&format!("failure.{place}")),
         "universal, ball and free joints in air" => Some(clamped(model, place)),

@@ -483,7 +483,7 @@ fn x17_machines_with_several_airs() {
     hold_for("X-17 files", seeds(), invariants::files);
 }
 
-/// Machines with electrical motors, in any combination with joints, loops, latches, stops, air and events: they run, all but a few, and
+/// Machines with DC motors, in any combination with joints, loops, latches, stops, air and events: they run, all but a few, and
 /// currents flow; rotated and mirrored as a whole they have the same motion; their energy accounts close; states are whole; communication
 /// steps do not matter; file and tables give the same machine; gradients and rotor analyses are refused by name.
 #[test]

@@ -277,7 +277,7 @@ fn real_time_mode() {
     assert_eq!((solver.method, solver.fixed_step_s, solver.most_iterations), (Method::Sdirk2, Some(1e-3), Some(4)));
 }
 
-/// Electrical motors: the constant in the unit of the joint, a joint that moves freely, and no failure of the current.
+/// DC motors: the constant in the unit of the joint, a joint that moves freely, and no failure of the current.
 #[test]
 fn electrical_motors() {
     const LATCH: &str = "[joint.fold.latch]\n";
@@ -295,7 +295,7 @@ fn electrical_motors() {
     );
     assert_eq!(
         message_of(&locked),
-        "wing.toml:37: key 'joint.fold.dc_motor': an electrical motor on a joint that does not move freely is not allowed; \
+        "wing.toml:37: key 'joint.fold.dc_motor': a DC motor on a joint that does not move freely is not allowed; \
          allowed: a dc_motor only with motion = \"free\""
     );
     let lost = whole.replacen(
@@ -305,7 +305,7 @@ fn electrical_motors() {
     );
     assert_eq!(
         message_of(&lost),
-        "wing.toml:49: key 'failure.lost.joint': a joint with an electrical motor is not allowed; allowed: a joint without dc_motor: \
+        "wing.toml:49: key 'failure.lost.joint': a joint with a DC motor is not allowed; allowed: a joint without dc_motor: \
          its current does not stop by a failure; set its voltage during the run"
     );
 }

@@ -1,10 +1,10 @@
-//! Builds the electrical motor of a joint in the model file.
+//! Builds the DC motor of a joint in the model file.
 
 use crate::checker::Checker;
 use crate::joint_file::JointFile;
 use foldwing_engine::machine::{DcMotor, Travel};
 
-/// Builds the electrical motor of a joint; `None` if it has none, or after an error.
+/// Builds the DC motor of a joint; `None` if it has none, or after an error.
 pub(super) fn build(name: &str, joint: &JointFile, checker: &mut Checker) -> Option<DcMotor> {
     let own = joint.dc_motor.as_ref()?;
     let (key, constant, unit) = match joint.travel() {

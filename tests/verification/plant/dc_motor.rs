@@ -1,4 +1,4 @@
-//! DC-01 to DC-12 and DC-16 to DC-18: electrical motors, whose currents are states, against the linear solution and by invariants.
+//! DC-01 to DC-12 and DC-16 to DC-18: DC motors, whose currents are states, against the linear solution and by invariants.
 
 use crate::agreement::agree;
 use crate::linear_rows::compare::{Rows, linear_rows_agree};
@@ -467,7 +467,7 @@ fn dc11_what_is_not_covered_is_refused_by_name() {
     let faults = own.validate().iter().map(ToString::to_string).collect::<String>();
     assert!(faults.contains("without inductance the motor is a damper"), "{faults}");
     let refused = plant.run_on_tape(&[0.01]).expect_err("no gradient").to_string();
-    assert!(refused.contains("currents of electrical motors (hinge)"), "{refused}");
+    assert!(refused.contains("currents of DC motors (hinge)"), "{refused}");
     let refused = plant.study().rotor(0.0, None).expect_err("no rotor analysis").to_string();
     assert!(
         refused.contains("joint \"hinge\"") && refused.contains("omit the table [joint.hinge.dc_motor]"),

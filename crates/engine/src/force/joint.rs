@@ -451,12 +451,12 @@ impl JointForces {
         self.motor().map_or(DriveTorque::default(), |motor| motor.torque(time_s, angle_rad, rate_rad_s))
     }
 
-    /// Armature of the joint's electrical motor, if any.
+    /// Armature of the joint's DC motor, if any.
     pub fn armature(&self) -> Option<&Armature> {
         self.motor()?.armature.as_ref()
     }
 
-    /// Torque of the joint's electrical motor in N·m at the rates of all coordinates, or its derivative in time at their accelerations.
+    /// Torque of the joint's DC motor in N·m at the rates of all coordinates, or its derivative in time at their accelerations.
     pub fn armature_torque_n_m(&self, rates: &[f64]) -> f64 {
         self.armature().map_or(0.0, |armature| armature.circuit.torque_n_m(rates))
     }

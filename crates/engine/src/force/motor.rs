@@ -24,7 +24,7 @@ pub struct Motor {
     pub held: Option<HeldMotor>,
     /// Whether the motor ignores commands (runaway failure).
     pub deaf: bool,
-    /// Armature of an electrical motor on the same joint, eqs. (A12)–(A14). Limits, slew and failures do not act on it.
+    /// Armature of a DC motor on the same joint, eqs. (A12)–(A14). Limits, slew and failures do not act on it.
     pub armature: Option<Armature>,
 }
 

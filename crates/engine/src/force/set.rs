@@ -57,12 +57,12 @@ impl Forces {
         &mut self.list[self.with_one_freedom..]
     }
 
-    /// Armatures of the electrical motors, in the order of their joints.
+    /// Armatures of the DC motors, in the order of their joints.
     pub fn armatures(&self) -> impl Iterator<Item = &Armature> {
         self.joints().iter().filter_map(JointForces::armature)
     }
 
-    /// Armatures of the electrical motors, mutable.
+    /// Armatures of the DC motors, mutable.
     pub fn armatures_mut(&mut self) -> impl Iterator<Item = &mut Armature> {
         self.joints_mut().iter_mut().filter_map(|joint| joint.motor_mut()?.armature.as_mut())
     }

@@ -205,7 +205,7 @@ impl System {
             return refuse("sliding joints", joint);
         }
         if let Some((joint, _)) = machine.dc_motors().next() {
-            return refuse("currents of electrical motors", self.joint_name(joint));
+            return refuse("currents of DC motors", self.joint_name(joint));
         }
         if let Some(closure) = machine.closures.iter().find(|closure| closure.rigid) {
             return refuse("rigid loops", &closure.name);

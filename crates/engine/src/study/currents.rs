@@ -1,4 +1,4 @@
-//! Currents of electrical motors in linear models: first-order states, NOTATION eq. (A14).
+//! Currents of DC motors in linear models: first-order states, NOTATION eq. (A14).
 
 use crate::multibody::circuit::Circuit;
 use crate::signal::DcMotorInputs;

@@ -80,7 +80,7 @@ impl Course {
         }
     }
 
-    /// Voltage of an electrical motor at a time in V.
+    /// Voltage of a DC motor at a time in V.
     pub fn voltage_v(&self, dc_motor: usize, time_s: f64) -> f64 {
         let (base, rate) = (&self.base.dc_motors()[dc_motor], &self.rates.dc_motors()[dc_motor]);
         base.voltage_v + rate.voltage_v * (time_s - self.from_s)

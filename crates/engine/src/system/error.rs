@@ -237,7 +237,7 @@ pub enum PlantError {
         /// The analysis.
         analysis: &'static str,
     },
-    /// An analysis that models with electrical motors do not support.
+    /// An analysis that models with DC motors do not support.
     #[error(
         "no {analysis} at t = {time_s} s: the current of the dc_motor of joint {joint:?} is a state that this analysis does not include; \
          compute the motion over time, or omit the table [joint.{joint}.dc_motor]"

@@ -86,7 +86,7 @@ impl System {
         self.exchange.strain_inertia_s2 = if limited { limit_rad_s.powi(-2) } else { 0.0 };
     }
 
-    /// Number of continuous states: coordinates that move, their rates, lag states of strips, currents of electrical motors and, if they are
+    /// Number of continuous states: coordinates that move, their rates, lag states of strips, currents of DC motors and, if they are
     /// kept, work and dissipation.
     pub fn exchange_state_count(&self) -> usize {
         2 * self.moving.len() + self.lag_count() + self.circuits().len() + self.account_count()

@@ -34,7 +34,7 @@ impl System {
         }
     }
 
-    /// Returns an error that names an analysis if an electrical motor does not permit it.
+    /// Returns an error that names an analysis if a DC motor does not permit it.
     pub(crate) fn refuse_dc_motor(&self, analysis: &'static str) -> Result<(), PlantError> {
         match self.machine.dc_motors().next() {
             None => Ok(()),

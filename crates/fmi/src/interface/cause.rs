@@ -14,7 +14,7 @@ pub(super) enum Cause {
     AnyCommand,
     /// Connection of a joint's generator.
     Generator(usize),
-    /// Voltage of a joint's electrical motor.
+    /// Voltage of a joint's DC motor.
     Voltage(usize),
     /// External torque of a joint.
     Torque(usize),

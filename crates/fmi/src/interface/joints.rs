@@ -221,12 +221,12 @@ fn generator_outputs(table: &mut Table, topology: &Topology, joint: usize) {
     add("power", offset_of!(GeneratorOutputs, power_w), "Power", gives(), "electrical power of the generator");
 }
 
-/// Index of a joint's electrical motor among those of the machine, if it has one.
+/// Index of a joint's DC motor among those of the machine, if it has one.
 fn dc_motor_of(topology: &Topology, joint: usize) -> Option<usize> {
     topology.machine.dc_motors().position(|(place, _)| place == joint)
 }
 
-/// Voltage of a joint's electrical motor, if it has one.
+/// Voltage of a joint's DC motor, if it has one.
 pub(super) fn voltage_input(table: &mut Table, topology: &Topology, joint: usize) {
     let Some(index) = dc_motor_of(topology, joint) else { return };
     let name = topology.joint_name(joint);
@@ -235,7 +235,7 @@ pub(super) fn voltage_input(table: &mut Table, topology: &Topology, joint: usize
     table.input(Input::Joint(joint, JointInput::Voltage), place, Shape::Scalar, Type::Real("Voltage"), text);
 }
 
-/// Outputs of a joint's electrical motor, if it has one. The current is a state; in equilibrium it follows from the voltage.
+/// Outputs of a joint's DC motor, if it has one. The current is a state; in equilibrium it follows from the voltage.
 fn dc_motor_outputs(table: &mut Table, topology: &Topology, joint: usize) {
     let Some(index) = dc_motor_of(topology, joint) else { return };
     let (name, travel) = (topology.joint_name(joint), topology.travel(joint));

@@ -49,7 +49,7 @@ pub(super) enum JointInput {
     LatchEnable,
     /// Connection of the generator.
     GeneratorOn,
-    /// Voltage of the electrical motor.
+    /// Voltage of the DC motor.
     Voltage,
 }
 

@@ -30,7 +30,7 @@ pub struct LinearModel {
     /// theory, whose loads and lag states are included.
     pub without_air: bool,
     /// States: free coordinates, then their rates, then the aerodynamic states, for strips the lag states, for a lattice the changes of the
-    /// rates at the aerodynamic steps, of the circulations and of the loads, then the currents of electrical motors.
+    /// rates at the aerodynamic steps, of the circulations and of the loads, then the currents of DC motors.
     pub states: Vec<LinearSignal>,
     /// Inputs.
     pub inputs: Vec<LinearSignal>,

@@ -78,7 +78,7 @@ impl Interface {
                     let joint = (0..coordinates).filter(of_joint);
                     found.running = list(joint.flat_map(|c| [states[c], states[coordinates + c]]).collect());
                 }
-                // currents of electrical motors act on the accelerations too
+                // currents of DC motors act on the accelerations too
                 Place::Derivative(state)
                     if state < 2 * coordinates && !one_tree && machine.dc_motors().next().is_none() =>
                 {

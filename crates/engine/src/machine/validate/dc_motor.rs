@@ -4,11 +4,11 @@ use crate::machine::fault::{Checker, Range};
 use crate::machine::units::shortest;
 use crate::machine::{DcMotor, JointMotion, OneFreedom, Travel};
 
-/// Checks the electrical motor of a joint.
+/// Checks the DC motor of a joint.
 pub(super) fn check(name: &str, travel: Travel, joint: &OneFreedom, own: &DcMotor, checker: &mut Checker) {
     let place = |key| ["joint", name, "dc_motor", key];
     if joint.motion != JointMotion::Free {
-        let found = "an electrical motor on a joint that does not move freely";
+        let found = "a DC motor on a joint that does not move freely";
         checker.refuse_state(&["joint", name, "dc_motor"], found, "a dc_motor only with motion = \"free\"");
     }
     let constant = travel.words("torque_constant_n_m_a");

@@ -81,7 +81,7 @@ fn effect(machine: &Machine, name: &str, effect: &Effect, checker: &mut Checker)
             if own.is_some_and(|(_, own)| own.dc_motor.is_some()) {
                 let allowed =
                     "a joint without dc_motor: its current does not stop by a failure; set its voltage during the run";
-                checker.refuse_state(&joint, "a joint with an electrical motor", allowed);
+                checker.refuse_state(&joint, "a joint with a DC motor", allowed);
             }
         }
         Effect::MotorJam { body } | Effect::LockRelease { body } => {

@@ -31,7 +31,7 @@ pub struct JointOutputs {
 
 impl JointOutputs {
     /// Adds the motor's contribution to the time derivatives of the outputs, on the current branch of its limits and slews: `motion` is
-    /// angle, rate and acceleration, `others_n_m_s` the rates of the external torque and of the torque of an electrical motor.
+    /// angle, rate and acceleration, `others_n_m_s` the rates of the external torque and of the torque of a DC motor.
     pub(crate) fn add_drive(
         &mut self,
         joint: &JointForces,
