@@ -5,8 +5,8 @@ use super::*;
 use crate::load::{RootMotion, Wrench};
 use std::mem::offset_of;
 
-/// Difference of runs in the unit of the input.
-const SHIFT: f64 = 1e-3;
+/// Difference of runs in the unit of the input: an equilibrium at the start is found to 1e-9, which a smaller one would show.
+const SHIFT: f64 = 1e-2;
 
 /// Derivatives by all rows of the only input over time, both ways and by differences of runs with the same steps: the largest differences,
 /// relative to the result's largest.
