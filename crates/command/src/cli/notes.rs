@@ -67,7 +67,7 @@ fn apart(air: &Air) -> Option<String> {
     Some(format!("aerodynamics {names}: each model is in the undisturbed wind; {effects}{}", refused(air)))
 }
 
-/// End of the note: what several models and slender bodies do not permit.
+/// End of the note: analyses that several models and slender bodies do not permit.
 fn refused(air: &Air) -> &'static str {
     match air.rotors().next() {
         Some(_) => "flutter speeds, periodic motions, gradients and Model Exchange are refused",

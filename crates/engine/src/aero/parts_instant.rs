@@ -90,7 +90,7 @@ impl Placed {
     }
 }
 
-/// The instant of one model, from what has been gathered.
+/// The instant of one model, from the gathered motions.
 fn instant_of<'a>(
     at: &'a Instant,
     lags: &Range<usize>,
