@@ -159,7 +159,7 @@ const WHERE: &[(&str, &str)] = &[
     ("<joint>.generator", "revolute joints with a generator"),
     ("<joint>.voltage", DC_MOTOR),
     ("<joint>.current", DC_MOTOR),
-    ("<joint>.dc_motor", "revolute joints with a `dc_motor`; prismatic ones have `dc_motor_force` in N"),
+    ("<joint>.dc_motor", "revolute joints with a `dc_motor`; prismatic ones have dc_motor_force in N"),
     ("<joint>.electrical_power", DC_MOTOR),
     ("rotor.", "with `aerodynamics.model = \"bem\"`"),
     ("failure.", "each failure"),
