@@ -240,7 +240,8 @@ pub(super) struct GeneratorFile {
 
 /// Electrical DC motor with permanent magnets: the armature current `i` follows from the input `<joint>.voltage` `u`,
 /// `L di/dt + R i + K N θ̇ = u`, and the torque on the outer body about the hinge is `K N i`, with the gear ratio `N` of
-/// `[joint.<name>.motor]`, 1 if it has none. For a prismatic or sliding joint the motor has a force of the same form, without a ratio.
+/// `[joint.<name>.motor]`, 1 if it has none. For a prismatic or sliding joint the motor has a force of the same form, without a gear
+/// ratio.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DcMotorFile {

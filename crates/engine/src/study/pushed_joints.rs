@@ -12,8 +12,9 @@ impl Study<'_> {
     /// coordinates unchanged: without stiffness, the search along the load path does not get there. Returns whether a joint was stopped.
     pub(super) fn stop_pushed_joints(&mut self, start: &mut [f64], time_s: f64, holding: Holding) -> bool {
         let model = &self.system.equations.model;
-        // the force on a joint in a loop depends on the others
-        if holding == Holding::Stopped || !(model.closures.is_empty() && model.rigid_loops.is_empty()) {
+        // the force on a joint in a loop depends on the others, and that of aerodynamics on the flow at each position
+        let depends = self.system.air.is_some() || !(model.closures.is_empty() && model.rigid_loops.is_empty());
+        if holding == Holding::Stopped || depends {
             return false;
         }
         let mut pushed = false;
