@@ -285,9 +285,9 @@ fn compare_results(
         results.iter().map(|result| gradient.adjoint(*result).unwrap_or_else(|error| panic!("{error}"))).collect();
     let own = gradient.values(&results).unwrap_or_else(|error| panic!("{error}"));
     let same = machine(Numbers::USUAL).unwrap_or_else(|error| panic!("{error}"));
-    // crossings are located to 1e-10 s
+    // the run locates crossings to 1e-10 s, the one along its steps to round-off; behind a latch, values change by 1 to 15 per s
     for (own, known) in own.iter().zip(retraced(&tape, same, &results)) {
-        assert!((own - known).abs() <= 1e-8 * known.abs(), "{own} and {known}");
+        assert!((own - known).abs() <= 1e-7 * known.abs(), "{own} and {known}");
     }
     let mut known = vec![vec![0.0; places.len()]; results.len()];
     for (column, place) in places.iter().enumerate() {
