@@ -260,11 +260,17 @@ fn largest(row: &[f64], other: &[f64]) -> f64 {
     row.iter().chain(other).fold(0.0f64, |largest, slope| largest.max(slope.abs()))
 }
 
+/// A number of the file: table, key, value.
+type Number = (usize, usize, f64);
+
+/// An input with the indices of its rows.
+type Rows = (usize, Vec<usize>);
+
 /// Derivatives against differences of runs with the same steps.
 fn differences(
     (model, inputs): (&Model, &InputRows),
     (recorded, results): (&mut Recorded, &Results),
-    (chosen, rows): (&[(usize, usize, f64)], Option<(usize, Vec<usize>)>),
+    (chosen, rows): (&[Number], Option<Rows>),
     forward: &Gradients,
     found: &mut Found,
 ) {
@@ -493,7 +499,9 @@ fn some_results(
     }
     let mut kept = Vec::new();
     for (kind, name) in wanted {
-        let one = recorded.find(&[name.clone()]).and_then(|own| recorded.derivatives(&own, Vec::new(), Mode::Forward));
+        let one = recorded
+            .find(std::slice::from_ref(&name))
+            .and_then(|own| recorded.derivatives(&own, Vec::new(), Mode::Forward));
         match one {
             Ok(_) => {
                 kept.push(name);
@@ -506,18 +514,17 @@ fn some_results(
 }
 
 /// Some numbers of the file: two of joints and failures, the others of anything.
-fn some_numbers(random: &mut fastrand::Rng, model: &Model) -> Vec<(usize, usize, f64)> {
+fn some_numbers(random: &mut fastrand::Rng, model: &Model) -> Vec<Number> {
     let mut all = numbers(model);
     random.shuffle(&mut all);
-    let of_joint =
-        |at: &(usize, usize, f64)| ["joint.", "failure."].iter().any(|kind| model.tables[at.0].name.starts_with(kind));
+    let of_joint = |at: &Number| ["joint.", "failure."].iter().any(|kind| model.tables[at.0].name.starts_with(kind));
     let (joints, others): (Vec<_>, Vec<_>) =
         all.into_iter().filter(|at| number(model, *at).is_some()).partition(of_joint);
     let rest = joints.iter().skip(NUMBERS / 2).copied();
     joints.iter().take(NUMBERS / 2).copied().chain(others).chain(rest).take(NUMBERS).collect()
 }
 
-fn key(model: &Model, (table, key, _): (usize, usize, f64)) -> String {
+fn key(model: &Model, (table, key, _): Number) -> String {
     format!("{}.{}", model.tables[table].name, model.tables[table].keys[key].0)
 }
 
@@ -528,7 +535,7 @@ fn neighbour(model: &Model, (table, key): (usize, usize), value: f64) -> Result<
     machine(&other, &View::plain()).map(|machine| Plant::new(Arc::new(machine)))
 }
 
-fn number(model: &Model, at: (usize, usize, f64)) -> Option<Numbers> {
+fn number(model: &Model, at: Number) -> Option<Numbers> {
     let parameter = parameter(model, (at.0, at.1), at.2).ok()?;
     Some(Numbers { by: vec![By { name: key(model, at), value: at.2, unit: "" }], parameter })
 }
