@@ -48,29 +48,6 @@ impl Force {
         }
     }
 
-    /// Stops a joint at `end_rad`, the result of [`Force::ahead_rad`]; the search for static equilibrium then restarts from `from_rad`.
-    pub fn stop_ahead(&self, from_rad: &mut f64, end_rad: f64, direction: f64, memory: &mut JointMemory) {
-        match self {
-            Self::Latch(latch) => {
-                latch.stops_at_rest(from_rad, end_rad, memory);
-            }
-            Self::EndStops(stops) => stops.press(direction, memory),
-            each!(
-                Motor
-                    | Spring
-                    | External
-                    | Generator
-                    | Brake
-                    | Prescribed
-                    | Lock
-                    | Attitude
-                    | Slipping
-                    | Watch
-                    | Borders
-            ) => {}
-        }
-    }
-
     /// Scales the force to a fraction `factor` of `whole`, for a joint that starts at `start_rad`, eq. (L8).
     pub fn scale(&mut self, whole: &Self, start_rad: f64, factor: f64, time_s: f64) {
         let between = |end: f64| start_rad + factor * (end - start_rad);

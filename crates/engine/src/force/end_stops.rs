@@ -196,11 +196,6 @@ impl TwoSidedStops {
             .then_some(from_rad - side.sign() * beyond.depth_rad)
     }
 
-    /// Sets the contact with the end in a direction, 1 or -1, for a search for static equilibrium.
-    pub fn press(&self, direction: f64, memory: &mut JointMemory) {
-        memory.contact = Contact::Pressed(if direction > 0.0 { Side::Upper } else { Side::Lower });
-    }
-
     /// Sets the contact state for a static equilibrium at `to_rad`; returns whether it differs from the assumed one.
     pub fn stops_at_rest(&self, to_rad: f64, memory: &mut JointMemory) -> bool {
         let contact = self.stops.contact_at(to_rad, 0.0);

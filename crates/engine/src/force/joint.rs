@@ -324,22 +324,10 @@ impl JointForces {
         self.forces.iter().any(|force| force.stops_at_rest(from_rad, to_rad, memory))
     }
 
-    /// The first latch or end stop that a joint reaches from `from_rad` in a direction, 1 or -1: index of the force and coordinate.
-    pub fn ahead_rad(&self, from_rad: f64, direction: f64, memory: &JointMemory) -> Option<(usize, f64)> {
-        let ahead = |(index, force): (usize, &Force)| Some((index, force.ahead_rad(from_rad, direction, memory)?));
-        let found = self.forces.iter().enumerate().filter_map(ahead);
-        found.min_by(|(_, one), (_, other)| (one * direction).total_cmp(&(other * direction)))
-    }
-
-    /// Stops a joint by the result of [`JointForces::ahead_rad`]; the search for static equilibrium then restarts from `from_rad`.
-    pub fn stop_ahead(
-        &self,
-        from_rad: &mut f64,
-        (force, end_rad): (usize, f64),
-        direction: f64,
-        memory: &mut JointMemory,
-    ) {
-        self.forces[force].stop_ahead(from_rad, end_rad, direction, memory);
+    /// Coordinate of the first latch or end stop that a joint reaches from `from_rad` in a direction, 1 or -1.
+    pub fn ahead_rad(&self, from_rad: f64, direction: f64, memory: &JointMemory) -> Option<f64> {
+        let ends = self.forces.iter().filter_map(|force| force.ahead_rad(from_rad, direction, memory));
+        ends.min_by(|one, other| (one * direction).total_cmp(&(other * direction)))
     }
 
     /// Scales the forces to a fraction `factor` of those of `whole`, eq. (L8).

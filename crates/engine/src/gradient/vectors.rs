@@ -1,4 +1,5 @@
-//! Sums and products of lists of numbers, with the vectors of the processor. No operation is fused, and partial sums do not depend on the vectors.
+//! Sums and products of lists of numbers, with the vectors of the processor. No operation is fused, and partial sums do not depend on the
+//! vectors.
 
 use crate::math::wide::wide;
 use pulp::Arch;

@@ -6,6 +6,9 @@ use crate::study::statics::Holding;
 
 /// Positions between the start of a joint and the stop at which the force on it is evaluated.
 const POSITIONS: u32 = 32;
+/// Distance beyond a stop or the edge of a latch at which the joint is caught, relative to 1 rad or 1 m and to the coordinate: above
+/// round-off, and a thousandth of the default half-width of a latch's capture window.
+const BEYOND: f64 = 1e-9;
 
 impl Study<'_> {
     /// Stops each released joint at the first latch or end stop towards which the loads push it on the whole way from `start`, the other
@@ -20,19 +23,22 @@ impl Study<'_> {
         let mut pushed = false;
         for index in 0..self.system.state.joints.len() {
             let joint = &self.system.equations.forces.joints()[index];
-            let (c, held) = (joint.coordinate, joint.held);
+            if joint.held {
+                continue;
+            }
+            let c = joint.coordinate;
             let force = self.force_at(start, c, start[c], time_s);
-            if held || force == 0.0 || !force.is_finite() {
+            if force == 0.0 || !force.is_finite() {
                 continue;
             }
             let (direction, memory) = (force.signum(), &self.system.state.joints[index]);
             let joint = &self.system.equations.forces.joints()[index];
-            let Some(ahead @ (_, end)) = joint.ahead_rad(start[c], direction, memory) else { continue };
-            let way = (1..=POSITIONS).map(|k| start[c] + (end - start[c]) * f64::from(k) / f64::from(POSITIONS));
-            if way.into_iter().all(|position| self.force_at(start, c, position, time_s) * direction > 0.0) {
+            let Some(end) = joint.ahead_rad(start[c], direction, memory) else { continue };
+            let mut way = (1..=POSITIONS).map(|k| start[c] + (end - start[c]) * f64::from(k) / f64::from(POSITIONS));
+            if way.all(|position| self.force_at(start, c, position, time_s) * direction > 0.0) {
                 let joint = &self.system.equations.forces.joints()[index];
-                joint.stop_ahead(&mut start[c], ahead, direction, &mut self.system.state.joints[index]);
-                pushed = true;
+                let beyond = end + direction * BEYOND * (1.0 + end.abs());
+                pushed |= joint.stops_at_rest(&mut start[c], beyond, &mut self.system.state.joints[index]);
             }
         }
         pushed

@@ -514,6 +514,7 @@ impl Study<'_> {
             (found, quest.departure) = at_rest.stabilise(&mut now.q, found);
         }
         if found.is_err() {
+            // the last attempt had a part of the loads
             at_rest.load(1.0);
         }
         let Target { forces, .. } = at_rest.target;

@@ -62,7 +62,7 @@ fn rows_of_a_load_move_the_equilibrium_at_the_start() {
     });
     println!("GR-84 {:.1e} {:.1e}", worst[0], worst[1]);
     assert!(worst[0] < 1e-10, "{:.1e}", worst[0]);
-    // the equilibria of the differences have the accuracy of the search
+    // 4.1e-6, 2.4e-6 over a tenth of the change of the load: the cause is not determined
     assert!(worst[1] < 1e-5, "{:.1e}", worst[1]);
 }
 

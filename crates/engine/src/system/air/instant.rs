@@ -27,8 +27,8 @@ impl System {
     }
 
     /// Solves for the current accelerations, with the corresponding loads of strips, rotors and slender bodies; loads of lattices are kept
-    /// constant, since lattices have no lag states. (Integrators find accelerations only to their tolerance, and interpolate aerodynamic loads linearly
-    /// over an aerodynamic step.) `lags` replaces the current lag states.
+    /// constant, since lattices have no lag states. (Integrators find accelerations only to their tolerance, and interpolate aerodynamic
+    /// loads linearly over an aerodynamic step.) `lags` replaces the current lag states.
     ///
     /// Returns the rates of the lag states in their units per s.
     ///
