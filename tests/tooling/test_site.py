@@ -39,6 +39,13 @@ class Page(HTMLParser):
                 self.links.append(value)
 
 
+def test_every_model_of_the_gallery_has_a_picture():
+    """The pages of models name only pictures that are in the repository, and no picture is left of a model that went."""
+    rows = json.loads((ROOT / "crates/web/page/gallery.json").read_text(encoding="utf-8"))
+    pictures = {path.stem for path in (ROOT / "docs/pictures/models").glob("*.png")}
+    assert {row["name"] for row in rows} == pictures
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     """Folder of the site, built once with the environment of `make site`."""
