@@ -41,13 +41,14 @@ impl Plant {
     /// between machines tend to it.
     ///
     /// The plant is initialised with the first values of `inputs`, whose rows have the times of those on the tape. The new tape has no
-    /// requested times.
+    /// requested times; one that is added belongs to the step in which it lies on the given tape.
     ///
     /// # Errors
     /// [`GradientError::Apart`] if another event ends a step, or joints are in other states than on the tape; those of [`Plant::run_on_tape`].
     pub fn run_along(&mut self, tape: &Tape, inputs: &InputRows) -> Result<Tape, GradientError> {
         self.system.refuse_gradient()?;
         let mut copy = Tape::with_inputs(inputs.clone());
+        copy.along_s = tape.ends_s();
         match tape.steps.first().and_then(|step| step.air.as_deref()) {
             Some(first) => self.run_along_in_air(tape, first, &mut copy)?,
             None => {

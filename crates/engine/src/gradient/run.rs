@@ -87,13 +87,14 @@ impl Plant {
         Ok(tape)
     }
 
-    /// Adds a requested time within the run on a tape; returns its index among the requested times.
+    /// Adds a requested time within the run on a tape; returns its index among the requested times. In a run along another's steps it
+    /// belongs to the same step as in the other, even if it has moved out of it.
     ///
     /// The plant is the one that ran; initialise it again before its next run. Errors for times that are not within the run, and at a
     /// crossing.
     pub fn request(&mut self, tape: &mut Tape, time_s: f64) -> Result<usize, GradientError> {
         let from_s = tape.steps.first().map_or(f64::NAN, |step| step.start.time_s);
-        let step = tape.steps.partition_point(|step| !step.has(time_s));
+        let step = tape.step_at(time_s);
         let branch = match time_s == from_s {
             true => None,
             false if time_s > from_s && step < tape.steps.len() => Some(self.branch(tape, step, time_s)?),

@@ -117,6 +117,8 @@ pub struct Tape {
     largest: Vec<f64>,
     /// The air in the present aerodynamic step.
     pub(crate) air: Option<Arc<AirHistory>>,
+    /// Ends in s of the steps of the run with whose steps this one was taken; empty for a run that chose its own.
+    pub(crate) along_s: Vec<f64>,
 }
 
 impl Tape {
@@ -133,6 +135,21 @@ impl Tape {
     /// Number of steps.
     pub fn steps(&self) -> usize {
         self.steps.len()
+    }
+
+    /// The step in which a time lies; in a run along another's steps, the step in which it lies there. Behind a crossing that moves, a time may
+    /// lie in the next step of a neighbouring run; a state from there would have the error of another step, and the difference of both runs
+    /// would not tend to the derivative.
+    pub(crate) fn step_at(&self, time_s: f64) -> usize {
+        match self.along_s.is_empty() {
+            true => self.steps.partition_point(|step| !step.has(time_s)),
+            false => self.along_s.partition_point(|end_s| *end_s < time_s),
+        }
+    }
+
+    /// Times in s up to which the steps have a time.
+    pub(crate) fn ends_s(&self) -> Vec<f64> {
+        self.steps.iter().map(|step| step.end.time_s + AT_END * step.length_s()).collect()
     }
 
     /// The point at a requested time.
