@@ -522,6 +522,51 @@ fn exchanged(model: &Model, air_step_s: f64) -> Option<Apart> {
     worst
 }
 
+/// Numbers of lag states and of annuli with an indicator of a machine under an external integrator, after a third of the run: derivatives
+/// beside its state are finite, and have the same bits from the saved state in another plant.
+pub fn saved_in_exchange(model: &Model) -> Result<[usize; 2], Verdict> {
+    let view = View::plain();
+    let silent = |_| Verdict::Silent;
+    let parsed = machine(model, &view).map_err(silent)?;
+    let mut plant = start(parsed.clone()).map_err(silent)?;
+    for step in 0..STEPS / 3 {
+        advance(&mut plant, model, &view, step, 1).map_err(silent)?;
+    }
+    let snapshot = plant.snapshot();
+    let lags = plant.exchange_lags().len();
+    let mut found = Vec::<(Vec<f64>, Vec<f64>)>::new();
+    let mut annuli = 0;
+    let mut other = Plant::new(Arc::new(parsed));
+    other.restore(&snapshot).map_err(|error| Verdict::Broken(error.to_string()))?;
+    for plant in [&mut plant, &mut other] {
+        let mut hybrid = plant.hybrid().map_err(|_| Verdict::Silent)?;
+        let mut states = vec![0.0; hybrid.states()];
+        hybrid.read(&mut states);
+        let time_s = hybrid.time_s();
+        // another state first: what it leaves behind must not matter
+        if found.is_empty() {
+            let beside: Vec<f64> = states.iter().map(|state| state + 1e-3 * (1.0 + state.abs())).collect();
+            hybrid.set(time_s, &beside);
+            let _ = hybrid.derivatives(&mut vec![0.0; states.len()]);
+        }
+        let near: Vec<f64> = states.iter().map(|state| state + 1e-6 * (1.0 + state.abs())).collect();
+        hybrid.set(time_s, &near);
+        let mut slope = states;
+        hybrid.derivatives(&mut slope).map_err(|error| Verdict::Broken(error.to_string()))?;
+        annuli = hybrid.switches();
+        let mut distances = vec![0.0; annuli];
+        hybrid.read_switches(&mut distances);
+        if slope.iter().chain(&distances).any(|value| !value.is_finite()) {
+            return Err(Verdict::Broken("not finite".to_owned()));
+        }
+        found.push((slope, distances));
+    }
+    match found[0] == found[1] {
+        true => Ok([lags, annuli]),
+        false => Err(Verdict::Broken("a saved state gives other derivatives".to_owned())),
+    }
+}
+
 /// The machine with prescribed motions held at their initial positions: its equilibrium is that of the machine with the motions, NOTATION
 /// (L1), and its simulation starts there without accelerations due to them.
 fn with_laws_standing(mut machine: Machine) -> Option<Machine> {

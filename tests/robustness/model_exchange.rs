@@ -215,7 +215,7 @@ impl Outside {
     }
 
     /// Integrates to a time with steps of at most `step_s`; returns the times of events in s.
-    fn run(&mut self, end_s: f64, step_s: f64) -> Vec<f64> {
+    pub fn run(&mut self, end_s: f64, step_s: f64) -> Vec<f64> {
         let mut events = Vec::new();
         while self.time_s < end_s - 1e-12 {
             if self.step(step_s.min(end_s - self.time_s)) {

@@ -1,5 +1,6 @@
 //! Model Exchange: energy accounts as states or not, nominal rates of strains, the frequency limit.
 
+use crate::counting_allocator::allocations;
 use crate::fmu::{Attempt, Fmu, Resources, WING};
 use crate::model_exchange::{Outside, Phase};
 use foldwing::instance::Version;
@@ -276,4 +277,41 @@ fn me19_the_limit_is_a_parameter_of_model_exchange() {
     let row = table(WING, kinds(Version::Fmi3, true, false));
     let row = row.find("solver.frequency_limit").expect("a row");
     assert_eq!((row.value, row.declared_type), (Value::Real(0.0), Some("AngularVelocity")));
+}
+
+/// ME-32. Two rotors with dynamic inflow on a tower, through the C functions: no step allocates memory; a run from a saved state, also from
+/// its bytes in another instance and after a reset, has the same bits.
+#[test]
+fn me32_states_of_rotors_are_whole() {
+    const STEP_S: f64 = 5e-5;
+    let text = include_str!("../../examples/airs/twin_rotor.toml");
+    let mut outside = Outside::started(text);
+    outside.run(0.01, STEP_S);
+    let before = allocations();
+    outside.run(0.02, STEP_S);
+    assert_eq!(allocations() - before, 0, "allocations in 200 steps of the importer's");
+    let (saved, time_s, states) = (outside.fmu.save(), outside.time_s, outside.states.clone());
+    let bytes = outside.fmu.serialize(saved);
+    outside.run(0.025, STEP_S);
+    let (end, last) = (outside.fmu.bits(), outside.states.clone());
+    assert!(last != states);
+    let mut elsewhere = Outside::started(text);
+    let (status, handle) = elsewhere.fmu.deserialize(&bytes);
+    elsewhere.fmu.ok(status);
+    elsewhere.fmu.ok(unsafe { fmi2SetFMUstate(elsewhere.fmu.component, handle) });
+    outside.fmu.ok(unsafe { fmi2SetFMUstate(outside.fmu.component, saved) });
+    for again in [&mut outside, &mut elsewhere] {
+        again.read();
+        assert_eq!(again.states, states);
+        again.time_s = time_s;
+        again.run(0.025, STEP_S);
+        assert_eq!(again.states, last);
+        assert_eq!(again.fmu.bits(), end);
+    }
+    let rows = outside.fmu.table.variables().iter();
+    let lags: Vec<(&str, Option<&str>)> = rows
+        .filter(|row| row.nominal.is_some() && row.name.contains(".station["))
+        .map(|row| (row.name.as_str(), row.declared_type))
+        .collect();
+    assert!(lags.contains(&("state.port_blade1.station[3].induced_axial", Some("Velocity"))), "{lags:?}");
 }

@@ -329,7 +329,8 @@ pub fn linear_rows_agree_at(plant: &mut Plant) -> Rows {
         Err(error) => return Rows::Refused(error.to_string()),
     };
     let is_hybrid = match plant.hybrid() {
-        Ok(_) => true,
+        // rows of polars and separated sections need the steps of [`Compared::by_instants`]
+        Ok(_) => plant.machine().air.as_ref().is_none_or(|air| air.rotors().next().is_none()),
         Err(NotHybrid::Air | NotHybrid::NoSlip | NotHybrid::RigidLoop | NotHybrid::Sliding) => false,
         Err(NotHybrid::Uninitialized) => panic!("not initialised"),
     };

@@ -12,23 +12,30 @@ fn machine(text: &str) -> Machine {
 }
 
 /// Integrates with steps of `step_s`, using only [`Hybrid`].
-struct Outside<'a> {
-    system: Hybrid<'a>,
-    states: Vec<f64>,
+pub struct Outside<'a> {
+    pub system: Hybrid<'a>,
+    pub states: Vec<f64>,
     /// Work of the inputs and dissipated energy, J.
     accounts: [f64; 2],
     /// Times of events in s, with their energy terms.
     events: Vec<(f64, Jump)>,
+    /// Whether jumps of the balance of annuli are located.
+    pub locates: bool,
+    /// Number of jumps that have been located.
+    pub jumps: usize,
 }
 
+/// Index of an event that is the jump of an annulus.
+const ANNULUS: usize = usize::MAX;
+
 impl<'a> Outside<'a> {
-    fn of(system: Hybrid<'a>) -> Self {
+    pub fn of(system: Hybrid<'a>) -> Self {
         let mut states = vec![0.0; system.states()];
         system.read(&mut states);
-        Self { system, states, accounts: [0.0; 2], events: Vec::new() }
+        Self { system, states, accounts: [0.0; 2], events: Vec::new(), locates: false, jumps: 0 }
     }
 
-    fn slope(&mut self, time_s: f64, states: &[f64]) -> (Vec<f64>, AccountRates) {
+    pub fn slope(&mut self, time_s: f64, states: &[f64]) -> (Vec<f64>, AccountRates) {
         let mut slope = vec![0.0; states.len()];
         self.system.set(time_s, states);
         let rates = self.system.derivatives(&mut slope).expect("derivatives");
@@ -52,31 +59,44 @@ impl<'a> Outside<'a> {
         (end, accounts)
     }
 
-    fn indicators_at(&mut self, time_s: f64, states: &[f64]) -> Vec<f64> {
+    /// Indices of the indicators of forces that are crossed, and [`ANNULUS`] if the flow through annuli is other than `before`.
+    fn crossed_at(&mut self, time_s: f64, states: &[f64], before: &[bool]) -> Vec<usize> {
         let mut values = vec![1.0; self.system.indicators()];
         self.system.set(time_s, states);
         self.system.read_indicators(&mut values);
-        values
+        let mut crossed: Vec<usize> = (0..values.len()).filter(|&i| values[i] <= 0.0).collect();
+        if self.locates && self.flows_at(time_s, states) != before {
+            crossed.push(ANNULUS);
+        }
+        crossed
+    }
+
+    /// Directions of the flow through the annuli.
+    fn flows_at(&mut self, time_s: f64, states: &[f64]) -> Vec<bool> {
+        let mut values = vec![1.0; self.system.switches()];
+        self.slope(time_s, states);
+        self.system.read_switches(&mut values);
+        values.iter().map(|value| *value > 0.0).collect()
     }
 
     /// Integrates to `end_s`, with steps of at most `step_s`, through events and kinks.
-    fn run(&mut self, end_s: f64, step_s: f64) {
+    pub fn run(&mut self, end_s: f64, step_s: f64) {
         while self.system.time_s() < end_s - 1e-12 {
             let begin_s = self.system.time_s();
             let kink_s = self.system.next_kink_s();
             let stop_s = (begin_s + step_s).min(end_s).min(kink_s);
             let (mut end, mut accounts) = self.tried(stop_s - begin_s);
             let mut arrived_s = stop_s;
-            let crossed = |values: &[f64]| (0..values.len()).filter(|&i| values[i] <= 0.0).collect::<Vec<_>>();
-            let mut events = crossed(&self.indicators_at(stop_s, &end));
+            let begin = self.states.clone();
+            let flows = if self.locates { self.flows_at(begin_s, &begin) } else { Vec::new() };
+            let mut events = self.crossed_at(stop_s, &end, &flows);
             if !events.is_empty() {
                 let (mut low_s, mut high_s) = (begin_s, stop_s);
                 while high_s - low_s > 1e-12 {
                     let middle_s = 0.5 * (low_s + high_s);
-                    let begin = self.states.clone();
                     self.system.set(begin_s, &begin);
                     let tried = self.tried(middle_s - begin_s);
-                    let found = crossed(&self.indicators_at(middle_s, &tried.0));
+                    let found = self.crossed_at(middle_s, &tried.0, &flows);
                     if found.is_empty() {
                         low_s = middle_s;
                     } else {
@@ -87,6 +107,8 @@ impl<'a> Outside<'a> {
             (self.states, self.accounts) = (end, accounts);
             let states = self.states.clone();
             self.slope(arrived_s, &states);
+            self.jumps += usize::from(events.contains(&ANNULUS));
+            events.retain(|event| *event != ANNULUS);
             if events.is_empty() && arrived_s < kink_s {
                 self.system.complete();
             } else {

@@ -16,7 +16,7 @@ mod energy;
 mod failures;
 mod flat_wheel;
 mod hinges;
-mod hybrid;
+pub mod hybrid;
 mod idle_loop;
 mod internal_loads;
 mod latch_impulse;

@@ -1,5 +1,6 @@
 //! Aerodynamics of rotors: RT-01 and following. Reference numbers: `tests/reference/turbine`.
 
+mod exchange;
 mod hover;
 mod linear;
 mod order;

@@ -11,7 +11,7 @@ const END_S: f64 = 0.32;
 
 /// A rigid blade on a flap hinge that represents three, and a shaft accelerated by a third by the wind. The polar is smooth from attached
 /// flow to deep stall, with rows 1° apart: at 14 m/s and 9 rad/s the sections are on both sides of maximum lift.
-fn model(air: &str, step_s: f64) -> String {
+pub fn model(air: &str, step_s: f64) -> String {
     let mut rows = String::new();
     for degree in -180..=180 {
         let angle_rad = f64::from(degree).to_radians();

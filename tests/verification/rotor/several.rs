@@ -291,12 +291,10 @@ fn rt26_equilibrium_with_stopped_propellers() {
     assert!(stability.is_stable() && !stability.potential, "{stability:?}");
 }
 
-/// RT-27. What has no form for several models is refused with the names of the models: external integrators with rotors, periodic motions,
-/// flutter with rotors.
+/// RT-27. What has no form for several models is refused with the names of the models: periodic motions, flutter with rotors.
 #[test]
 fn rt27_studies_of_several_models_are_refused_by_name() {
-    let mut plant = started(TWIN);
-    assert!(plant.hybrid().is_err_and(|error| error.to_string().contains("fixed aerodynamic steps")));
+    let plant = started(TWIN);
     let turn =
         foldwing::plant::Turn::of(plant.machine(), Some("port_shaft"), Some(8.0), 64).expect_err("no turn").to_string();
     assert!(turn.contains("port, starboard"), "{turn}");

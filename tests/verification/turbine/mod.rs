@@ -4,7 +4,7 @@
 mod beside;
 mod bodies;
 mod kane;
-mod machine;
+pub mod machine;
 mod modes;
 mod operating;
 mod operation;

@@ -38,12 +38,11 @@ impl AirOptions {
         }
     }
 
-    /// Whether loads can be evaluated at an instant for an external integrator, with the lag states that they have: strips and slender
-    /// bodies.
+    /// Whether loads can be evaluated at an instant for an external integrator, with the lag states that they have: all but lattices.
     pub fn is_continuous(&self) -> bool {
         match self {
-            Self::Lattice(_) | Self::Rotor(_) => false,
-            Self::Strips(_) | Self::SlenderBody(_) => true,
+            Self::Lattice(_) => false,
+            Self::Strips(_) | Self::Rotor(_) | Self::SlenderBody(_) => true,
         }
     }
 

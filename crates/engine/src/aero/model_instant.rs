@@ -33,7 +33,7 @@ impl AirModel {
         match self {
             Self::Lattice(_) => answer.fill(0.0),
             Self::Strips(strips) => strips.respond(at, gusts, answer),
-            Self::Rotor(rotor) => answer.copy_from_slice(&rotor.answer(at)),
+            Self::Rotor(rotor) => rotor.respond(at, answer),
             Self::SlenderBody(body) => body.respond(at, answer),
         }
     }

@@ -6,6 +6,7 @@
 use crate::aero::flap::Deflection;
 use crate::aero::near_sheets::NoCirculation;
 use crate::aero::parts::Placed;
+use crate::aero::rotor::bem::Rotor;
 use crate::aero::strip::continuous::{Answer, LOAD_ROWS, Variable};
 use crate::aero::strip::instant::{Instant, SectionAcceleration};
 use crate::aero::{AirModel, AirModels, AirState, AirStates};
@@ -144,7 +145,7 @@ impl AirModels {
         Some(own.collect::<Option<Vec<Vec<f64>>>>()?.concat())
     }
 
-    /// Loads, rates of the lag states and other results of all models at an instant. Allocates nothing without rotors and uniform gust.
+    /// Loads, rates of the lag states and other results of all models at an instant. Allocates nothing without uniform gust.
     pub fn respond(&mut self, at: &Instant, stack: &mut Stack, answer: &mut [f64]) {
         let gusts = stack.gusts;
         for (part, level) in self.parts.iter_mut().zip(&mut stack.parts) {
@@ -155,6 +156,27 @@ impl AirModels {
             model.respond(&own, gusts, &mut level.answer);
             level.put(&level.answer, &part.sections, answer);
         }
+    }
+
+    /// Part and section of the annuli whose balance can jump; `of_loads`: of those whose loads jump with it.
+    pub fn switches(&self, of_loads: bool) -> impl Iterator<Item = [usize; 2]> {
+        self.rotors(of_loads).flat_map(|(part, rotor)| rotor.switches().map(move |section| [part, section]))
+    }
+
+    /// Reads the distances of these annuli from their jumps in the last response, eq. (W24).
+    pub fn read_switches(&self, of_loads: bool, mut distances: &mut [f64]) {
+        for (_, rotor) in self.rotors(of_loads) {
+            let (own, rest) = distances.split_at_mut(rotor.switches().count());
+            rotor.read_switches(own);
+            distances = rest;
+        }
+    }
+
+    fn rotors(&self, whose_loads_jump: bool) -> impl Iterator<Item = (usize, &Rotor)> {
+        self.parts.iter().enumerate().filter_map(move |(index, part)| match &part.model {
+            AirModel::Rotor(rotor) => Some((index, &**rotor)).filter(|_| !whose_loads_jump || rotor.loads_jump()),
+            AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::SlenderBody(_) => None,
+        })
     }
 
     /// Derivative of the response of all models; models that a variable does not reach have rows of 0.
@@ -188,34 +210,36 @@ impl AirModels {
         })
     }
 
-    /// One lag state of strips in the states of the models, in m/s.
-    pub fn strip_lag_m_s(&self, states: &AirStates, stack: &Stack, lag: usize) -> f64 {
+    /// One lag state in the states of the models, in its unit.
+    pub fn lag_value(&self, states: &AirStates, stack: &Stack, lag: usize) -> f64 {
         let parts = self.parts.iter().zip(&states.0).zip(&stack.parts);
         let found = parts.filter(|(_, level)| level.lags.contains(&lag)).find_map(|((part, state), level)| {
+            let own = lag - level.lags.start;
             match (&part.model, state) {
-                (AirModel::Strips(strips), AirState::Strips(state)) => {
-                    Some(strips.lag_m_s(state, stack.gusts, lag - level.lags.start))
-                }
+                (AirModel::Strips(strips), AirState::Strips(state)) => Some(strips.lag_m_s(state, stack.gusts, own)),
+                (AirModel::Rotor(rotor), AirState::Rotor(state)) => Some(rotor.lag_value(state, own)),
                 (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_) | AirModel::SlenderBody(_), _) => None,
             }
         });
         found.unwrap_or_default()
     }
 
-    /// Stores lag states of strips in the states of the models.
-    pub fn set_strip_lags(&self, lags: &[f64], stack: &Stack, states: &mut AirStates) {
+    /// Stores lag states in the states of the models.
+    pub fn set_lags(&self, lags: &[f64], stack: &Stack, states: &mut AirStates) {
         for ((part, state), level) in self.parts.iter().zip(&mut states.0).zip(&stack.parts) {
             match (&part.model, state) {
                 (AirModel::Strips(strips), AirState::Strips(state)) => {
                     strips.set_lags(&lags[level.lags.clone()], stack.gusts, state);
+                }
+                (AirModel::Rotor(rotor), AirState::Rotor(state)) => {
+                    rotor.set_lags(&lags[level.lags.clone()], state);
                 }
                 (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_) | AirModel::SlenderBody(_), _) => {}
             }
         }
     }
 
-    /// Stores the last [`AirModels::respond`] in the states of the models: results, for strips also `lags`, and momenta of slender bodies.
-    /// Lag states of rotors remain those of the states.
+    /// Stores the last [`AirModels::respond`] in the states of the models: results, lag states (`lags`), and momenta of slender bodies.
     pub fn remember(&self, lags: &[f64], stack: &Stack, states: &mut AirStates) {
         for ((part, state), level) in self.parts.iter().zip(&mut states.0).zip(&stack.parts) {
             match (&part.model, state) {
@@ -223,10 +247,7 @@ impl AirModels {
                     strips.remember(&lags[level.lags.clone()], stack.gusts, &level.answer, state);
                 }
                 (AirModel::SlenderBody(body), AirState::SlenderBody(state)) => body.remember(state),
-                (AirModel::Rotor(_), AirState::Rotor(state)) => {
-                    let own = &level.answer[level.answer.len() - level.rest_rows.len()..];
-                    bytemuck::cast_slice_mut(std::slice::from_mut(&mut state.loads)).copy_from_slice(own);
-                }
+                (AirModel::Rotor(rotor), AirState::Rotor(state)) => rotor.remember(state),
                 (AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_) | AirModel::SlenderBody(_), _) => {}
             }
         }

@@ -64,6 +64,7 @@ impl Study<'_> {
     pub(super) fn has_path_in_air(&self, holding: Holding) -> bool {
         let Some(air) = &self.system.air else { return false };
         air.continuous.is_some()
+            && air.settings.rotors().next().is_none()
             && air.settings.established
             // its corrections leave the elements of carriages unchanged
             && self.system.machine.sliding_joint().is_none()

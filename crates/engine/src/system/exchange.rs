@@ -44,8 +44,7 @@ pub enum CoordinateQuantity {
 }
 
 impl System {
-    /// Passes control of the initialised model to an external integrator, which starts in event mode. Returns an error with a lattice or
-    /// a rotor.
+    /// Passes control of the initialised model to an external integrator, which starts in event mode. Returns an error with a lattice.
     pub fn begin_exchange(&mut self) -> Result<(), NotHybrid> {
         let accounts = self.account_count();
         let hybrid = self.hybrid()?;
@@ -86,8 +85,8 @@ impl System {
         self.exchange.strain_inertia_s2 = if limited { limit_rad_s.powi(-2) } else { 0.0 };
     }
 
-    /// Number of continuous states: coordinates that move, their rates, lag states of strips, currents of DC motors and, if they are
-    /// kept, work and dissipation.
+    /// Number of continuous states: coordinates that move, their rates, lag states of strips and rotors, currents of DC motors
+    /// and, if they are kept, work and dissipation.
     pub fn exchange_state_count(&self) -> usize {
         2 * self.moving.len() + self.lag_count() + self.circuits().len() + self.account_count()
     }
@@ -96,6 +95,12 @@ impl System {
     pub fn exchange_lags(&self) -> Vec<String> {
         let continuous = self.air.as_ref().and_then(|air| air.continuous.as_ref());
         continuous.map_or(Vec::new(), |air| self.lag_names(air.gusts))
+    }
+
+    /// Units of the lag states, in the order of the states.
+    pub fn exchange_lag_units(&self) -> Vec<&'static str> {
+        let continuous = self.air.as_ref().and_then(|air| air.continuous.as_ref());
+        continuous.map_or(Vec::new(), |air| self.lag_units(air.gusts))
     }
 
     /// Names of the currents, in the order of the states, after the lag states.
@@ -109,10 +114,30 @@ impl System {
         &self.equations.model.circuits
     }
 
-    /// Number of event indicators: those of the forces, then two for each motor.
+    /// Number of annuli of rotors whose loads can jump.
+    pub(super) fn switch_count(&self) -> usize {
+        self.air.as_ref().map_or(0, |air| air.model.switches(true).count())
+    }
+
+    /// Whether air flows downwind through the annuli whose balance can jump, after [`System::update_exchange`].
+    pub fn exchange_flows(&self) -> Vec<bool> {
+        let Some(air) = &self.air else { return Vec::new() };
+        let mut distances = vec![1.0; air.model.switches(false).count()];
+        air.model.read_switches(false, &mut distances);
+        distances.iter().map(|distance| *distance > 0.0).collect()
+    }
+
+    /// Error for a derivative across the jump of one of these annuli.
+    pub fn no_exchange_slope(&self, annulus: usize) -> PlantError {
+        let place = self.air.as_ref().and_then(|air| air.model.switches(false).nth(annulus));
+        let [part, section] = place.unwrap_or_default();
+        self.no_slope(part, section)
+    }
+
+    /// Number of event indicators: those of the forces, then two for each motor, then one for each annulus whose loads can jump.
     pub fn exchange_indicator_count(&self) -> usize {
         let motors = self.equations.forces.joints().iter().filter(|joint| joint.motor().is_some()).count();
-        self.equations.forces.indicators().count() + 2 * motors
+        self.equations.forces.indicators().count() + 2 * motors + self.switch_count()
     }
 
     /// Coordinates that are states, in the order of the states; their rates follow in the same order.
@@ -268,9 +293,11 @@ impl System {
         if let Ok(rates) = &rates {
             of_accounts.copy_from_slice(&[rates.work_w, rates.dissipated_w][..of_accounts.len()]);
         }
-        let (of_forces, of_motors) = told.indicators.split_at_mut(hybrid.indicators());
+        let (of_forces, rest) = told.indicators.split_at_mut(hybrid.indicators());
+        let (of_motors, of_annuli) = rest.split_at_mut(hybrid.limits());
         hybrid.read_indicators(of_forces);
         hybrid.read_limits(of_motors);
+        hybrid.read_switches(of_annuli);
         told.found = rates.is_ok();
         self.told = told;
         self.state.outside = Some(outside);
@@ -284,7 +311,7 @@ impl System {
     }
 
     /// Event indicators of the last [`System::update_exchange`]: an event occurs where an indicator of a force falls through zero, or an
-    /// indicator of a motor changes its sign.
+    /// indicator of a motor or an annulus changes its sign.
     pub fn exchange_indicators(&self) -> &[f64] {
         &self.told.indicators
     }

@@ -14,12 +14,13 @@ use crate::system::outputs::Outputs;
 use crate::system::state::State;
 use crate::system::{OutputSet, System};
 
-/// An initialised model, without aerodynamics or with strip theory, under an external integrator.
+/// An initialised model, without aerodynamics or without a lattice, under an external integrator.
 ///
-/// The states are the coordinates that forces can move, then their rates, then the lag states of strips, then the currents of electrical
-/// motors; their number is constant, even while joints are held. Coordinates of universal, ball and free joints are redundant parameters: [`Hybrid::complete`] projects them onto
-/// their constraints. Between events, derivatives are smooth in states and time, except at the torque limits of motors, which have no event
-/// indicator here.
+/// The states are the coordinates that forces can move, then their rates, then the lag states of strips and rotors, then the currents of
+/// electrical motors; their number is constant, even while joints are held. Coordinates of universal, ball and free joints are redundant
+/// parameters: [`Hybrid::complete`] projects them onto their constraints. Between events, derivatives are smooth in states and time, except
+/// at the torque limits of motors and where the balance of an annulus jumps, which have no transition: [`Hybrid::read_limits`],
+/// [`Hybrid::read_switches`].
 pub struct Hybrid<'a> {
     system: &'a mut System,
 }
@@ -66,17 +67,17 @@ pub enum NotHybrid {
          co-simulation"
     )]
     NoSlip,
-    /// Panels, wake and rotors advance in fixed aerodynamic steps.
+    /// Panels and wake advance in fixed aerodynamic steps.
     #[error(
-        "an external integrator is not possible with a vortex lattice or a rotor: both use fixed aerodynamic steps; write \
+        "an external integrator is not possible with a vortex lattice, which uses fixed aerodynamic steps; write \
          model = \"strip\" in [aerodynamics], omit the table, or use co-simulation"
     )]
     Air,
 }
 
 impl System {
-    /// The model as a hybrid system at the current time. Returns an error before `Plant::initialize`, and with a lattice or a rotor,
-    /// whose states are advanced only by the internal integrator.
+    /// The model as a hybrid system at the current time. Returns an error before `Plant::initialize`, and with a lattice, whose
+    /// states are advanced only by the internal integrator.
     pub fn hybrid(&mut self) -> Result<Hybrid<'_>, NotHybrid> {
         if !self.state.initialized {
             return Err(NotHybrid::Uninitialized);
@@ -278,6 +279,19 @@ impl Hybrid<'_> {
         let motors = equations.forces.joints().iter().filter_map(|joint| Some((joint.coordinate, joint.motor()?)));
         for (pair, (c, motor)) in distances.chunks_exact_mut(2).zip(motors) {
             pair.copy_from_slice(&motor.limit_distances_n_m(now.time_s, now.q[c], now.v[c]));
+        }
+    }
+
+    /// Number of annuli of rotors whose loads can jump with their momentum balance: none with dynamic inflow.
+    pub fn switches(&self) -> usize {
+        self.system.switch_count()
+    }
+
+    /// Reads the distances of these annuli from their jumps in the last [`Hybrid::derivatives`], eq. (W24). Induced
+    /// velocities and loads jump with a change of the sign; the states do not.
+    pub fn read_switches(&self, distances: &mut [f64]) {
+        if let Some(air) = &self.system.air {
+            air.model.read_switches(true, distances);
         }
     }
 

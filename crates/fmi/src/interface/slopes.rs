@@ -25,6 +25,15 @@ const NOMINAL_INPUT: f64 = 10.0;
 /// Rate of a coordinate over its magnitude in 1/s, for the step.
 const RATE_1_S: f64 = 10.0;
 
+/// Discontinuity between the points of a difference.
+enum Between {
+    Nothing,
+    /// An event indicator changes its sign.
+    Limit,
+    /// The momentum balance of an annulus of a rotor jumps, so that there is no derivative.
+    Jump(usize),
+}
+
 /// A known with its current value and its seed.
 struct Seeded {
     row: usize,
@@ -92,35 +101,46 @@ impl Interface {
         let mut found = self.differences(plant, unknowns, along, step);
         for _ in 0..SHORTER_STEPS {
             match found {
-                Ok((_, true)) => {
+                Ok((_, Between::Limit | Between::Jump(_))) => {
                     step *= SHORTER;
                     found = self.differences(plant, unknowns, along, step);
                 }
-                Ok((_, false)) | Err(_) => break,
+                Ok((_, Between::Nothing)) | Err(_) => break,
             }
         }
         self.shift(plant, along, 0.0);
-        found.map(|(slope, _)| slope)
+        match found? {
+            (_, Between::Jump(annulus)) => Err(plant.no_exchange_slope(annulus)),
+            (slope, Between::Nothing | Between::Limit) => Ok(slope),
+        }
     }
 
-    /// Directional differences with a given step, and whether an event indicator changes sign between the points of evaluation.
+    /// Directional differences with a given step, and the discontinuity between the points of evaluation.
     fn differences(
         &self,
         plant: &mut Plant,
         unknowns: &[usize],
         along: &[Seeded],
         step: f64,
-    ) -> Result<(Vec<f64>, bool), PlantError> {
+    ) -> Result<(Vec<f64>, Between), PlantError> {
         let needs = unknowns.iter().fold(OutputSet::NONE, |needs, &row| needs | self.slots[row].needs);
         let mut slope = vec![0.0; unknowns.len()];
-        let mut signs: Option<Vec<bool>> = None;
-        let mut crossed = false;
+        let mut signs: Option<[Vec<bool>; 2]> = None;
+        let mut between = Between::Nothing;
         for (steps, weight) in FOURTH_ORDER {
             self.shift(plant, along, steps * step);
             plant.system_mut().update_exchange()?;
-            let here: Vec<bool> = plant.exchange_indicators().iter().map(|indicator| *indicator > 0.0).collect();
-            crossed |= signs.as_ref().is_some_and(|first| *first != here);
-            signs.get_or_insert(here);
+            let indicators = plant.exchange_indicators().iter().map(|indicator| *indicator > 0.0).collect();
+            let here = [indicators, plant.exchange_flows()];
+            let first = signs.get_or_insert_with(|| here.clone());
+            let jump = first[1].iter().zip(&here[1]).position(|(one, other)| one != other);
+            between = match (between, jump) {
+                (Between::Jump(annulus), _) | (Between::Nothing | Between::Limit, Some(annulus)) => {
+                    Between::Jump(annulus)
+                }
+                (Between::Nothing, None) if *first == here => Between::Nothing,
+                (Between::Nothing | Between::Limit, None) => Between::Limit,
+            };
             plant.provide(needs);
             for (sum, &row) in slope.iter_mut().zip(unknowns) {
                 if let Value::Real(value) = self.slots[row].read(plant, plant.outputs()) {
@@ -128,7 +148,7 @@ impl Interface {
                 }
             }
         }
-        Ok((slope, crossed))
+        Ok((slope, between))
     }
 
     /// Sets the knowns to their current values plus `amount` times their seeds.

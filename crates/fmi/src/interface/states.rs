@@ -17,8 +17,15 @@ fn types(quantity: CoordinateQuantity) -> [&'static str; 3] {
 /// Energy accounts that are states, with their meaning and nominal value, J.
 const ACCOUNTS: [(&str, &str); 2] = [("work", "work done by the inputs"), ("dissipated", "dissipated energy")];
 const NOMINAL_ENERGY_J: f64 = 1.0;
-/// Typical magnitude of a lag state in m/s.
-const NOMINAL_LAG_M_S: f64 = 1.0;
+/// Declared types of a lag state and of its rate, and its typical magnitude, by its unit: velocities, angles of attack, and lift
+/// coefficients and degrees of attachment.
+fn types_of_lag(unit: &str) -> ([&'static str; 2], f64) {
+    match unit {
+        "m/s" => (["Velocity", "Acceleration"], 1.0),
+        "rad" => (["Angle", "AngularVelocity"], 0.1),
+        _ => (["Ratio", "RatioRate"], 1.0),
+    }
+}
 
 /// Typical magnitude of a current in A.
 const NOMINAL_CURRENT_A: f64 = 1.0;
@@ -43,9 +50,10 @@ pub(super) fn add(table: &mut Table, plant: &Plant) -> Vec<usize> {
         let [_, own, rate] = types(*quantity);
         add(table, format!("state_rate.{name}"), [own, rate], nominal[1], &format!("rate of {name}"));
     }
-    for name in plant.exchange_lags() {
+    for (name, unit) in plant.exchange_lags().into_iter().zip(plant.exchange_lag_units()) {
         let meaning = format!("aerodynamic lag state {name}");
-        add(table, format!("state.{name}"), ["Velocity", "Acceleration"], NOMINAL_LAG_M_S, &meaning);
+        let (declared, nominal) = types_of_lag(unit);
+        add(table, format!("state.{name}"), declared, nominal, &meaning);
     }
     for name in plant.exchange_currents() {
         let meaning = format!("armature current {name}");

@@ -13,6 +13,7 @@ use crate::aero::rotor::inflow_lag::{Lagging, Meeting};
 use crate::aero::rotor::loads::RotorLoads;
 pub use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
 use crate::aero::rotor::skew::Skew;
+use crate::aero::rotor::states::RotorLag;
 pub use crate::aero::rotor::states::{RotorState, SectionMemory};
 use crate::aero::rotor::steady::induction_share;
 use crate::aero::surface::{ChordLine, Surface};
@@ -68,8 +69,14 @@ pub struct Rotor {
     pub(super) cuts: Vec<Cut>,
     /// Last momentum balances of the annuli, kept because the passes of a step and neighbouring motions repeat most of them.
     pub(super) balances: Vec<Option<(Annulus, Approach, [f64; 2])>>,
+    /// Fraction of the induction in the last evaluation, eq. (B7).
+    pub(super) share: f64,
     /// Section whose momentum balance jumps between neighbouring instants.
     pub(super) jump: Option<usize>,
+    /// Lag states at an instant with their sections.
+    pub(super) lags: Vec<(usize, RotorLag)>,
+    /// State and loads of the last response at an instant.
+    pub(super) instant: (RotorState, AirLoads),
 }
 
 /// Rotor disc at one instant.
@@ -115,16 +122,23 @@ impl Rotor {
             }
         }
         let splits = options.polars.iter().map(|polar| SplitPolar::new(polar.clone()));
-        Self {
+        let mut rotor = Self {
             blades: surfaces.iter().map(|surface| surface.sections.clone()).collect(),
             like: blades / surfaces.len().max(1) as f64,
             cuts: vec![NO_CUT; sections.len()],
             balances: vec![None; sections.len()],
+            share: 0.0,
             jump: None,
+            lags: Vec::new(),
+            instant: Default::default(),
             splits: splits.map(|split| split.filter(|_| options.features.dynamic_stall)).collect(),
             sections,
             options: options.clone(),
-        }
+        };
+        rotor.lags = rotor.list_lags();
+        // the section of the hub follows those of the blades
+        rotor.instant = (rotor.blank_state(), AirLoads::still(rotor.sections.len() + 1));
+        rotor
     }
 
     /// Index of a blade whose axis points along the shaft and has no direction in the disc; such a blade carries no load.
@@ -181,10 +195,11 @@ impl Rotor {
     ) {
         loads.clear();
         let mut disc = self.meet(motions, flow);
+        self.share = disc.share;
         let RotorFeatures { dynamic_inflow, aerodyn_compatible, .. } = self.options.features;
         let mut induction = match past {
             Past::Known { from, .. } => from.loads.induction,
-            Past::Settled | Past::Still | Past::Given(_) => 0.0,
+            Past::Settled | Past::Still | Past::Given => 0.0,
         };
         // the first pass uses the induction at the start of the step, the second the resulting one at its end
         let passes = if dynamic_inflow && !aerodyn_compatible && matches!(past, Past::Known { .. }) { 2 } else { 1 };
@@ -358,7 +373,7 @@ impl Rotor {
                     Past::Known { from, step_s } => lagging.after(&from.sections[index].inflow, *step_s),
                     Past::Still => lagging.still(),
                     Past::Settled => lagging.settled(),
-                    Past::Given(lags) => lagging.given(lags[index].inflow.acting_m_s[0]),
+                    Past::Given => lagging.given(memory.inflow.acting_m_s[0]),
                 };
                 ([lean * memory.inflow.acting_m_s[0], 0.0], lagging.meeting)
             }
@@ -390,10 +405,8 @@ impl Rotor {
                     Past::Still if self.options.features.dynamic_inflow => {
                         InflowState { balanced_m_s, ..InflowState::default() }
                     }
-                    Past::Given(lags) if self.options.features.dynamic_inflow => {
-                        lags[index].inflow.balanced(balanced_m_s)
-                    }
-                    Past::Settled | Past::Still | Past::Known { .. } | Past::Given(_) => {
+                    Past::Given if self.options.features.dynamic_inflow => memory.inflow.balanced(balanced_m_s),
+                    Past::Settled | Past::Still | Past::Known { .. } | Past::Given => {
                         InflowState::established(balanced_m_s)
                     }
                 };
@@ -418,13 +431,10 @@ impl Rotor {
             };
             memory.stall = match past {
                 Past::Known { from, step_s } => from.sections[index].stall.after(met, *step_s, split),
-                Past::Given(lags) => StallState { met, ..lags[index].stall },
+                Past::Given => StallState { met, ..memory.stall },
                 Past::Settled | Past::Still => StallState::steady(met, split),
             };
-            let dynamic = match past {
-                Past::Given(_) => memory.stall.coefficients_beside(split),
-                Past::Settled | Past::Still | Past::Known { .. } => memory.stall.coefficients(split),
-            };
+            let dynamic = memory.stall.coefficients(split);
             (state.row.lift, state.row.drag, state.row.moment) = (dynamic.lift, dynamic.drag, dynamic.moment);
         }
         let [along, drive] = state.force_m3_s2(section.chord_m);
@@ -457,8 +467,8 @@ pub(super) enum Past<'a> {
     Still,
     /// The state at the end of the previous step.
     Known { from: &'a RotorState, step_s: f64 },
-    /// The lag states of the sections at this instant, eq. (B27); the other entries have no meaning.
-    Given(&'a [SectionMemory]),
+    /// The lag states of the sections at this instant, eq. (B27), are those of the state; its other entries have no meaning.
+    Given,
 }
 
 /// Velocity of the air, without the influence of rotor and tower, relative to the root frame, in m/s.

@@ -1,10 +1,9 @@
 //! Blades in continuous time: loads and rates of the lag states at one instant, and their derivatives with respect to the motion of the
 //! sections and to the air, NOTATION eqs. (B27) and (B31).
 
-use crate::aero::AirLoads;
 use crate::aero::corners::{STEPS, slope_off_corners};
 use crate::aero::flow::Flow;
-use crate::aero::rotor::bem::{Past, Rotor, RotorState};
+use crate::aero::rotor::bem::{Past, Rotor, RotorState, SectionMemory};
 use crate::aero::rotor::dynamic_inflow::time_constant_s;
 use crate::aero::rotor::dynamic_stall::SEPARATED;
 use crate::aero::rotor::loads::RotorLoads;
@@ -31,69 +30,90 @@ const JUMP: f64 = 1.5e-3;
 const CROOKED: f64 = 0.5;
 
 impl Rotor {
-    /// Returns the loads of all sections in their own frames, the rates of the lag states ([`Rotor::lags`]) in their units per s, and then
-    /// the loads and coefficients of the rotor ([`RotorLoads`]).
-    pub fn answer(&mut self, at: &Instant) -> Answer {
-        self.respond(at).0
+    /// Writes the loads of all sections in their own frames, the rates of the lag states ([`Rotor::lags`]) in their units per s, and then
+    /// the loads and coefficients of the rotor ([`RotorLoads`]), the limit of the steps of [`Rotor::solve`] as they shrink, eq. (W24).
+    /// Allocates nothing.
+    pub fn respond(&mut self, at: &Instant, answer: &mut [f64]) {
+        self.respond_as(at, false, answer);
     }
 
-    fn respond(&mut self, at: &Instant) -> (Answer, RotorState) {
-        let sections = at.motions.len();
-        let mut answer = vec![0.0; LOAD_ROWS * sections];
-        let mut state = self.blank_state();
-        let mut loads = AirLoads::still(sections);
+    /// The same; `unwrapped` as in [`StallState::rates_1_s`](super::dynamic_stall::StallState::rates_1_s).
+    fn respond_as(&mut self, at: &Instant, unwrapped: bool, answer: &mut [f64]) {
+        let (mut state, mut loads) = std::mem::take(&mut self.instant);
         let flow = Flow { wind_m_s: at.flow.wind_m_s + at.gust_m_s, ..at.flow };
-        let given = self.given(&at.lags);
-        self.look(&at.motions, &flow, Past::Given(&given), &mut state, &mut loads);
-        for ((rows, load), motion) in answer.chunks_exact_mut(LOAD_ROWS).zip(&loads.circulatory).zip(at.motions.iter())
+        state.sections.fill(SectionMemory::default());
+        self.give(&at.lags, &mut state.sections);
+        self.look(&at.motions, &flow, Past::Given, &mut state, &mut loads);
+        let (of_sections, rest) = answer.split_at_mut(LOAD_ROWS * at.motions.len());
+        let (rates, own) = rest.split_at_mut(self.lags.len());
+        for ((rows, load), motion) in
+            of_sections.chunks_exact_mut(LOAD_ROWS).zip(&loads.circulatory).zip(at.motions.iter())
         {
             let turned = motion.rotation.transpose();
             rows[..3].copy_from_slice((turned * load.force_n).as_slice());
             rows[3..].copy_from_slice((turned * load.moment_n_m).as_slice());
         }
-        let radius_m = |section: usize| self.cuts[section].radial_m.norm();
+        self.write_rates(&state, unwrapped, rates);
+        own.copy_from_slice(bytemuck::cast_slice(std::slice::from_ref(&state.loads)));
+        self.instant = (state, loads);
+    }
+
+    /// Writes the rates of the lag states in their units per s.
+    fn write_rates(&self, state: &RotorState, unwrapped: bool, rates: &mut [f64]) {
         let rotor_m = self.rotor_radius_m();
         let first_s = time_constant_s(rotor_m, state.loads.induction, state.loads.wind_m_s);
         let lag_s = self.options.features.inflow_lag_s.unwrap_or(f64::INFINITY);
-        let rate = |(section, lag): (usize, RotorLag)| {
-            let memory = &state.sections[section];
-            let inflow = || memory.inflow.rates_m_s2(first_s, radius_m(section) / rotor_m);
-            let split = self.splits[self.sections[section].polar].as_ref();
-            let stall = |term: usize| split.map_or(0.0, |split| memory.stall.rates_1_s(split)[term]);
-            match lag {
-                RotorLag::Induced => (memory.inflow.balanced_m_s[0] - memory.inflow.acting_m_s[0]) / lag_s,
-                RotorLag::Reduced(axis) => inflow()[0][axis],
-                RotorLag::Acting(axis) => inflow()[1][axis],
-                RotorLag::Wake(term) => stall(term),
-                RotorLag::Lift => stall(2),
-                RotorLag::Attached => stall(3),
+        let (mut present, mut inflow, mut stall) = (None, [[0.0; 2]; 2], [0.0; 4]);
+        for ((section, lag), rate) in self.lags.iter().zip(rates) {
+            let memory = &state.sections[*section];
+            if present != Some(section) {
+                present = Some(section);
+                inflow = memory.inflow.rates_m_s2(first_s, self.cuts[*section].radial_m.norm() / rotor_m);
+                let split = self.splits[self.sections[*section].polar].as_ref();
+                stall = split.map_or([0.0; 4], |split| memory.stall.rates_1_s(split, unwrapped));
             }
-        };
-        answer.extend(self.lags().into_iter().map(rate));
-        answer.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(&state.loads)));
-        (answer, state)
+            *rate = match *lag {
+                RotorLag::Induced => (memory.inflow.balanced_m_s[0] - memory.inflow.acting_m_s[0]) / lag_s,
+                RotorLag::Reduced(axis) => inflow[0][axis],
+                RotorLag::Acting(axis) => inflow[1][axis],
+                RotorLag::Wake(term) => stall[term],
+                RotorLag::Lift => stall[2],
+                RotorLag::Attached => stall[3],
+            };
+        }
     }
 
-    /// Derivative of [`Rotor::answer`] by sixth-order central differences that avoid the kinks of polars, as for strips. The model has no
+    /// Stores the instant of the last [`Rotor::respond`] in a state, with its lag states and loads: steps can continue from there.
+    pub fn remember(&self, state: &mut RotorState) {
+        state.copy_from(&self.instant.0);
+    }
+
+    /// Length of a response to an instant.
+    fn rows(&self, sections: usize) -> usize {
+        LOAD_ROWS * sections + self.lags.len() + OWN
+    }
+
+    /// Derivative of [`Rotor::respond`] by sixth-order central differences that avoid the kinks of polars, as for strips. The model has no
     /// apparent mass: accelerations and rates of the wind have no effect. There is no derivative if the momentum balance jumps, see
     /// [`Rotor::jump`].
     pub fn slope(&mut self, at: &Instant, variable: Variable) -> Answer {
         let mut at = at.clone();
         let step = self.difference(&mut at, variable);
-        let (mut present, state) = self.respond(&at);
-        let Some(step) = step else { return vec![0.0; present.len()] };
+        let mut present = vec![0.0; self.rows(at.motions.len())];
+        let Some(step) = step else { return present };
+        self.respond_as(&at, true, &mut present);
         let mut beside_m_s: Vec<Vec<[f64; 2]>> = Vec::new();
         let kinds = self.kinds(&at);
         // on the side of the current direction of rotation; the mean of both sides if the rotor does not turn
         let sign = |speed_rad_s: f64| if speed_rad_s == 0.0 { 0.0 } else { speed_rad_s.signum() };
-        let turning = sign(state.loads.speed_rad_s);
+        let turning = sign(self.instant.0.loads.speed_rad_s);
         let ratio = present.len() - OWN + offset_of!(RotorLoads, tip_speed_ratio) / size_of::<f64>();
         present[ratio] *= turning * turning;
         let slope = slope_off_corners(step, &kinds, &present, |shift, side| {
             let mut beside = at.clone();
             displace(&mut beside, variable, shift);
-            let (answer, state) = self.respond(&beside);
-            side.copy_from_slice(&answer);
+            self.respond_as(&beside, true, side);
+            let state = &self.instant.0;
             side[ratio] *= turning * sign(state.loads.speed_rad_s);
             // only of the first attempt: the limits of the jump test are for unshortened steps
             if beside_m_s.len() < 2 * STEPS.len() {
@@ -111,7 +131,7 @@ impl Rotor {
     /// Kinds of the rows of an answer: forces, moments, lag states by type, and each load and coefficient of the rotor.
     fn kinds(&self, at: &Instant) -> Vec<usize> {
         let mut kinds = kinds_of_loads(at.motions.len());
-        kinds.extend(self.lags().iter().map(|(_, lag)| match lag {
+        kinds.extend(self.lags.iter().map(|(_, lag)| match lag {
             RotorLag::Induced | RotorLag::Reduced(_) => 2,
             RotorLag::Acting(_) => 3,
             RotorLag::Wake(_) => 4,
@@ -141,14 +161,15 @@ impl Rotor {
         self.jump.take()
     }
 
-    /// Difference step; `None` if nothing depends on the variable. Sets a degree of attachment close to 0 to 0.
+    /// Difference step; `None` if nothing depends on the variable. Sets a degree of attachment close to 0 to a value below 0 by more than the
+    /// steps: there its square root, whose slope is infinite at 0, is 0, and the response is linear in it.
     fn difference(&self, at: &mut Instant, variable: Variable) -> Option<f64> {
         if let Variable::Lag(lag) = variable {
-            let (section, kind) = self.lags()[lag];
+            let (section, kind) = self.lags[lag];
             let value = &mut at.lags.to_mut()[lag];
             return Some(match kind {
                 RotorLag::Attached if *value < SEPARATED => {
-                    *value = 0.0;
+                    *value = -SEPARATED;
                     SEPARATED_STEP
                 }
                 RotorLag::Attached => STEP * value.min(1.0),

@@ -44,9 +44,14 @@ impl InflowState {
         Self { balanced_m_s, middle_m_s: balanced_m_s, acting_m_s: balanced_m_s, lags_s: [0.0; 2] }
     }
 
+    /// Direct fraction of the balance in m/s, axial (0) or tangential (1).
+    pub(super) fn direct_m_s(&self, axis: usize) -> f64 {
+        DIRECT * self.balanced_m_s[axis]
+    }
+
     /// Replaces the velocity after the first lag by the state of eq. (B31): the direct fraction of the balance is subtracted.
     pub fn reduced(&self) -> Self {
-        let middle_m_s = std::array::from_fn(|axis| self.middle_m_s[axis] - DIRECT * self.balanced_m_s[axis]);
+        let middle_m_s = std::array::from_fn(|axis| self.middle_m_s[axis] - self.direct_m_s(axis));
         Self { middle_m_s, ..*self }
     }
 

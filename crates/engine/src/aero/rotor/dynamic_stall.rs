@@ -177,12 +177,14 @@ impl StallState {
         next
     }
 
-    /// Rates of the four states in 1/s at an instant, eq. (B13). The angle at three quarters of the chord jumps at 180°; it is unwrapped to
-    /// the value nearest to the lagged angle of the wake.
-    pub fn rates_1_s(&self, split: &SplitPolar) -> [f64; 4] {
+    /// Rates of the four states in 1/s at an instant, eq. (B13), the limit of [`StallState::after`] for short steps. The angle at three
+    /// quarters of the chord jumps at 180°; if `unwrapped`, as derivatives need it, it is unwrapped to the value nearest to the lagged angle
+    /// of the wake.
+    pub fn rates_1_s(&self, split: &SplitPolar, unwrapped: bool) -> [f64; 4] {
         let remembered_rad = self.wake_rad.iter().sum::<f64>() / AMPLITUDES.iter().sum::<f64>();
         let rear_rad = self.met.rear_rad();
-        let rear_rad = rear_rad + TAU * ((remembered_rad - rear_rad) / TAU).round();
+        let turns = if unwrapped { ((remembered_rad - rear_rad) / TAU).round() } else { 0.0 };
+        let rear_rad = rear_rad + TAU * turns;
         let passing_s = self.met.passing_s();
         let effective_rad = split.angle_rad(self.lagged_lift);
         let [wake, second] =
@@ -195,19 +197,10 @@ impl StallState {
         ]
     }
 
-    /// Coefficients, eq. (B14); blended with the static ones between 40° and 50° of angle of attack, static beyond.
+    /// Coefficients, eq. (B14); blended with the static ones between 40° and 50° of angle of attack, static beyond. An external integrator
+    /// may set a degree of attachment below 0, whose square root is 0.
     pub fn coefficients(&self, split: &SplitPolar) -> Coefficients {
-        self.coefficients_by(split, self.attached.sqrt())
-    }
-
-    /// Coefficients near a state, for derivatives: below [`SEPARATED`] the square root of the attachment, whose slope is infinite at 0, is
-    /// set to 0.
-    pub fn coefficients_beside(&self, split: &SplitPolar) -> Coefficients {
-        let root = if self.attached < 0.9 * SEPARATED { 0.0 } else { self.attached.sqrt() };
-        self.coefficients_by(split, root)
-    }
-
-    fn coefficients_by(&self, split: &SplitPolar, attached_root: f64) -> Coefficients {
+        let attached_root = self.attached.max(0.0).sqrt();
         let plain = split.polar.at(self.met.attack_rad);
         let static_row = Coefficients { lift: plain.lift, drag: plain.drag, moment: plain.moment };
         let [cutout_rad, half_rad] = CUTOUT_RAD;

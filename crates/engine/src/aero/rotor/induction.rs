@@ -178,13 +178,9 @@ fn balance_by(annulus: &Annulus, polar: &Polar, approach: &Approach, windmill_fi
     if annulus.is_end() || speed_m_s == 0.0 {
         return Annular::FREE;
     }
-    let normal_at_rest = {
-        let row = polar.at(turn_back(0f64.atan2(tangential_m_s) - chord_angle_rad));
-        if tangential_m_s < 0.0 { -row.lift } else { row.lift }
-    };
     let mirror = [
         // in still air the sign follows from the direction of the thrust
-        if axial_m_s < 0.0 || (axial_m_s == 0.0 && normal_at_rest > 0.0) { -1.0 } else { 1.0 },
+        if axial_m_s < 0.0 || (axial_m_s == 0.0 && normal_at_rest(polar, approach) > 0.0) { -1.0 } else { 1.0 },
         if tangential_m_s < 0.0 { -1.0 } else { 1.0 },
     ];
     let balance = Balance {
@@ -209,6 +205,13 @@ fn balance_by(annulus: &Annulus, polar: &Polar, approach: &Approach, windmill_fi
     }
 }
 
+/// Force coefficient along the wind at a flow angle of zero.
+pub(super) fn normal_at_rest(polar: &Polar, approach: &Approach) -> f64 {
+    let Approach { tangential_m_s, chord_angle_rad, .. } = *approach;
+    let row = polar.at(turn_back(0f64.atan2(tangential_m_s) - chord_angle_rad));
+    if tangential_m_s < 0.0 { -row.lift } else { row.lift }
+}
+
 /// An annulus with inflow from the windward side and the leading edge; velocities are relative to the speed of the inflow.
 struct Balance<'a> {
     annulus: &'a Annulus,
@@ -224,10 +227,8 @@ struct Balance<'a> {
 impl Balance<'_> {
     /// Flow angle at which blade load and momentum balance.
     fn flow_angle_rad(&self) -> Option<f64> {
-        // a windmill state exists if the thrust at a flow angle of zero is below the end of Buhl's parabola
-        let normal = self.coefficients(0.0, 1.0)[0];
         let rooted = self.windmill_first && self.residual(MINIMUM_ANGLE_RAD) < 0.0;
-        if rooted || normal <= 0.0 || (0.5 * self.annulus.solidity * normal).sqrt() * self.tangential < self.axial {
+        if rooted || self.brake_wind().is_none_or(|largest| largest < self.axial) {
             let quarter = self.residual(FRAC_PI_2);
             let [low, high] =
                 if quarter > 0.0 { [MINIMUM_ANGLE_RAD, FRAC_PI_2] } else { [FRAC_PI_2, PI - MINIMUM_ANGLE_RAD] };
@@ -235,6 +236,13 @@ impl Balance<'_> {
         } else {
             self.root(-FRAC_PI_2, -MINIMUM_ANGLE_RAD)
         }
+    }
+
+    /// Largest wind of the propeller-brake state, eq. (B6): beyond it the thrust at a flow angle of zero is below the end of Buhl's parabola,
+    /// so that there is a windmill state. `None` without thrust.
+    fn brake_wind(&self) -> Option<f64> {
+        let normal = self.coefficients(0.0, 1.0)[0];
+        if normal <= 0.0 { None } else { Some((0.5 * self.annulus.solidity * normal).sqrt() * self.tangential) }
     }
 
     /// Force coefficients of the mirrored section along the wind and in the driving direction.

@@ -17,6 +17,7 @@ pub mod skew;
 mod spread;
 pub mod states;
 pub mod steady;
+mod switch;
 pub mod tower;
 pub mod turbulence;
 pub mod turbulence_box;

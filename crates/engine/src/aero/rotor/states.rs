@@ -18,7 +18,7 @@ pub struct SectionMemory {
 }
 
 /// State of the rotor aerodynamics.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RotorState {
     /// States of the blade sections, blade by blade.
     pub sections: Vec<SectionMemory>,
@@ -39,7 +39,7 @@ impl RotorState {
     }
 }
 
-/// A lag state of a section in linearised models, eq. (B27).
+/// A lag state of a section at an instant, for linearised models and external integrators, eq. (B27).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RotorLag {
     /// Induced velocity along the shaft with one lag, eq. (B24), m/s.
@@ -78,8 +78,8 @@ impl RotorLag {
         }
     }
 
-    /// The entry of a section's memory that holds this state, in the format of [`Rotor::given`].
-    pub(super) fn of(self, memory: &mut SectionMemory) -> &mut f64 {
+    /// The entry of a section's memory that holds this state, with the direct fraction of the balance in place of its reduced velocity.
+    fn of(self, memory: &mut SectionMemory) -> &mut f64 {
         match self {
             Self::Induced => &mut memory.inflow.acting_m_s[0],
             Self::Reduced(axis) => &mut memory.inflow.middle_m_s[axis],
@@ -126,8 +126,8 @@ impl Rotor {
         [one_lag, !one_lag && features.dynamic_inflow && !is_end, stalls]
     }
 
-    /// Lag states in linearised models with their sections, section by section: first of the inflow, then of dynamic stall.
-    pub fn lags(&self) -> Vec<(usize, RotorLag)> {
+    /// Lists the lag states at an instant with their sections, section by section: first of the inflow, then of dynamic stall.
+    pub(super) fn list_lags(&self) -> Vec<(usize, RotorLag)> {
         let mut list = Vec::new();
         for (index, section) in self.sections.iter().enumerate() {
             let [one_lag, two_lags, stalls] = self.moved(section);
@@ -142,21 +142,38 @@ impl Rotor {
         list
     }
 
-    /// Values of the lag states [`Rotor::lags`] in a state.
-    pub fn lag_values(&self, state: &RotorState) -> Vec<f64> {
-        let of = |(section, lag): (usize, RotorLag)| {
-            let SectionMemory { inflow, stall } = &state.sections[section];
-            *lag.of(&mut SectionMemory { inflow: inflow.reduced(), stall: *stall })
-        };
-        self.lags().into_iter().map(of).collect()
+    /// Lag states at an instant with their sections, section by section: first of the inflow, then of dynamic stall.
+    pub fn lags(&self) -> &[(usize, RotorLag)] {
+        &self.lags
     }
 
-    /// Section memories that hold the given lag states, for [`Past::Given`](super::bem::Past).
-    pub(super) fn given(&self, lags: &[f64]) -> Vec<SectionMemory> {
-        let mut memories = vec![SectionMemory::default(); self.sections.len()];
-        for ((section, lag), value) in self.lags().into_iter().zip(lags) {
-            *lag.of(&mut memories[section]) = *value;
+    /// Value of one of the lag states [`Rotor::lags`] in a state, in its unit.
+    pub fn lag_value(&self, state: &RotorState, lag: usize) -> f64 {
+        let (section, lag) = self.lags[lag];
+        let SectionMemory { inflow, stall } = &state.sections[section];
+        *lag.of(&mut SectionMemory { inflow: inflow.reduced(), stall: *stall })
+    }
+
+    /// Values of the lag states [`Rotor::lags`] in a state.
+    pub fn lag_values(&self, state: &RotorState) -> Vec<f64> {
+        (0..self.lags.len()).map(|lag| self.lag_value(state, lag)).collect()
+    }
+
+    /// Stores lag states in a state, with its momentum balances.
+    pub fn set_lags(&self, lags: &[f64], state: &mut RotorState) {
+        self.give(lags, &mut state.sections);
+        for (section, lag) in &self.lags {
+            let inflow = &mut state.sections[*section].inflow;
+            if let RotorLag::Reduced(axis) = lag {
+                inflow.middle_m_s[*axis] += inflow.direct_m_s(*axis);
+            }
         }
-        memories
+    }
+
+    /// Writes lag states to section memories, for [`Past::Given`](super::bem::Past).
+    pub(super) fn give(&self, lags: &[f64], memories: &mut [SectionMemory]) {
+        for ((section, lag), value) in self.lags.iter().zip(lags) {
+            *lag.of(&mut memories[*section]) = *value;
+        }
     }
 }

@@ -1,5 +1,5 @@
-//! Strips and slender bodies in a hybrid system: loads and rates of the lag states at an instant, with apparent mass proportional to the
-//! accelerations, NOTATION eqs. (W13), (W15) and (W21).
+//! Strips, rotors and slender bodies in a hybrid system: loads and rates of the lag states at an instant, with apparent mass proportional
+//! to the accelerations, NOTATION eqs. (W13), (W15), (W21) and (W24).
 
 use crate::aero::AirModels;
 use crate::aero::strip::continuous::LOAD_ROWS;
@@ -43,12 +43,12 @@ impl System {
         self.air.as_ref().and_then(|air| air.continuous.as_ref()).map_or(0, |continuous| continuous.lags.len())
     }
 
-    /// A lag state at the current time, in m/s, and its rate in m/s², from the internal integrator: linear over the aerodynamic step.
+    /// A lag state at the current time in its unit, and its rate per s, from the internal integrator: linear over the aerodynamic step.
     pub(crate) fn own_lag(&self, lag: usize) -> [f64; 2] {
         let (Some(air), Some(history)) = (&self.air, &self.state.air) else { return [0.0; 2] };
         let AirCoupling { model, continuous: Some(continuous), settings, .. } = &**air else { return [0.0; 2] };
         let [before, after] =
-            [&history.before, &history.after].map(|states| model.strip_lag_m_s(states, &continuous.stack, lag));
+            [&history.before, &history.after].map(|states| model.lag_value(states, &continuous.stack, lag));
         if history.steps == 0 {
             return [after, 0.0];
         }
@@ -60,9 +60,9 @@ impl System {
     /// instead of those at the end of an unfinished aerodynamic step.
     pub(crate) fn hand_air_over(&mut self) {
         for lag in 0..self.lag_count() {
-            let [own_m_s, _] = self.own_lag(lag);
+            let [own, _] = self.own_lag(lag);
             if let Some(continuous) = self.air.as_mut().and_then(|air| air.continuous.as_mut()) {
-                continuous.lags[lag] = own_m_s;
+                continuous.lags[lag] = own;
             }
         }
         self.remember_lags();
@@ -73,10 +73,10 @@ impl System {
         }
     }
 
-    /// Sets lag states in m/s from an external integrator: the state stores them, whether or not their rates are evaluated.
-    pub(crate) fn set_lags(&mut self, lags_m_s: &[f64]) {
+    /// Sets lag states from an external integrator: the state stores them, whether or not their rates are evaluated.
+    pub(crate) fn set_lags(&mut self, lags: &[f64]) {
         if let Some(own) = self.air.as_mut().and_then(|air| air.continuous.as_mut()) {
-            own.lags.copy_from_slice(lags_m_s);
+            own.lags.copy_from_slice(lags);
         }
         self.remember_lags();
     }
@@ -87,12 +87,12 @@ impl System {
         let AirCoupling { model, continuous: Some(own), .. } = &**air else { return };
         if let Some(history) = &mut self.state.air {
             for states in [&mut history.before, &mut history.after] {
-                model.set_strip_lags(&own.lags, &own.stack, states);
+                model.set_lags(&own.lags, &own.stack, states);
             }
         }
     }
 
-    /// Solves for the current accelerations under the loads of strips and slender bodies, [`System::settle_with`], as an external integrator
+    /// Solves for the current accelerations under the loads of all models, [`System::settle_with`], as an external integrator
     /// needs them: steps can continue from here.
     pub(crate) fn settle_in_air(&mut self) -> Result<(), PlantError> {
         let Some(mut own) = self.air.as_mut().and_then(|air| air.continuous.take()) else { return Ok(()) };
@@ -118,8 +118,7 @@ impl System {
     }
 
     /// Solves for the current accelerations under aerodynamic loads, with these loads and the rates of the lag states: `M a + r(L) = 0` and
-    /// `L = L(a)`, eq. (W15). The equations must have been updated to the prescribed motions and projected. Allocates nothing without
-    /// rotors.
+    /// `L = L(a)`, eq. (W15). The equations must have been updated to the prescribed motions and projected. Allocates nothing.
     pub(super) fn settle_with(&mut self, own: &mut ContinuousAir) -> Result<(), PlantError> {
         let Self { equations, state, scratch, air, machine, .. } = self;
         let (time_s, none) = (state.now.time_s, Ok(()));

@@ -53,7 +53,7 @@ pub(crate) struct AirCoupling {
     pub guess: Vec<f64>,
     pub residual: Vec<f64>,
     pub acceleration: Anderson,
-    /// Loads of strips and slender bodies at an instant, for external integrators.
+    /// Loads of all models at an instant, for external integrators; `None` with a lattice.
     pub continuous: Option<ContinuousAir>,
     /// Longest chord, or largest diameter of a slender body, in m.
     pub length_m: f64,

@@ -117,19 +117,20 @@ impl System {
 
     /// Names, units and values of the aerodynamic lag states at the current state, in the order of linear models.
     pub fn air_lags(&self, gusts: bool) -> Vec<(String, &'static str, f64)> {
-        let Some(air) = &self.air else { return Vec::new() };
         let values = self.present_lags(gusts).unwrap_or_default();
-        let units = air.model.each().flat_map(|(model, _)| match model {
+        let names = self.lag_names(gusts).into_iter().zip(self.lag_units(gusts));
+        names.zip(values).map(|((name, unit), value)| (name, unit, value)).collect()
+    }
+
+    /// Units of the lag states, in the order of linear models.
+    pub(crate) fn lag_units(&self, gusts: bool) -> Vec<&'static str> {
+        let Some(air) = &self.air else { return Vec::new() };
+        let of = |(model, _): (&AirModel, _)| match model {
             AirModel::Rotor(rotor) => rotor.lags().iter().map(|(_, lag)| lag.unit()).collect(),
             AirModel::Strips(strips) => vec!["m/s"; strips.lag_count(air.has_gust_lags(gusts))],
             AirModel::Lattice(_) | AirModel::SlenderBody(_) => Vec::new(),
-        });
-        self.lag_names(gusts)
-            .into_iter()
-            .zip(units)
-            .zip(values)
-            .map(|((name, unit), value)| (name, unit, value))
-            .collect()
+        };
+        air.model.each().flat_map(of).collect()
     }
 
     /// Names of the lag states, in the order of linear models.
@@ -167,7 +168,7 @@ impl System {
     }
 
     /// Error: the momentum balance of an annulus is discontinuous, so that there is no linear model.
-    fn no_slope(&self, part: usize, section: usize) -> PlantError {
+    pub(crate) fn no_slope(&self, part: usize, section: usize) -> PlantError {
         let part = self.machine.air.as_ref().and_then(|air| air.parts.get(part));
         let blades = part.map_or_else(Vec::new, |part| self.stations_of_blades(part));
         let place = blades.get(section).cloned().unwrap_or_default();
