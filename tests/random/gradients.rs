@@ -119,7 +119,9 @@ pub fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     };
     let of_joint = |table: &str| remove(&format!("joint.{place}.{table}"));
     match part {
-        "the vortex lattice" | "rotor aerodynamics" => Some(still(model)),
+        "the vortex lattice" => Some(still(model)),
+        "rotors whose tower disturbs the wind" => remove("tower"),
+        "turbulence on a grid" => remove("wind.turbulence"),
         "the lifting line of strips" => {
             key_removed(model, "aerodynamics", &["tip_loss", "core_radius_m", "mirror_normal"])
         }

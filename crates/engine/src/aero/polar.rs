@@ -46,6 +46,42 @@ impl Polar {
         (row, (upper.lift - lower.lift) / (upper.angle_rad - lower.angle_rad))
     }
 
+    /// Number of rows at or below an angle of attack in rad: the interval of [`Self::at`].
+    pub fn interval(&self, angle_rad: f64) -> usize {
+        self.rows.partition_point(|row| row.angle_rad <= angle_rad)
+    }
+
+    /// Coefficients on the line of a given interval, continued beyond its ends; outside the rows those of the nearest row.
+    pub fn in_interval(&self, interval: usize, angle_rad: f64) -> PolarRow {
+        let (Some(upper), Some(lower)) = (self.rows.get(interval), interval.checked_sub(1).map(|i| &self.rows[i]))
+        else {
+            return self.rows[interval.min(self.rows.len() - 1)];
+        };
+        let share = (angle_rad - lower.angle_rad) / (upper.angle_rad - lower.angle_rad);
+        let between = |a: f64, b: f64| a + (b - a) * share;
+        PolarRow {
+            angle_rad,
+            lift: between(lower.lift, upper.lift),
+            drag: between(lower.drag, upper.drag),
+            moment: between(lower.moment, upper.moment),
+        }
+    }
+
+    /// Whether an angle of attack in rad is that of a row, but for a distance that is round-off, at which the slopes of both sides differ.
+    pub fn is_at_kink(&self, angle_rad: f64, round_off_rad: f64) -> bool {
+        let row = self.rows.partition_point(|row| row.angle_rad < angle_rad - round_off_rad);
+        let near = |row: &PolarRow| (row.angle_rad - angle_rad).abs() <= round_off_rad;
+        if !self.rows.get(row).is_some_and(near) {
+            return false;
+        }
+        let [below, above] = [row, row + 1].map(|interval| {
+            let ends = [-1.0, 1.0].map(|side| self.in_interval(interval, angle_rad + side));
+            [ends[1].lift - ends[0].lift, ends[1].drag - ends[0].drag, ends[1].moment - ends[0].moment]
+        });
+        // a straight line with an additional row has the same slopes but for round-off
+        below.iter().zip(&above).any(|(below, above)| (below - above).abs() > 1e-9 * below.abs().max(above.abs()))
+    }
+
     /// Whether the lift at an angle of attack in rad is lower than at some angle between it and zero lift: beyond stall.
     pub fn is_beyond_stall(&self, angle_rad: f64) -> bool {
         let Some(zero_rad) = self.zero_lift_angle_rad() else { return false };

@@ -4,6 +4,7 @@ use crate::gradient::block::{self, Remains};
 use crate::gradient::sums::{OnEnd, Sums};
 use crate::gradient::variation::{Causes, Front, Variation};
 use crate::gradient::{Gradient, GradientError, add, dot};
+use crate::solve::point::Point;
 use crate::system::air::step_slopes::{AirStepSlopes, NoSlopes};
 use nalgebra::Matrix3;
 use std::ops::Range;
@@ -32,10 +33,19 @@ impl Gradient<'_> {
                 let place = self.system.machine.bodies[body].name.clone();
                 GradientError::NotCovered { part: "strips without relative flow", place }
             }
+            NoSlopes::Kink(body) => {
+                let blade = self.system.machine.bodies[body].name.clone();
+                GradientError::Polar { blade, time_s: last.end.time_s }
+            }
+            NoSlopes::NoWind => {
+                let remedy = "use a wind along the shaft, or aerodynamics.skewed_wake = false".into();
+                GradientError::OtherChoice { part: "a rotor with a skewed wake in still air", remedy }
+            }
             NoSlopes::Step(error) => error.into(),
         })?;
         let reference: Vec<Matrix3<f64>> = self.system.section_attitudes(&last.end);
-        let each = self.neighbours.iter_mut().map(|beside| beside.air_slopes(air, &last.end, &reference));
+        let pieces = slopes.pieces();
+        let each = self.neighbours.iter_mut().map(|beside| beside.air_slopes((air, pieces), &last.end, &reference));
         let by_neighbours = each.collect::<Result<_, _>>()?;
         Ok(Some(AirStep { slopes, by_neighbours }))
     }
@@ -57,13 +67,14 @@ impl Gradient<'_> {
         ends: &[Variation],
         memories: Option<&[Vec<f64>]>,
     ) -> Vec<Vec<f64>> {
-        let at = &self.tape.steps[span.end - 1].end;
+        let tape = self.tape;
+        let at = &tape.steps[span.end - 1].end;
         let none = vec![0.0; air.slopes.memory_entries()];
         let shares = self.shares(at.time_s);
         let mut all = Vec::with_capacity(ends.len());
         for (direction, end) in ends.iter().enumerate() {
             let Some(sections) = &mut self.sections else { break };
-            let poses = sections.poses(&self.system.equations, &at.q, &end.q);
+            let poses = sections.poses(&mut self.system.equations, [&at.q, &at.v], [&end.q, &end.v]);
             let memory = memories.map_or(&none, |memories| &memories[direction]);
             let mut after = air.slopes.forward(memory, &poses);
             if memories.is_some() {
@@ -111,14 +122,15 @@ impl Gradient<'_> {
     ) -> Result<OnEnd, GradientError> {
         let entries = self.load_entries();
         let OnEnd { motion, memory } = on;
-        let at = &self.tape.steps[span.end - 1].end;
+        let tape = self.tape;
+        let at = &tape.steps[span.end - 1].end;
         let time_s = self.end_s(span);
         let mut with_loads = memory;
         with_loads.resize(air.slopes.memory_entries() + entries, 0.0);
         // of the loads through the motion at the end
         let through = |own: &mut Self, on: &[f64], motion: &Variation| {
             let (_, poses) = air.slopes.reverse(on);
-            let end = own.on_end(&at.q, &poses, motion);
+            let end = own.on_end(at, &poses, motion);
             let mut sums = Sums { gradient: None, loads: vec![0.0; entries], mean: None };
             own.back_march(span.clone(), (end, 0.0), &mut sums)?;
             Ok::<_, GradientError>(sums.loads)
@@ -140,7 +152,7 @@ impl Gradient<'_> {
         let solved = solved.map_err(|failure: Unsolved| failure.at(time_s))?;
         with_loads[first_load..].copy_from_slice(&solved[0]);
         let (memory, poses) = air.slopes.reverse(&with_loads);
-        let end = self.on_end(&at.q, &poses, &motion);
+        let end = self.on_end(at, &poses, &motion);
         let (motion, _) = self.back_march(span.clone(), (end, 0.0), sums)?;
         if let Some(gradient) = &mut sums.gradient {
             let by_neighbours: Vec<f64> = air.by_neighbours.iter().map(|slopes| dot(slopes, &with_loads)).collect();
@@ -150,10 +162,12 @@ impl Gradient<'_> {
     }
 
     /// Multipliers of the motion at the end of a step with those of the poses of the sections.
-    fn on_end(&mut self, q: &[f64], poses: &[f64], motion: &Variation) -> Variation {
+    fn on_end(&mut self, at: &Point, poses: &[f64], motion: &Variation) -> Variation {
         let mut end = motion.clone();
         if let Some(sections) = &mut self.sections {
-            add(&mut end.q, 1.0, &sections.on_coordinates(&self.system.equations, q, poses));
+            let [on_q, on_v] = sections.on_motion(&mut self.system.equations, [&at.q, &at.v], poses);
+            add(&mut end.q, 1.0, &on_q);
+            add(&mut end.v, 1.0, &on_v);
         }
         end
     }

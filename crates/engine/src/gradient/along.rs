@@ -23,9 +23,10 @@ const STALLED_LOADS: f64 = 1e-11;
 /// Trials of an aerodynamic step.
 const MOST_TRIALS: usize = 60;
 
-/// Smooth pieces on which the forces of a run lie, eq. (X34), stage by stage and joint by joint.
+/// Smooth pieces on which the forces of a run lie, eq. (X34), stage by stage and joint by joint, and those of the sections of a rotor, eq.
+/// (X37), aerodynamic step by aerodynamic step.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RunPieces(Vec<Option<PointPieces>>);
+pub struct RunPieces(Vec<Option<PointPieces>>, Vec<usize>);
 
 /// Pieces of the forces of one joint: of the torques of its motor and of its slew, and of its generator.
 type PointPieces = (Option<(Pieces, SlewPart)>, Option<Segment>);
@@ -84,7 +85,15 @@ impl Plant {
                 forces.let_go();
             }
         }
-        RunPieces(pieces)
+        let mut of_air = Vec::new();
+        for step in tape.spans().into_iter().filter_map(|span| tape.steps.get(span.end - 1)) {
+            let Some(air) = step.air.as_deref() else { continue };
+            crate::gradient::parameter::adopt(&mut self.system, step, &tape.inputs);
+            if let Ok(Some(pieces)) = self.system.step_pieces(air, &step.end) {
+                of_air.extend(pieces.choices());
+            }
+        }
+        RunPieces(pieces, of_air)
     }
 
     /// One step of the tape, with the events at its start.

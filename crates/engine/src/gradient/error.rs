@@ -48,6 +48,17 @@ pub enum GradientError {
         /// Time in s.
         time_s: f64,
     },
+    /// A section of a rotor blade exactly at a row of its polar.
+    #[error(
+        "blade {blade}, at {time_s} s: the angle of attack of a section is exactly that of a row of its polar, where the two \
+         one-sided derivatives differ; change wind, pitch or twist by a small amount"
+    )]
+    Polar {
+        /// Body of the blade.
+        blade: String,
+        /// Time in s.
+        time_s: f64,
+    },
     /// Two crossings at one instant.
     #[error(
         "{first} and {second} have events at the same time, {time_s} s: a parameter changes the order of the \

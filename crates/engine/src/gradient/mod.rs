@@ -1,4 +1,4 @@
-//! Derivatives of whole runs by parameters, through latches and end stops, also with strip theory, NOTATION eqs. (X6)–(X13), (X17)–(X23).
+//! Derivatives of whole runs by parameters, through latches and end stops, also with strip theory and rotors, NOTATION eqs. (X6)–(X13), (X17)–(X23), (X37).
 //!
 //! [`Plant::run_on_tape`] keeps the steps of a run on a [`Tape`]. [`Gradient`] differentiates the discrete run along it, whose step lengths
 //! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and steps to given times, those of rows of the
@@ -100,10 +100,11 @@ impl<'a> Gradient<'a> {
         if let Some(first) = tape.steps.first() {
             parameter::adopt(system, first, &tape.inputs);
         }
+        let begun = tape.steps.first().and_then(|first| system.start_pieces(&first.start));
         let neighbours = parameters
             .into_iter()
             .flat_map(|parameter| parameter.apart(system, tape))
-            .map(|parameter| Neighbours::new(parameter, system, tape))
+            .map(|parameter| Neighbours::new(parameter, (system, begun.as_ref()), tape))
             .collect::<Result<Vec<_>, GradientError>>()?;
         let of = |(beside, neighbours): (usize, &Neighbours)| -> Vec<Entry> {
             match &neighbours.rows {
@@ -115,7 +116,8 @@ impl<'a> Gradient<'a> {
         let derivative = Derivative::new(&system.equations.model);
         let piece = tape.steps.first().map_or(Piece::default(), |step| step.piece);
         let directions = Directions::new(&system.equations.model);
-        let sections = system.state.air.as_ref().map(|_| Sections::new(&system.equations));
+        let with_rates = system.air_uses_rates();
+        let sections = system.state.air.as_ref().map(|_| Sections::new(&system.equations, with_rates));
         let scratch = vec![0.0; system.coordinates()];
         let (factors, has_exact) = (Factors::Symmetric, Derivative::has_factors(&system.equations.model));
         let lanes = Side::new(&system.equations.model);

@@ -104,6 +104,10 @@ impl<'a> Gradient<'a> {
             let remedy = "choose a later time".into();
             return Err(GradientError::OtherChoice { part: "results at the start of a run with aerodynamics", remedy });
         }
+        if layout.rotor.range().contains(&index) {
+            let remedy = "choose torques of joints, energies or air forces, or use finite differences".into();
+            return Err(GradientError::OtherChoice { part: "loads and coefficients of rotors as results", remedy });
+        }
         if layout.changes_at_events(index) {
             return Err(GradientError::OtherChoice {
                 part: "outputs that change at events only, such as latch times",

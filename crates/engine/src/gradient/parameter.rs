@@ -1,5 +1,6 @@
 //! Parameters of a run: any number of a machine, by perturbed models, eq. (X9).
 
+use crate::aero::rotor::pieces::RotorPieces;
 use crate::force::drive::Pieces;
 use crate::force::joint::JointForces;
 use crate::force::set::Forces;
@@ -162,6 +163,9 @@ pub(super) struct Neighbours {
 /// Value of `adopted` after other uses of the machines.
 const NOT_ADOPTED: usize = 0;
 
+/// The unperturbed machine, and the pieces of the functions of its rotor at the start of the run.
+type Own<'a> = (&'a System, Option<&'a RotorPieces>);
+
 /// Kind of the difference between the residuals of the machines.
 enum Difference {
     /// Only in joint forces: motion and nodal wrenches are those of the unperturbed model.
@@ -228,7 +232,7 @@ fn forces_differ(plants: &mut [Perturbed]) -> bool {
 }
 
 impl Neighbours {
-    pub fn new(parameter: Parameter, own: &System, tape: &Tape) -> Result<Self, GradientError> {
+    pub fn new(parameter: Parameter, (own, begun): Own, tape: &Tape) -> Result<Self, GradientError> {
         let time_s = tape.steps.first().map_or(0.0, |step| step.start.time_s);
         let Parameter { name, perturbed: mut plants, rows } = parameter;
         let refuse = |what| GradientError::Structure { parameter: name.clone(), what };
@@ -242,8 +246,14 @@ impl Neighbours {
                 return Err(GradientError::Inputs { cause });
             }
             tape.inputs.set_with(plant, time_s, *offset);
+            let rests = own.machine.experiment.start == StartState::Equilibrium;
+            plant.system_mut().hold_rotor(begun.filter(|_| !rests));
             plant.initialize(time_s)?;
             let system = plant.system_mut();
+            system.hold_rotor(None);
+            if rests && !system.starts_on(begun) {
+                return Err(refuse("the interval of a polar in which a section of a blade starts"));
+            }
             if system.coordinates() != coordinates || system.outputs.values().len() != own.outputs.values().len() {
                 return Err(refuse("the number of coordinates or outputs"));
             }
@@ -271,7 +281,6 @@ impl Neighbours {
                 if !system.state.failures.iter().map(failed).eq(first.failures.iter().map(failed)) {
                     return Err(refuse("a failure at the start"));
                 }
-                let rests = system.machine.experiment.start == StartState::Equilibrium;
                 if rests && pieces(system, &system.state.start) != pieces(own, &first.start) {
                     return Err(refuse("whether a motor is at its torque limit at the start"));
                 }
@@ -385,14 +394,17 @@ impl Neighbours {
     /// Slopes of an aerodynamic step from `before` to the motion `at` its end: of the memory of the air there and of the loads that act.
     pub fn air_slopes(
         &mut self,
-        before: &AirHistory,
+        (before, pieces): (&AirHistory, Option<&RotorPieces>),
         at: &Point,
         reference: &[Matrix3<f64>],
     ) -> Result<Vec<f64>, GradientError> {
         let mut slopes = Vec::new();
         self.adopted = NOT_ADOPTED;
         for Perturbed { weight, plant, .. } in &mut self.plants {
-            let values = plant.system_mut().air_step_values(before, at, reference)?;
+            let system = plant.system_mut();
+            system.hold_rotor(pieces);
+            let values = system.air_step_values(before, at, reference)?;
+            system.hold_rotor(None);
             slopes.resize(values.len(), 0.0);
             super::add(&mut slopes, *weight, &values);
         }

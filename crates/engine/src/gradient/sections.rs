@@ -1,6 +1,7 @@
 //! The sections on which air acts: their displacements by the coordinates, and their loads on them.
 
 use crate::load::Wrench;
+use crate::math::difference::SIXTH_ORDER;
 use crate::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
 use crate::multibody::{Workspace, dynamics, station};
 use crate::system::equations::Equations;
@@ -9,16 +10,24 @@ use nalgebra::{Matrix3, Vector3};
 /// Entries of a section: of a load, or of a displacement and rotation.
 const ENTRIES: usize = 6;
 
+/// Entries of a section whose model uses its velocities: the same, velocity and angular velocity.
+const WITH_RATES: usize = 12;
+/// Rotation in rad, or displacement over the machine's length, of the difference steps along the motion.
+const STEP: f64 = 2e-3;
+
 /// Scratch of the sweeps.
 pub(super) struct Sections {
+    /// Whether the model uses velocities at the instant.
+    with_rates: bool,
     work: Workspace,
     loads: Vec<Wrench>,
     zeros: Vec<f64>,
 }
 
 impl Sections {
-    pub fn new(equations: &Equations) -> Self {
+    pub fn new(equations: &Equations, with_rates: bool) -> Self {
         Self {
+            with_rates,
             work: Workspace::new(&equations.model),
             loads: vec![Wrench::default(); equations.stations.len()],
             zeros: vec![0.0; equations.model.coordinates],
@@ -54,9 +63,61 @@ impl Sections {
     }
 
     /// Displacements and rotations of the sections by a change of the coordinates, root frame.
-    pub fn poses(&mut self, equations: &Equations, q: &[f64], change: &[f64]) -> Vec<f64> {
+    fn displacements(&mut self, equations: &Equations, q: &[f64], change: &[f64]) -> Vec<f64> {
         let moved = self.moved(equations, q, change);
         moved.flat_map(|(_, parts)| parts.into_iter().flat_map(<[f64; 3]>::from)).collect()
+    }
+
+    /// Displacements and rotations of the sections by a change of the coordinates, root frame. If the model uses velocities, also their
+    /// changes, by changes of the rates too, eq. (X37).
+    pub fn poses(
+        &mut self,
+        equations: &mut Equations,
+        [q, v]: [&[f64]; 2],
+        [change_q, change_v]: [&[f64]; 2],
+    ) -> Vec<f64> {
+        let poses = self.displacements(equations, q, change_q);
+        if !self.with_rates {
+            return poses;
+        }
+        let mut rates = self.displacements(equations, q, change_v);
+        for (place, weight) in along_motion(equations, q, v) {
+            let there = self.displacements(equations, &place, change_q);
+            rates.iter_mut().zip(there).for_each(|(sum, entry)| *sum += weight * entry);
+        }
+        let motion = self.displacements(equations, q, v);
+        let each = poses.chunks_exact(ENTRIES).zip(rates.chunks_exact(ENTRIES)).zip(motion.chunks_exact(ENTRIES));
+        each.flat_map(|((pose, rate), motion)| {
+            let [turn, spin] = [pose, motion].map(|entries| Vector3::from_column_slice(&entries[3..]));
+            let mut all = [0.0; WITH_RATES];
+            all[..ENTRIES].copy_from_slice(pose);
+            all[ENTRIES..].copy_from_slice(rate);
+            all[ENTRIES + 3..].iter_mut().zip(&turn.cross(&spin)).for_each(|(sum, entry)| *sum += entry);
+            all
+        })
+        .collect()
+    }
+
+    /// The transpose of [`Self::poses`]: multipliers of coordinates and rates.
+    pub fn on_motion(&mut self, equations: &mut Equations, [q, v]: [&[f64]; 2], on: &[f64]) -> [Vec<f64>; 2] {
+        if !self.with_rates {
+            return [self.on_coordinates(equations, q, on), self.zeros.clone()];
+        }
+        let motion = self.displacements(equations, q, v);
+        let (mut on_poses, mut on_rates) = (Vec::new(), Vec::new());
+        for (on, motion) in on.chunks_exact(WITH_RATES).zip(motion.chunks_exact(ENTRIES)) {
+            let spin = Vector3::from_column_slice(&motion[3..]);
+            let turned = spin.cross(&Vector3::from_column_slice(&on[ENTRIES + 3..]));
+            on_poses.extend_from_slice(&on[..3]);
+            on_poses.extend(on[3..ENTRIES].iter().zip(&turned).map(|(on, turned)| on + turned));
+            on_rates.extend_from_slice(&on[ENTRIES..]);
+        }
+        let mut on_q = self.on_coordinates(equations, q, &on_poses);
+        for (place, weight) in along_motion(equations, q, v) {
+            let there = self.on_coordinates(equations, &place, &on_rates);
+            on_q.iter_mut().zip(there).for_each(|(sum, entry)| *sum += weight * entry);
+        }
+        [on_q, self.on_coordinates(equations, q, &on_rates)]
     }
 
     /// Adds the multipliers of the loads, in the frames of the sections, by those of the residual: `−r_ℓᵀ w`.
@@ -79,7 +140,7 @@ impl Sections {
     }
 
     /// Multipliers of the coordinates by those of displacements and rotations of the sections.
-    pub fn on_coordinates(&mut self, equations: &Equations, q: &[f64], on: &[f64]) -> Vec<f64> {
+    fn on_coordinates(&mut self, equations: &Equations, q: &[f64], on: &[f64]) -> Vec<f64> {
         let rotations: Vec<Matrix3<f64>> = {
             let zeros = self.zeros.clone();
             self.moved(equations, q, &zeros).map(|(rotation, _)| rotation).collect()
@@ -97,4 +158,20 @@ impl Sections {
         rows.iter_mut().for_each(|row| *row = -*row);
         rows
     }
+}
+
+/// Coordinates on both sides along the motion, with weights of sixth-order differences, for the rate of a function of them.
+fn along_motion(equations: &mut Equations, q: &[f64], v: &[f64]) -> Vec<(Vec<f64>, f64)> {
+    let size = equations.size_of(v);
+    if size.is_nan() || size <= 0.0 {
+        return Vec::new();
+    }
+    let step_s = STEP / size;
+    let sides = (1..).map(f64::from).zip(SIXTH_ORDER).flat_map(|(steps, weight)| [(steps, weight), (-steps, -weight)]);
+    sides
+        .map(|(steps, weight)| {
+            let place = q.iter().zip(v).map(|(q, v)| q + steps * step_s * v).collect();
+            (place, weight / (60.0 * step_s))
+        })
+        .collect()
 }

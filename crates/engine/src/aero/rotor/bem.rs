@@ -6,23 +6,20 @@
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
-use crate::aero::rotor::dynamic_inflow::{InflowState, lags_s, time_constant_s};
+use crate::aero::rotor::disc::{Cut, Disc, NO_CUT, downwind};
+use crate::aero::rotor::dynamic_inflow::{InflowState, lags_on_s, time_constant_on_s};
 use crate::aero::rotor::dynamic_stall::{SplitPolar, StallInflow, StallState};
-use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance, aerodyn_limited, balance};
+use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance, aerodyn_limited, balance_on};
 use crate::aero::rotor::inflow_lag::{Lagging, Meeting};
 use crate::aero::rotor::loads::RotorLoads;
 pub use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
-use crate::aero::rotor::skew::Skew;
+use crate::aero::rotor::pieces::{Book, Holding, Pieces};
 use crate::aero::rotor::states::RotorLag;
 pub use crate::aero::rotor::states::{RotorState, SectionMemory};
-use crate::aero::rotor::steady::induction_share;
 use crate::aero::surface::{ChordLine, Surface};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-
-/// Ratio of the wind along the shaft to the relative speed of the tips below which the coefficients are undefined.
-const LEAST_WIND: f64 = 0.01;
 
 /// Constant data of a section.
 pub(super) struct Section {
@@ -34,29 +31,6 @@ pub(super) struct Section {
     /// Exponents of Prandtl's tip and hub loss of the straight blade: `B (R − r)/(2 r)` and `B (r − r_h)/(2 r_h)`.
     pub(super) exponents: [f64; 2],
 }
-
-/// Geometry and inflow of a section at one instant, before induction, with its line loads.
-#[derive(Clone, Copy)]
-pub(super) struct Cut {
-    pub(super) arm_m: Vector3<f64>,
-    relative_m_s: Vector3<f64>,
-    /// Wind along the shaft relative to the hub, without the influence of the tower, in m/s.
-    wind_m_s: f64,
-    pub(super) radial_m: Vector3<f64>,
-    pub(super) from_apex_m: Vector3<f64>,
-    pub(super) line_n_m: Vector3<f64>,
-    pub(super) moment_n: Vector3<f64>,
-}
-
-const NO_CUT: Cut = Cut {
-    arm_m: Vector3::new(0.0, 0.0, 0.0),
-    relative_m_s: Vector3::new(0.0, 0.0, 0.0),
-    wind_m_s: 0.0,
-    radial_m: Vector3::new(0.0, 0.0, 0.0),
-    from_apex_m: Vector3::new(0.0, 0.0, 0.0),
-    line_n_m: Vector3::new(0.0, 0.0, 0.0),
-    moment_n: Vector3::new(0.0, 0.0, 0.0),
-};
 
 /// Rotor of moving blades by blade-element momentum theory.
 pub struct Rotor {
@@ -77,23 +51,8 @@ pub struct Rotor {
     pub(super) lags: Vec<(usize, RotorLag)>,
     /// State and loads of the last response at an instant.
     pub(super) instant: (RotorState, AirLoads),
-}
-
-/// Rotor disc at one instant.
-pub(super) struct Disc {
-    pub(super) normal: Vector3<f64>,
-    pub(super) turn: f64,
-    share: f64,
-    radius_m: f64,
-    /// Angular velocity of the hub, root frame, rad/s.
-    hub_rad_s: Vector3<f64>,
-    /// Component of the rotation about the shaft that is excluded from the pitch rates of dynamic stall, in rad/s: all of it, because a
-    /// coned blade keeps its angle of attack as the rotor turns; none for compatibility with AeroDyn.
-    shaft_spin_rad_s: Vector3<f64>,
-    skew: Option<Skew>,
-    /// Whether the wind along the shaft is sufficient to define the coefficients.
-    has_wind: bool,
-    pub(super) loads: RotorLoads,
+    /// Use of the pieces of its functions in evaluations.
+    pub holding: Holding,
 }
 
 impl Rotor {
@@ -131,6 +90,7 @@ impl Rotor {
             jump: None,
             lags: Vec::new(),
             instant: Default::default(),
+            holding: Holding::Free,
             splits: splits.map(|split| split.filter(|_| options.features.dynamic_stall)).collect(),
             sections,
             options: options.clone(),
@@ -148,6 +108,11 @@ impl Rotor {
             let along = motions[range.start].rotation.column(0).into_owned();
             (along - normal * along.dot(&normal)).norm() < 1e-6
         })
+    }
+
+    /// Index of the blade of a section.
+    pub fn blade_of(&self, section: usize) -> usize {
+        self.blades.iter().position(|range| range.contains(&section)).unwrap_or_default()
     }
 
     /// Quarter-chord point of a section in the section's frame, in m.
@@ -194,7 +159,8 @@ impl Rotor {
         loads: &mut AirLoads,
     ) {
         loads.clear();
-        let mut disc = self.meet(motions, flow);
+        let mut holding = std::mem::take(&mut self.holding);
+        let mut disc = self.meet(motions, flow, &mut holding);
         self.share = disc.share;
         let RotorFeatures { dynamic_inflow, aerodyn_compatible, .. } = self.options.features;
         let mut induction = match past {
@@ -203,16 +169,25 @@ impl Rotor {
         };
         // the first pass uses the induction at the start of the step, the second the resulting one at its end
         let passes = if dynamic_inflow && !aerodyn_compatible && matches!(past, Past::Known { .. }) { 2 } else { 1 };
-        for _ in 0..passes {
-            let first_s = time_constant_s(disc.radius_m, induction, disc.loads.wind_m_s);
-            induction = self.load_sections(motions, flow, &disc, &past, first_s, state);
+        if let Holding::Record(pieces) = &mut holding {
+            let sections = vec![Book::default(); self.sections.len()];
+            (pieces.wakes, pieces.ends) = (vec![Book::default(); passes + 1], sections.clone());
+            pieces.sections = vec![sections; passes];
+        }
+        for pass in 0..passes {
+            let wake = &mut holding.pieces(|pieces| &mut pieces.wakes[pass]);
+            let first_s = time_constant_on_s(disc.radius_m, induction, disc.loads.wind_m_s, wake);
+            induction = self.load_sections(motions, flow, &disc, &past, first_s, state, (&mut holding, pass));
         }
         if dynamic_inflow {
-            let first_s = time_constant_s(disc.radius_m, induction, disc.loads.wind_m_s);
-            for (cut, memory) in self.cuts.iter().zip(&mut state.sections) {
-                memory.inflow.lags_s = lags_s(first_s, cut.radial_m.norm() / disc.radius_m);
+            let wake = &mut holding.pieces(|pieces| &mut pieces.wakes[passes]);
+            let first_s = time_constant_on_s(disc.radius_m, induction, disc.loads.wind_m_s, wake);
+            for (index, (cut, memory)) in self.cuts.iter().zip(&mut state.sections).enumerate() {
+                let end = &mut holding.pieces(|pieces| &mut pieces.ends[index]);
+                memory.inflow.lags_s = lags_on_s(first_s, cut.radial_m.norm() / disc.radius_m, end);
             }
         }
+        self.holding = holding;
         disc.loads.induction = induction;
         self.spread(loads, &mut disc);
         let RotorLoads { thrust_n, power_w, wind_m_s, .. } = disc.loads;
@@ -226,6 +201,7 @@ impl Rotor {
 
     /// Computes the line loads of all sections, into the scratch, and their current states; returns the mean axial induced velocity divided
     /// by the mean wind, 0 without wind. `first_s` is the time constant of the wake at the end of a step.
+    #[allow(clippy::too_many_arguments)] // one call, split off for its length
     fn load_sections(
         &mut self,
         motions: &[SectionMotion],
@@ -234,23 +210,20 @@ impl Rotor {
         past: &Past,
         first_s: f64,
         state: &mut RotorState,
+        (holding, pass): (&mut Holding, usize),
     ) -> f64 {
         let (mut lost_m_s, mut met_m_s) = (0.0, 0.0);
         for blade in 0..self.blades.len() {
             let range = self.blades[blade].clone();
-            // direction of the blade in the disc, taken at its root: in-plane bending does not rotate the annuli
             let root = motions[range.start].rotation.column(0).into_owned();
-            let along = root - disc.normal * root.dot(&disc.normal);
-            let Some(along) = along.try_normalize(1e-9) else { continue };
-            let ahead = disc.normal.cross(&along) * disc.turn;
-            let root_normal = downwind(root.cross(&ahead), &disc.normal);
+            let Some([ahead, root_normal]) = Self::directions(disc, &root) else { continue };
             for index in range {
                 let memory = &mut state.sections[index];
-                let met =
-                    self.section(index, &motions[index], disc, [&ahead, &root_normal], flow, past, first_s, memory);
-                let weight =
-                    if self.options.features.aerodyn_compatible { 1.0 } else { self.cuts[index].radial_m.norm() };
+                let pieces = &mut holding.pieces(|pieces| &mut pieces.sections[pass][index]);
+                let directions = [&ahead, &root_normal];
+                let met = self.section(index, &motions[index], disc, directions, flow, past, first_s, memory, pieces);
                 if let Some(met) = met {
+                    let weight = self.weight(index);
                     lost_m_s += weight * met[0];
                     met_m_s += weight * met[1];
                 }
@@ -259,64 +232,15 @@ impl Rotor {
         if disc.has_wind && met_m_s != 0.0 { lost_m_s / met_m_s } else { 0.0 }
     }
 
-    /// Evaluates the inflow of all sections into the scratch, and the disc.
-    fn meet(&mut self, motions: &[SectionMotion], flow: &Flow) -> Disc {
-        let hub = &motions[self.sections.len()];
-        let normal = hub.rotation * self.options.shaft_axis;
-        let turn = if self.options.features.clockwise { 1.0 } else { -1.0 };
-        let mut mean_m_s = Vector3::zeros();
-        for ((cut, section), motion) in self.cuts.iter_mut().zip(&self.sections).zip(motions) {
-            let arm_m = motion.rotation * section.chord.at(0.25);
-            let point_m = motion.position_m + arm_m;
-            let air_m_s = undisturbed_m_s(&self.options, flow, &point_m);
-            let tower = self.options.features.tower.as_ref();
-            let added_m_s = tower.map_or_else(Vector3::zeros, |tower| tower.added_m_s(&point_m, &air_m_s));
-            let from_apex_m = point_m - hub.position_m;
-            let radial_m = from_apex_m - normal * from_apex_m.dot(&normal);
-            let velocity_m_s = motion.velocity_m_s + motion.spin_rad_s.cross(&arm_m);
-            mean_m_s += air_m_s - velocity_m_s;
-            let relative_m_s = air_m_s + added_m_s - velocity_m_s;
-            let wind_m_s = (air_m_s - hub.velocity_m_s).dot(&normal);
-            *cut = Cut { arm_m, relative_m_s, wind_m_s, radial_m, from_apex_m, ..NO_CUT };
-        }
-        let met_m_s = mean_m_s / self.sections.len() as f64;
-        let speed_rad_s = turn * (hub.spin_rad_s + flow.spin_rad_s).dot(&normal);
-        let radius_m = self.rotor_radius_m();
-        let tip_m_s = (speed_rad_s * radius_m).abs();
-        // in still air the mean of the section velocities vanishes only to round-off
-        let wind_m_s = Some(met_m_s.dot(&normal)).filter(|wind| wind.abs() > 1e-12 * tip_m_s).unwrap_or(0.0);
-        let share = if wind_m_s == 0.0 && tip_m_s > 0.0 { 1.0 } else { induction_share(tip_m_s / wind_m_s.abs()) };
-        let has_wind = wind_m_s.abs() > LEAST_WIND * tip_m_s.hypot(met_m_s.norm());
-        let tip_speed_ratio = if has_wind { tip_m_s / wind_m_s.abs() } else { 0.0 };
-        Disc {
-            normal,
-            turn,
-            share: if share.is_nan() { 0.0 } else { share },
-            radius_m,
-            hub_rad_s: hub.spin_rad_s,
-            shaft_spin_rad_s: match self.options.features.aerodyn_compatible {
-                true => Vector3::zeros(),
-                false => normal * (turn * speed_rad_s),
-            },
-            skew: self.options.features.skewed_wake.then(|| Skew::of(&met_m_s, &normal)),
-            has_wind,
-            loads: RotorLoads { speed_rad_s, wind_m_s, tip_speed_ratio, ..RotorLoads::default() },
-        }
-    }
-
-    /// Mean over the blades of the current radius of their outermost sections, in m. Their maximum would not be differentiable for equal
-    /// blades.
-    pub(super) fn rotor_radius_m(&self) -> f64 {
-        let of_blade = |range: &std::ops::Range<usize>| {
-            self.cuts[range.clone()].iter().map(|cut| cut.radial_m.norm()).fold(0.0, f64::max)
-        };
-        self.blades.iter().map(of_blade).sum::<f64>() / self.blades.len() as f64
+    /// Weight of a section in the mean induction: its distance from the shaft, 1 for compatibility with AeroDyn.
+    pub(super) fn weight(&self, index: usize) -> f64 {
+        if self.options.features.aerodyn_compatible { 1.0 } else { self.cuts[index].radial_m.norm() }
     }
 
     /// Adds the line load and moment of one section to the scratch; returns its axial induced velocity and its wind in m/s if the momentum
     /// balance has a solution. With `aerodyn_compatible` both are divided by that wind, because AeroDyn averages induction factors.
     #[allow(clippy::too_many_arguments)] // one call, split off for its length
-    fn section(
+    pub(super) fn section(
         &mut self,
         index: usize,
         motion: &SectionMotion,
@@ -326,6 +250,7 @@ impl Rotor {
         past: &Past,
         first_s: f64,
         memory: &mut SectionMemory,
+        pieces: &mut Pieces,
     ) -> Option<[f64; 2]> {
         let section = &self.sections[index];
         let cut = &mut self.cuts[index];
@@ -370,9 +295,9 @@ impl Rotor {
                 let share_1_m = self.like * self.blades.len() as f64 / (PI * section.radius_m);
                 let lagging = Lagging { meeting, wind_m_s: cut.wind_m_s, lean, share_1_m, time_s };
                 memory.inflow = match past {
-                    Past::Known { from, step_s } => lagging.after(&from.sections[index].inflow, *step_s),
-                    Past::Still => lagging.still(),
-                    Past::Settled => lagging.settled(),
+                    Past::Known { from, step_s } => lagging.after(&from.sections[index].inflow, *step_s, pieces),
+                    Past::Still => lagging.still(pieces),
+                    Past::Settled => lagging.settled(pieces),
                     Past::Given => lagging.given(memory.inflow.acting_m_s[0]),
                 };
                 ([lean * memory.inflow.acting_m_s[0], 0.0], lagging.meeting)
@@ -380,21 +305,25 @@ impl Rotor {
             (None, true, EndRule::ZeroLoad) => return None,
             (None, true, EndRule::Stopped) => ([disc.share * approach.axial_m_s, 0.0], meeting),
             (None, false, _) => {
-                let solve = || {
+                let is_free = matches!(pieces, Pieces::Free);
+                let mut solve = || {
                     let free = match self.options.features.aerodyn_compatible {
-                        true => aerodyn_balance(&annulus, polar, &approach),
-                        false => balance(&annulus, polar, &approach),
+                        true => aerodyn_balance(&annulus, polar, &approach, pieces),
+                        false => balance_on(&annulus, polar, &approach, pieces),
                     };
                     [free.axial_loss_m_s, free.swirl_m_s]
                 };
                 let balanced_m_s = match self.balances[index] {
-                    Some((known, at, found)) if known == annulus && at == approach => found,
+                    Some((known, at, found)) if is_free && known == annulus && at == approach => found,
                     _ => solve(),
                 };
-                self.balances[index] = Some((annulus, approach, balanced_m_s));
+                if is_free {
+                    self.balances[index] = Some((annulus, approach, balanced_m_s));
+                }
                 memory.inflow = match past {
                     Past::Known { from, step_s } if self.options.features.dynamic_inflow => {
-                        let (from, to_s) = (&from.sections[index].inflow, lags_s(first_s, radius_m / disc.radius_m));
+                        let to_s = lags_on_s(first_s, radius_m / disc.radius_m, pieces);
+                        let from = &from.sections[index].inflow;
                         // AeroDyn uses the time constants at the end of the step, except for the induction at its start
                         let lags_s = match self.options.features.aerodyn_compatible {
                             true => to_s,
@@ -411,7 +340,7 @@ impl Rotor {
                     }
                 };
                 let [axial_m_s, swirl_m_s] = match self.options.features.aerodyn_compatible {
-                    true => aerodyn_limited(memory.inflow.acting_m_s, &approach),
+                    true => aerodyn_limited(memory.inflow.acting_m_s, &approach, pieces),
                     false => memory.inflow.acting_m_s,
                 };
                 let factor = match &disc.skew {
@@ -421,7 +350,7 @@ impl Rotor {
                 ([axial_m_s * factor, swirl_m_s].map(|velocity_m_s| disc.share * velocity_m_s), meeting)
             }
         };
-        let mut state = meeting.state(induced_m_s);
+        let mut state = meeting.state(induced_m_s, pieces);
         if let Some(split) = &self.splits[section.polar] {
             let met = StallInflow {
                 speed_m_s: state.speed_m_s,
@@ -430,11 +359,16 @@ impl Rotor {
                 chord_m: section.chord_m,
             };
             memory.stall = match past {
-                Past::Known { from, step_s } => from.sections[index].stall.after(met, *step_s, split),
+                Past::Known { from, step_s } => {
+                    // the chord is that of this machine, also for the state of a neighbouring one
+                    let mut before = from.sections[index].stall;
+                    before.met.chord_m = section.chord_m;
+                    before.after_on(met, *step_s, split, pieces)
+                }
                 Past::Given => StallState { met, ..memory.stall },
-                Past::Settled | Past::Still => StallState::steady(met, split),
+                Past::Settled | Past::Still => StallState::steady_on(met, split, pieces),
             };
-            let dynamic = memory.stall.coefficients(split);
+            let dynamic = memory.stall.coefficients_on(split, pieces);
             (state.row.lift, state.row.drag, state.row.moment) = (dynamic.lift, dynamic.drag, dynamic.moment);
         }
         let [along, drive] = state.force_m3_s2(section.chord_m);
@@ -454,11 +388,6 @@ impl Rotor {
     }
 }
 
-/// Flips a vector normal to the disc, if necessary, to point downwind along the disc's `normal`.
-fn downwind(across: Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
-    if across.dot(normal) < 0.0 { -across } else { across }
-}
-
 /// History of the flow before the instant of evaluation.
 pub(super) enum Past<'a> {
     /// Flow and wake are fully developed.
@@ -469,15 +398,6 @@ pub(super) enum Past<'a> {
     Known { from: &'a RotorState, step_s: f64 },
     /// The lag states of the sections at this instant, eq. (B27), are those of the state; its other entries have no meaning.
     Given,
-}
-
-/// Velocity of the air, without the influence of rotor and tower, relative to the root frame, in m/s.
-fn undisturbed_m_s(options: &RotorOptions, flow: &Flow, point_m: &Vector3<f64>) -> Vector3<f64> {
-    let plain_m_s = flow.velocity_m_s(point_m);
-    match &options.features.field {
-        Some(field) => plain_m_s - flow.wind_m_s + field.velocity_m_s(flow.time_s, point_m, &flow.wind_m_s),
-        None => plain_m_s,
-    }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! Source: Øye's model as in Snel and Schepers, *Joint investigation of dynamic inflow effects and implementation of an engineering
 //! method*, ECN-C-94-107 (1995). The time constants and their limits are those of AeroDyn's `DBEMT_Mod` 2.
 
+use crate::aero::rotor::pieces::Pieces;
 use serde::{Deserialize, Serialize};
 
 /// Fraction `k` of changes of the quasi-steady velocity that bypasses the first lag.
@@ -29,13 +30,25 @@ pub struct InflowState {
 
 /// First time constant in s, from the rotor radius, the mean axial induction factor and the mean wind along the shaft, eq. (B9).
 pub fn time_constant_s(radius_m: f64, mean_induction: f64, wind_m_s: f64) -> f64 {
-    let slowed_m_s = (1.0 - 1.3 * mean_induction.min(MAXIMUM_INDUCTION)) * wind_m_s.abs().max(MINIMUM_WIND_M_S);
-    (1.1 * radius_m / slowed_m_s).min(MAXIMUM_TIME_S)
+    time_constant_on_s(radius_m, mean_induction, wind_m_s, &mut Pieces::Free)
+}
+
+/// The same on pieces of its limits.
+pub fn time_constant_on_s(radius_m: f64, mean_induction: f64, wind_m_s: f64, pieces: &mut Pieces) -> f64 {
+    let induction = pieces.least(mean_induction, MAXIMUM_INDUCTION);
+    let slowed_m_s = (1.0 - 1.3 * induction) * pieces.most(wind_m_s.abs(), MINIMUM_WIND_M_S);
+    pieces.least(1.1 * radius_m / slowed_m_s, MAXIMUM_TIME_S)
 }
 
 /// Both time constants in s from the first one, at a radius relative to the rotor radius, eq. (B10).
 pub fn lags_s(first_s: f64, span: f64) -> [f64; 2] {
-    [first_s, (0.39 - 0.26 * span.min(1.0) * span.min(1.0)) * first_s]
+    lags_on_s(first_s, span, &mut Pieces::Free)
+}
+
+/// The same on pieces of its limit.
+pub fn lags_on_s(first_s: f64, span: f64, pieces: &mut Pieces) -> [f64; 2] {
+    let span = pieces.least(span, 1.0);
+    [first_s, (0.39 - 0.26 * span * span) * first_s]
 }
 
 impl InflowState {

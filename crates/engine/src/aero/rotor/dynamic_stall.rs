@@ -5,6 +5,7 @@
 
 use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::rotor::lag::lag;
+use crate::aero::rotor::pieces::Pieces;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -69,13 +70,13 @@ impl SplitPolar {
     /// Static flow at a constant angle of attack in rad, from the inverse of Kirchhoff's relation. Flow with a lift above the line of
     /// attached flow is fully attached, with a lift below a quarter of it fully separated. The separated lift of Hansen, Gaunaa and Madsen
     /// is written in a form without the quotient 0/0.
-    fn static_flow(&self, angle_rad: f64) -> StaticFlow {
-        let row = self.polar.at(angle_rad);
+    fn static_flow(&self, angle_rad: f64, pieces: &mut Pieces) -> StaticFlow {
+        let row = pieces.row(&self.polar, angle_rad);
         let attached = self.slope_1_rad * (angle_rad - self.zero_lift_rad);
         let ratio = if attached == 0.0 { 1.0 } else { row.lift / attached };
-        let (attached_root, gain) = if ratio >= 1.0 {
+        let (attached_root, gain) = if pieces.reaches(ratio, 1.0) {
             (1.0, 0.5 * row.lift)
-        } else if ratio > 0.25 {
+        } else if pieces.holds(ratio > 0.25) {
             let root = 2.0 * ratio.sqrt() - 1.0;
             (root, attached * (3.0 + root) / (4.0 * (1.0 + root)))
         } else {
@@ -85,8 +86,8 @@ impl SplitPolar {
     }
 
     /// Degree of attachment of static flow at an angle in rad.
-    fn attached_at(&self, angle_rad: f64) -> f64 {
-        self.static_flow(angle_rad).attached_root.powi(2)
+    fn attached_at(&self, angle_rad: f64, pieces: &mut Pieces) -> f64 {
+        self.static_flow(angle_rad, pieces).attached_root.powi(2)
     }
 }
 
@@ -133,7 +134,7 @@ impl StallInflow {
         0.5 * self.chord_m / self.speed_m_s.max(MINIMUM_SPEED_M_S)
     }
 
-    /// Angle of attack at three quarters of the chord in rad.
+    /// Angle of attack at three quarters of the chord in rad, between −π and π.
     fn rear_rad(&self) -> f64 {
         let (sine, cosine) = self.attack_rad.sin_cos();
         (self.speed_m_s * sine + 0.5 * self.chord_m * self.pitch_rate_rad_s).atan2(self.speed_m_s * cosine)
@@ -143,10 +144,15 @@ impl StallInflow {
 impl StallState {
     /// Steady state of a constant inflow.
     pub fn steady(met: StallInflow, split: &SplitPolar) -> Self {
-        let rear_rad = met.rear_rad();
+        Self::steady_on(met, split, &mut Pieces::Free)
+    }
+
+    /// The same on pieces of its functions.
+    pub fn steady_on(met: StallInflow, split: &SplitPolar, pieces: &mut Pieces) -> Self {
+        let rear_rad = pieces.near(met.rear_rad());
         let mut state = Self { met, wake_rad: AMPLITUDES.map(|amplitude| amplitude * rear_rad), ..Self::default() };
         state.lagged_lift = state.attached_lift(split);
-        state.attached = split.attached_at(split.angle_rad(state.lagged_lift));
+        state.attached = split.attached_at(split.angle_rad(state.lagged_lift), pieces);
         state
     }
 
@@ -163,17 +169,23 @@ impl StallState {
 
     /// State one step later, eq. (B13): each lag is exact for an input that changes linearly, at the mean speed.
     pub fn after(&self, met: StallInflow, step_s: f64, split: &SplitPolar) -> Self {
+        self.after_on(met, step_s, split, &mut Pieces::Free)
+    }
+
+    /// The same on pieces of its functions.
+    pub fn after_on(&self, met: StallInflow, step_s: f64, split: &SplitPolar, pieces: &mut Pieces) -> Self {
         let distance = 2.0 * step_s / (self.met.passing_s() + met.passing_s());
-        let rear_rad = [self.met.rear_rad(), met.rear_rad()];
+        let rear_rad = [self.met.rear_rad(), met.rear_rad()].map(|angle_rad| pieces.near(angle_rad));
         let mut next = Self { met, ..*self };
         for ((wake, amplitude), rate) in next.wake_rad.iter_mut().zip(AMPLITUDES).zip(RATES) {
             *wake = lag(*wake, amplitude * rear_rad[0], amplitude * rear_rad[1], rate * distance);
         }
         let (from, to) = (self.attached_lift(split), next.attached_lift(split));
         next.lagged_lift = lag(self.lagged_lift, from, to, distance / PRESSURE_LAG);
-        let share = |lift: f64| split.attached_at(split.angle_rad(lift));
-        next.attached = lag(self.attached, share(self.lagged_lift), share(next.lagged_lift), distance / SEPARATION_LAG)
-            .clamp(0.0, 1.0);
+        let [from, to] =
+            [self.lagged_lift, next.lagged_lift].map(|lift| split.attached_at(split.angle_rad(lift), pieces));
+        let attached = lag(self.attached, from, to, distance / SEPARATION_LAG);
+        next.attached = pieces.within(attached, [0.0, 1.0]);
         next
     }
 
@@ -193,25 +205,31 @@ impl StallState {
             wake,
             second,
             (self.attached_lift(split) - self.lagged_lift) / (PRESSURE_LAG * passing_s),
-            (split.attached_at(effective_rad) - self.attached) / (SEPARATION_LAG * passing_s),
+            (split.attached_at(effective_rad, &mut Pieces::Free) - self.attached) / (SEPARATION_LAG * passing_s),
         ]
     }
 
     /// Coefficients, eq. (B14); blended with the static ones between 40° and 50° of angle of attack, static beyond. An external integrator
     /// may set a degree of attachment below 0, whose square root is 0.
     pub fn coefficients(&self, split: &SplitPolar) -> Coefficients {
-        let attached_root = self.attached.max(0.0).sqrt();
-        let plain = split.polar.at(self.met.attack_rad);
+        self.coefficients_on(split, &mut Pieces::Free)
+    }
+
+    /// The same on pieces of its functions.
+    pub fn coefficients_on(&self, split: &SplitPolar, pieces: &mut Pieces) -> Coefficients {
+        // the slope of the root is infinite at 0, where sections stay that are separated from the start
+        let attached_root = if pieces.holds(self.attached > 0.0) { self.attached.max(0.0).sqrt() } else { 0.0 };
+        let plain = pieces.row(&split.polar, self.met.attack_rad);
         let static_row = Coefficients { lift: plain.lift, drag: plain.drag, moment: plain.moment };
         let [cutout_rad, half_rad] = CUTOUT_RAD;
-        let x = ((self.met.attack_rad.abs() - cutout_rad + half_rad) / (2.0 * half_rad)).clamp(0.0, 1.0);
+        let x = pieces.within((self.met.attack_rad.abs() - cutout_rad + half_rad) / (2.0 * half_rad), [0.0, 1.0]);
         let weight = 0.5 * (1.0 + (PI * x).cos());
-        if weight == 0.0 {
+        if pieces.holds(weight == 0.0) {
             return static_row;
         }
         let effective_rad = self.effective_rad();
         let passing = self.met.passing_s() * self.met.pitch_rate_rad_s;
-        let StaticFlow { row, attached_root: static_root, gain } = split.static_flow(effective_rad);
+        let StaticFlow { row, attached_root: static_root, gain } = split.static_flow(effective_rad, pieces);
         let share = static_root * static_root;
         // starts from the static lift, which any split reproduces in the steady state
         let circulatory = row.lift + (self.attached - share) * gain;
@@ -219,7 +237,7 @@ impl StallState {
         let dynamic = Coefficients {
             lift: circulatory + PI * passing,
             drag: row.drag
-                + (self.met.rear_rad() - effective_rad + passing) * circulatory
+                + (pieces.near(self.met.rear_rad()) - effective_rad + passing) * circulatory
                 + (row.drag - split.zero_lift_drag) * lost,
             moment: row.moment - FRAC_PI_2 * passing,
         };

@@ -5,7 +5,8 @@
 //! Glauert.
 
 use crate::aero::polar::{Polar, PolarRow};
-use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_8, PI};
+use crate::aero::rotor::pieces::Pieces;
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_8, PI, TAU};
 
 /// Smallest flow angle considered, in rad; at zero the momentum balance is singular.
 const MINIMUM_ANGLE_RAD: f64 = 1e-6;
@@ -15,6 +16,15 @@ const MINIMUM_EXPONENT: f64 = 1e-10;
 const MAXIMUM_ITERATIONS: usize = 100;
 /// Width of the bracket in rad at which the root finder stops.
 const TOLERANCE_RAD: f64 = 1e-14;
+
+/// First step of the secant method, relative to the root.
+const FIRST_SECANT: f64 = 1e-5;
+/// Change relative to the root behind which it is exact to round-off.
+const LAST_SECANT: f64 = 1e-11;
+/// Maximum number of its steps.
+const MOST_SECANTS: usize = 30;
+/// Load parameter `k` above which an annulus is heavily loaded, eq. (B5).
+const HEAVY: f64 = 2.0 / 3.0;
 
 /// Smallest speed in m/s by which the pitch rate of a section is divided: thin-aerofoil theory holds for small ratios.
 const MINIMUM_SPEED_M_S: f64 = 1.0;
@@ -114,18 +124,24 @@ pub struct SectionState {
 impl SectionState {
     /// Evaluates a section for the given velocities.
     pub fn of(axial_m_s: f64, tangential_m_s: f64, chord_angle_rad: f64, polar: &Polar) -> Self {
+        Self::on([axial_m_s, tangential_m_s], chord_angle_rad, polar, &mut Pieces::Free)
+    }
+
+    /// The same on pieces of the polar.
+    pub fn on([axial_m_s, tangential_m_s]: [f64; 2], chord_angle_rad: f64, polar: &Polar, pieces: &mut Pieces) -> Self {
         let flow_angle_rad = axial_m_s.atan2(tangential_m_s);
-        let attack_rad = turn_back(flow_angle_rad - chord_angle_rad);
-        Self { speed_m_s: axial_m_s.hypot(tangential_m_s), flow_angle_rad, attack_rad, row: polar.at(attack_rad) }
+        let attack_rad = pieces.near(turn_back(flow_angle_rad - chord_angle_rad));
+        let row = pieces.row(polar, attack_rad);
+        Self { speed_m_s: axial_m_s.hypot(tangential_m_s), flow_angle_rad, attack_rad, row }
     }
 
     /// Returns this section while it pitches about its span, nose up, at `turning_m_s`: pitch rate in rad/s times chord in m. The angle of
     /// attack is that at three quarters of the chord, the direction of the force that at the quarter chord; the moment is damped, eq.
     /// (B25).
-    pub fn turning(self, turning_m_s: f64, polar: &Polar) -> Self {
-        let ratio = turning_m_s / self.speed_m_s.max(MINIMUM_SPEED_M_S);
-        let attack_rad = turn_back(self.attack_rad + 0.5 * ratio);
-        let row = polar.at(attack_rad);
+    pub fn turning(self, turning_m_s: f64, polar: &Polar, pieces: &mut Pieces) -> Self {
+        let ratio = turning_m_s / pieces.most(self.speed_m_s, MINIMUM_SPEED_M_S);
+        let attack_rad = pieces.near(turn_back(self.attack_rad + 0.5 * ratio));
+        let row = pieces.row(polar, attack_rad);
         Self { attack_rad, row: PolarRow { moment: row.moment - FRAC_PI_8 * ratio, ..row }, ..self }
     }
 
@@ -142,7 +158,7 @@ impl SectionState {
 
 /// Reduces an angle to the range from −π to π, because polars cover one revolution, eq. (B2).
 pub fn turn_back(angle_rad: f64) -> f64 {
-    angle_rad - std::f64::consts::TAU * (angle_rad / std::f64::consts::TAU).round()
+    angle_rad - TAU * (angle_rad / TAU).round()
 }
 
 /// Solves the momentum balance of an annulus, eqs. (B3)–(B6). Inflow from behind or from the trailing edge is solved as its mirror image.
@@ -151,28 +167,39 @@ pub fn turn_back(angle_rad: f64) -> f64 {
 /// flow through it. The induction jumps between the two, as in momentum theory. Without wind the annulus hovers. If there is no balance,
 /// the induction is zero and `balanced` is false.
 pub fn balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
-    balance_by(annulus, polar, approach, false)
+    balance_on(annulus, polar, approach, &mut Pieces::Free)
+}
+
+/// The same on pieces of its functions.
+pub fn balance_on(annulus: &Annulus, polar: &Polar, approach: &Approach, pieces: &mut Pieces) -> Annular {
+    balance_by((annulus, polar), approach, false, pieces)
 }
 
 /// Solves the momentum balance as AeroDyn does, eq. (B23), for comparison: in the windmill state if its residual has a root there, which
 /// drag always provides, with axial induction factors from −1 to 1.5 and tangential ones from −1 to 1.
-pub fn aerodyn_balance(annulus: &Annulus, polar: &Polar, approach: &Approach) -> Annular {
-    let free = balance_by(annulus, polar, approach, true);
-    let [axial_loss_m_s, swirl_m_s] = aerodyn_limited([free.axial_loss_m_s, free.swirl_m_s], approach);
+pub fn aerodyn_balance(annulus: &Annulus, polar: &Polar, approach: &Approach, pieces: &mut Pieces) -> Annular {
+    let free = balance_by((annulus, polar), approach, true, pieces);
+    let [axial_loss_m_s, swirl_m_s] = aerodyn_limited([free.axial_loss_m_s, free.swirl_m_s], approach, pieces);
     Annular { axial_loss_m_s, swirl_m_s, ..free }
 }
 
 /// Limits axial and tangential induced velocities in m/s as AeroDyn does for this inflow: axial induction factors from −1 to 1.5,
 /// tangential ones from −1 to 1. AeroDyn applies the limits also to lagged velocities.
-pub fn aerodyn_limited([axial_loss_m_s, swirl_m_s]: [f64; 2], approach: &Approach) -> [f64; 2] {
-    let within = |loss_m_s: f64, of_m_s: f64, largest: f64| {
+pub fn aerodyn_limited([axial_loss_m_s, swirl_m_s]: [f64; 2], approach: &Approach, pieces: &mut Pieces) -> [f64; 2] {
+    let mut within = |loss_m_s: f64, of_m_s: f64, largest: f64| {
         let ends = [-of_m_s, largest * of_m_s];
-        loss_m_s.max(ends[0].min(ends[1])).min(ends[0].max(ends[1]))
+        let above_m_s = pieces.most(loss_m_s, ends[0].min(ends[1]));
+        pieces.least(above_m_s, ends[0].max(ends[1]))
     };
     [within(axial_loss_m_s, approach.axial_m_s, 1.5), within(swirl_m_s, approach.tangential_m_s, 1.0)]
 }
 
-fn balance_by(annulus: &Annulus, polar: &Polar, approach: &Approach, windmill_first: bool) -> Annular {
+fn balance_by(
+    (annulus, polar): (&Annulus, &Polar),
+    approach: &Approach,
+    windmill_first: bool,
+    pieces: &mut Pieces,
+) -> Annular {
     let Approach { axial_m_s, tangential_m_s, chord_angle_rad } = *approach;
     let speed_m_s = axial_m_s.hypot(tangential_m_s);
     if annulus.is_end() || speed_m_s == 0.0 {
@@ -180,19 +207,25 @@ fn balance_by(annulus: &Annulus, polar: &Polar, approach: &Approach, windmill_fi
     }
     let mirror = [
         // in still air the sign follows from the direction of the thrust
-        if axial_m_s < 0.0 || (axial_m_s == 0.0 && normal_at_rest(polar, approach) > 0.0) { -1.0 } else { 1.0 },
-        if tangential_m_s < 0.0 { -1.0 } else { 1.0 },
+        if pieces.holds(axial_m_s < 0.0 || (axial_m_s == 0.0 && normal_at_rest(polar, approach) > 0.0)) {
+            -1.0
+        } else {
+            1.0
+        },
+        if pieces.holds(tangential_m_s < 0.0) { -1.0 } else { 1.0 },
     ];
-    let balance = Balance {
+    let mut balance = Balance {
         annulus,
         polar,
         chord_angle_rad,
         mirror,
         windmill_first,
-        axial: axial_m_s.abs() / speed_m_s,
-        tangential: tangential_m_s.abs() / speed_m_s,
+        // without the sign of a zero
+        axial: mirror[0] * axial_m_s / speed_m_s + 0.0,
+        tangential: mirror[1] * tangential_m_s / speed_m_s + 0.0,
+        held: None,
     };
-    match balance.flow_angle_rad() {
+    match balance.flow_angle_on(pieces) {
         Some(angle_rad) => {
             let [axial, tangential] = balance.passing(angle_rad);
             Annular {
@@ -222,9 +255,84 @@ struct Balance<'a> {
     windmill_first: bool,
     axial: f64,
     tangential: f64,
+    held: Option<Held>,
+}
+
+/// The smooth piece on which an annulus lies.
+#[derive(Clone, Copy)]
+struct Held {
+    /// Interval of the polar.
+    interval: usize,
+    /// Angle of attack in rad near which it continues.
+    attack_rad: f64,
+    /// Whether it is heavily loaded, eq. (B5).
+    heavy: bool,
 }
 
 impl Balance<'_> {
+    /// [`Self::flow_angle_rad`] on pieces: kept, the root is the one near the known root.
+    fn flow_angle_on(&mut self, pieces: &mut Pieces) -> Option<f64> {
+        match pieces {
+            Pieces::Free => self.flow_angle_rad(),
+            Pieces::Record(_) => {
+                let found = self.flow_angle_rad();
+                if pieces.holds(found.is_some()) {
+                    let angle_rad = found?;
+                    let (attack_rad, heavy) =
+                        (self.attack_rad(angle_rad.sin(), angle_rad.cos()), self.is_heavy(angle_rad));
+                    pieces.row(self.polar, attack_rad);
+                    pieces.holds(heavy);
+                    pieces.note(attack_rad);
+                    pieces.note(angle_rad);
+                }
+                found
+            }
+            Pieces::Keep { .. } => {
+                if !pieces.holds(false) {
+                    return None;
+                }
+                let (interval, heavy) = (pieces.choice(0), pieces.holds(false));
+                let (attack_rad, known_rad) = (pieces.known()?, pieces.known()?);
+                self.held = Some(Held { interval, attack_rad, heavy });
+                Some(self.root_near(known_rad))
+            }
+        }
+    }
+
+    /// Root near a known one, by the secant method to round-off.
+    fn root_near(&self, known_rad: f64) -> f64 {
+        let (mut before_rad, mut root_rad) = (known_rad + FIRST_SECANT * known_rad.abs().max(FIRST_SECANT), known_rad);
+        let (mut before, mut now) = (self.residual(before_rad), self.residual(root_rad));
+        for _ in 0..MOST_SECANTS {
+            let change_rad = now * (before_rad - root_rad) / (now - before);
+            if !change_rad.is_finite() {
+                break;
+            }
+            (before_rad, before) = (root_rad, now);
+            root_rad += change_rad;
+            now = self.residual(root_rad);
+            // the next change would be that of round-off
+            if change_rad.abs() <= LAST_SECANT * root_rad.abs() {
+                break;
+            }
+        }
+        root_rad
+    }
+
+    /// Whether the annulus is heavily loaded at a flow angle, eq. (B5).
+    fn is_heavy(&self, angle_rad: f64) -> bool {
+        let (sine, cosine) = angle_rad.sin_cos();
+        let loss = self.annulus.loss(sine);
+        let k = self.annulus.solidity / (4.0 * loss * sine.abs()) * self.coefficients(sine, cosine)[0] / sine.abs();
+        sine > 0.0 && k > HEAVY
+    }
+
+    /// Angle of attack in rad, between −π and π, at a flow angle of the mirrored section.
+    fn attack_rad(&self, sine: f64, cosine: f64) -> f64 {
+        let [side, turn] = self.mirror;
+        turn_back((side * sine).atan2(turn * cosine) - self.chord_angle_rad)
+    }
+
     /// Flow angle at which blade load and momentum balance.
     fn flow_angle_rad(&self) -> Option<f64> {
         let rooted = self.windmill_first && self.residual(MINIMUM_ANGLE_RAD) < 0.0;
@@ -248,8 +356,14 @@ impl Balance<'_> {
     /// Force coefficients of the mirrored section along the wind and in the driving direction.
     fn coefficients(&self, sine: f64, cosine: f64) -> [f64; 2] {
         let [side, turn] = self.mirror;
-        let attack_rad = turn_back((side * sine).atan2(turn * cosine) - self.chord_angle_rad);
-        let PolarRow { lift, drag, .. } = self.polar.at(attack_rad);
+        let attack_rad = self.attack_rad(sine, cosine);
+        let PolarRow { lift, drag, .. } = match &self.held {
+            None => self.polar.at(attack_rad),
+            Some(held) => {
+                let turns = ((held.attack_rad - attack_rad) / TAU).round();
+                self.polar.in_interval(held.interval, attack_rad + TAU * turns)
+            }
+        };
         let (sine, cosine) = (side * sine, turn * cosine);
         [side * (lift * cosine + drag * sine), turn * (lift * sine - drag * cosine)]
     }
@@ -260,7 +374,11 @@ impl Balance<'_> {
         let [normal, drive] = self.coefficients(sine, cosine);
         let share = self.annulus.solidity / (4.0 * loss * sine.abs());
         let k = share * normal / sine.abs();
-        let axial = if sine < 0.0 { sine * (1.0 - k) } else { sine * windmill(k, loss) };
+        let axial = if sine < 0.0 {
+            sine * (1.0 - k)
+        } else {
+            sine * windmill(k, loss, self.held.map_or(k > HEAVY, |held| held.heavy))
+        };
         [axial, cosine - share * drive]
     }
 
@@ -319,8 +437,8 @@ impl Balance<'_> {
 }
 
 /// `1/(1 − a)` of an annulus with flow in the direction of the wind, eqs. (B3) and (B5); continuous at 2/3.
-fn windmill(k: f64, loss: f64) -> f64 {
-    if k <= 2.0 / 3.0 {
+fn windmill(k: f64, loss: f64, heavy: bool) -> f64 {
+    if !heavy {
         return 1.0 + k;
     }
     let load = 2.0 * loss * k;
@@ -332,152 +450,5 @@ fn windmill(k: f64, loss: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A thin section: lift 2π sin α, and the drag of a flat plate.
-    fn plate(drag: f64) -> Polar {
-        let rows = (-180..=180).map(|degree| {
-            let angle_rad = f64::from(degree).to_radians();
-            let lift = std::f64::consts::TAU * angle_rad.sin() * angle_rad.cos();
-            PolarRow { angle_rad, lift, drag: drag + 1.5 * angle_rad.sin().powi(2), moment: 0.0 }
-        });
-        Polar { rows: rows.collect() }
-    }
-
-    fn annulus() -> Annulus {
-        Annulus::new(3, 2.0, 30.0, 1.5, 63.0)
-    }
-
-    /// Thrust and torque of the element minus the momentum rates of its annulus, formulated with velocities.
-    fn imbalance(annulus: &Annulus, polar: &Polar, approach: &Approach, state: &Annular) -> [f64; 2] {
-        let axial = approach.axial_m_s - state.axial_loss_m_s;
-        let tangential = approach.tangential_m_s + state.swirl_m_s;
-        let section = SectionState::of(axial, tangential, approach.chord_angle_rad, polar);
-        let [normal, drive] = section.force_m3_s2(1.0);
-        let loss = annulus.loss(section.flow_angle_rad.sin());
-        // σ cn W²/2 = 2 F |u| u_i and σ ct W²/2 = 2 F |u| v_i
-        let flux = 2.0 * loss * axial.abs();
-        [annulus.solidity * normal - flux * state.axial_loss_m_s, annulus.solidity * drive - flux * state.swirl_m_s]
-    }
-
-    #[test]
-    fn momentum_balances_in_every_quadrant() {
-        let (annulus, polar) = (annulus(), plate(0.01));
-        let mut met = [0; 2];
-        for (axial_m_s, tangential_m_s) in
-            [(8.0, 40.0), (-8.0, 40.0), (8.0, -40.0), (-8.0, -40.0), (30.0, 3.0), (0.0, 40.0), (12.0, 0.0), (0.5, 60.0)]
-        {
-            for degree in -180..180 {
-                let chord_angle_rad = f64::from(degree).to_radians();
-                let approach = Approach { axial_m_s, tangential_m_s, chord_angle_rad };
-                let state = balance(&annulus, &polar, &approach);
-                let a = state.axial_loss_m_s / axial_m_s;
-                met[usize::from(state.balanced)] += 1;
-                let scale = axial_m_s.hypot(tangential_m_s).powi(2);
-                let heavy = a > 0.4 && a < 1.0; // heavily loaded: Buhl's relation, checked below
-                if state.balanced && !heavy {
-                    let [axial, swirl] = imbalance(&annulus, &polar, &approach, &state);
-                    assert!(
-                        axial.abs() < 1e-9 * scale && swirl.abs() < 1e-9 * scale,
-                        "{approach:?} {state:?} {axial} {swirl}"
-                    );
-                }
-            }
-        }
-        assert!(met[0] * 50 < met[1], "balanced in {met:?}");
-    }
-
-    /// Buhl's relation between thrust and induction, eq. (18) of the paper, for any loss.
-    #[test]
-    fn heavy_loading_follows_buhl_and_joins_momentum_theory() {
-        for loss in [1.0, 0.7, 0.3, 0.05] {
-            let mut last = 1.0 + 2.0 / 3.0;
-            for step in 0..2000 {
-                let k = 2.0 / 3.0 * (1.0 + 1e-9 + 0.01 * f64::from(step));
-                let slowing = windmill(k, loss);
-                let a = 1.0 - 1.0 / slowing;
-                let thrust = 8.0 / 9.0 + (4.0 * loss - 40.0 / 9.0) * a + (50.0 / 9.0 - 4.0 * loss) * a * a;
-                approx::assert_relative_eq!(4.0 * loss * k * (1.0 - a).powi(2), thrust, max_relative = 1e-9);
-                assert!(slowing >= last - 1e-9 && slowing - last < 0.1, "{loss} {k}: {last} {slowing}");
-                last = slowing;
-            }
-        }
-    }
-
-    #[test]
-    fn nothing_moves_nothing_acts() {
-        let still = Approach { axial_m_s: 0.0, tangential_m_s: 0.0, chord_angle_rad: 0.3 };
-        assert_eq!(balance(&annulus(), &plate(0.01), &still), Annular::FREE);
-        assert_eq!(SectionState::of(0.0, 0.0, 0.3, &plate(0.01)).force_m3_s2(2.0), [0.0, 0.0]);
-    }
-
-    /// Eq. (B23): axial induction factors from −1 to 1.5 and tangential ones from −1 to 1, for inflow from either side.
-    #[test]
-    fn aerodyn_limits_its_induction() {
-        for axial_m_s in [10.0, -10.0] {
-            for tangential_m_s in [50.0, -50.0] {
-                let limited = |axial: f64, tangential: f64| {
-                    let approach = Approach { axial_m_s, tangential_m_s, chord_angle_rad: 0.0 };
-                    let [loss_m_s, swirl_m_s] =
-                        aerodyn_limited([axial * axial_m_s, tangential * tangential_m_s], &approach);
-                    [loss_m_s / axial_m_s, swirl_m_s / tangential_m_s]
-                };
-                assert_eq!(limited(3.0, 3.0), [1.5, 1.0]);
-                assert_eq!(limited(-3.0, -3.0), [-1.0, -1.0]);
-                assert_eq!(limited(0.5, -0.5), [0.5, -0.5]);
-            }
-        }
-    }
-
-    /// Inflow from behind on a symmetric section at the opposite angle gives the mirror image.
-    #[test]
-    fn mirrored_inflow_has_mirrored_induction() {
-        let (annulus, polar) = (annulus(), plate(0.01));
-        let to = |axial_m_s, tangential_m_s, chord_angle_rad| {
-            let approach = Approach { axial_m_s, tangential_m_s, chord_angle_rad };
-            let state = balance(&annulus, &polar, &approach);
-            [state.axial_loss_m_s, state.swirl_m_s]
-        };
-        let [u, v] = to(8.0, 50.0, 0.05);
-        assert!(u > 1.0 && v > 0.05, "{u} {v}");
-        let [back_u, back_v] = to(-8.0, 50.0, -0.05);
-        approx::assert_relative_eq!(back_u, -u, max_relative = 1e-10);
-        approx::assert_relative_eq!(back_v, v, max_relative = 1e-10);
-        let [rear_u, rear_v] = to(8.0, -50.0, PI - 0.05);
-        approx::assert_relative_eq!(rear_u, u, max_relative = 1e-10);
-        approx::assert_relative_eq!(rear_v, -v, max_relative = 1e-10);
-    }
-
-    /// A rotor that turns in still air has the induced velocity of a hovering propeller, `W² σ cn = 4 F u²`.
-    #[test]
-    fn still_air_is_hover() {
-        let (annulus, polar) = (annulus(), plate(0.01));
-        for chord_angle_rad in [0.1, -0.1] {
-            let hover = Approach { axial_m_s: 0.0, tangential_m_s: 50.0, chord_angle_rad };
-            let state = balance(&annulus, &polar, &hover);
-            assert!(state.balanced && state.axial_loss_m_s.abs() > 2.0);
-            // the section pitched up accelerates the air opposite to its thrust
-            assert_eq!(state.axial_loss_m_s > 0.0, chord_angle_rad < 0.0);
-            for nearby_m_s in [1e-9, -1e-9] {
-                let near = balance(&annulus, &polar, &Approach { axial_m_s: nearby_m_s, ..hover });
-                approx::assert_relative_eq!(near.axial_loss_m_s, state.axial_loss_m_s, max_relative = 1e-6);
-            }
-        }
-    }
-
-    #[test]
-    fn loss_is_prandtls_and_complete_at_the_ends() {
-        let annulus = annulus();
-        let sine = 0.1f64;
-        let direct = |exponent: f64| (2.0 / PI) * (-exponent / sine).exp().acos();
-        let expected = direct(1.5 * 33.0 / 30.0) * direct(1.5 * 28.5 / 1.5);
-        approx::assert_relative_eq!(annulus.loss(sine), expected, max_relative = 1e-12);
-        for radius_m in [1.5, 63.0] {
-            let end = Annulus::new(3, 2.0, radius_m, 1.5, 63.0);
-            assert!(end.is_end() && end.loss(sine) == 0.0);
-            let approach = Approach { axial_m_s: 8.0, tangential_m_s: 50.0, chord_angle_rad: 0.0 };
-            assert_eq!(balance(&end, &plate(0.0), &approach), Annular::FREE);
-        }
-    }
-}
+#[path = "induction_tests.rs"]
+mod tests;

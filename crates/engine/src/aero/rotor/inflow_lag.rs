@@ -7,6 +7,7 @@ use crate::aero::polar::Polar;
 use crate::aero::rotor::dynamic_inflow::InflowState;
 use crate::aero::rotor::induction::{Approach, SectionState};
 use crate::aero::rotor::lag::lag;
+use crate::aero::rotor::pieces::Pieces;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Thrust coefficient and induction factor at the start of Glauert's straight line.
@@ -28,16 +29,26 @@ const SETTLING_PASSES: usize = 500;
 /// Up to a thrust coefficient of 0.96 it follows momentum theory, then a straight line; beyond 2 it is linear in the wind, down to the
 /// value of hover.
 pub fn momentum_m_s(wind_m_s: f64, load_m2_s2: f64) -> f64 {
-    if wind_m_s < 0.0 {
-        return -momentum_m_s(-wind_m_s, -load_m2_s2);
+    momentum_on_m_s(wind_m_s, load_m2_s2, &mut Pieces::Free)
+}
+
+/// The same on pieces of its functions.
+pub fn momentum_on_m_s(wind_m_s: f64, load_m2_s2: f64, pieces: &mut Pieces) -> f64 {
+    match pieces.holds(wind_m_s < 0.0) {
+        true => -with_the_wind_m_s(-wind_m_s, -load_m2_s2, pieces),
+        false => with_the_wind_m_s(wind_m_s, load_m2_s2, pieces),
     }
+}
+
+/// The same for wind from the front.
+fn with_the_wind_m_s(wind_m_s: f64, load_m2_s2: f64, pieces: &mut Pieces) -> f64 {
     let pressure_m2_s2 = wind_m_s * wind_m_s;
-    if load_m2_s2 <= LINE[0] * pressure_m2_s2 {
+    if pieces.holds(load_m2_s2 <= LINE[0] * pressure_m2_s2) {
         // ½ (V − √(V² − K)), without cancellation
         let root_m_s = (pressure_m2_s2 - load_m2_s2).sqrt();
         return if load_m2_s2 == 0.0 { 0.0 } else { 0.5 * load_m2_s2 / (wind_m_s + root_m_s) };
     }
-    if load_m2_s2 <= LINE_END * pressure_m2_s2 {
+    if pieces.holds(load_m2_s2 <= LINE_END * pressure_m2_s2) {
         return LINE[1] * wind_m_s + SLOPE * (load_m2_s2 / wind_m_s - LINE[0] * wind_m_s);
     }
     let end = LINE[1] + SLOPE * (LINE_END - LINE[0]);
@@ -58,14 +69,15 @@ pub struct Meeting<'a> {
 
 impl Meeting<'_> {
     /// Evaluates the section with an axial and a tangential induced velocity in m/s.
-    pub fn state(&self, induced_m_s: [f64; 2]) -> SectionState {
+    pub fn state(&self, induced_m_s: [f64; 2], pieces: &mut Pieces) -> SectionState {
         let Approach { axial_m_s, tangential_m_s, chord_angle_rad } = self.approach;
         let met_m_s = [axial_m_s - induced_m_s[0], tangential_m_s + induced_m_s[1]];
-        let state = SectionState::of(met_m_s[0], met_m_s[1], chord_angle_rad, self.polar);
-        if self.pitch_rate_rad_s == 0.0 {
+        let state = SectionState::on(met_m_s, chord_angle_rad, self.polar, pieces);
+        // on pieces also without a pitch rate, beside which there is one
+        if self.pitch_rate_rad_s == 0.0 && matches!(pieces, Pieces::Free) {
             return state;
         }
-        state.turning(self.pitch_rate_rad_s * self.chord_m, self.polar)
+        state.turning(self.pitch_rate_rad_s * self.chord_m, self.polar, pieces)
     }
 }
 
@@ -85,44 +97,48 @@ pub struct Lagging<'a> {
 
 impl Lagging<'_> {
     /// Velocity in m/s along the shaft given by momentum theory for the load at an induced velocity.
-    pub fn balanced_m_s(&self, induced_m_s: f64) -> f64 {
-        let state = self.meeting.state([self.lean * induced_m_s, 0.0]);
+    pub fn balanced_m_s(&self, induced_m_s: f64, pieces: &mut Pieces) -> f64 {
+        let state = self.meeting.state([self.lean * induced_m_s, 0.0], pieces);
         let [along_m3_s2, _] = state.force_m3_s2(self.meeting.chord_m);
-        momentum_m_s(self.wind_m_s, self.share_1_m * self.lean * along_m3_s2)
+        momentum_on_m_s(self.wind_m_s, self.share_1_m * self.lean * along_m3_s2, pieces)
     }
 
     /// Steady state.
-    pub fn settled(&self) -> InflowState {
+    pub fn settled(&self, pieces: &mut Pieces) -> InflowState {
         let mut induced_m_s = 0.0;
         for _ in 0..SETTLING_PASSES {
-            let change_m_s = RELAXATION * (self.balanced_m_s(induced_m_s) - induced_m_s);
+            let balanced_m_s = self.balanced_m_s(induced_m_s, &mut pieces.of_round());
+            let change_m_s = RELAXATION * (balanced_m_s - induced_m_s);
             induced_m_s += change_m_s;
             if change_m_s.abs() <= 1e-15 * self.wind_m_s.abs() {
                 break;
             }
+        }
+        if !matches!(pieces, Pieces::Free) {
+            self.balanced_m_s(induced_m_s, pieces);
         }
         InflowState::established([induced_m_s, 0.0])
     }
 
     /// State at an instant with a given induced velocity.
     pub fn given(&self, induced_m_s: f64) -> InflowState {
-        let balanced_m_s = [self.balanced_m_s(induced_m_s), 0.0];
+        let balanced_m_s = [self.balanced_m_s(induced_m_s, &mut Pieces::Free), 0.0];
         InflowState { acting_m_s: [induced_m_s, 0.0], ..InflowState::established(balanced_m_s) }
     }
 
     /// State of a flow that starts now: no induced velocity yet.
-    pub fn still(&self) -> InflowState {
-        InflowState { balanced_m_s: [self.balanced_m_s(0.0), 0.0], ..InflowState::default() }
+    pub fn still(&self, pieces: &mut Pieces) -> InflowState {
+        InflowState { balanced_m_s: [self.balanced_m_s(0.0, pieces), 0.0], ..InflowState::default() }
     }
 
     /// State one step later, eq. (B11): exact if the velocity of momentum theory changes linearly over the step.
-    pub fn after(&self, from: &InflowState, step_s: f64) -> InflowState {
+    pub fn after(&self, from: &InflowState, step_s: f64, pieces: &mut Pieces) -> InflowState {
         let (acting_m_s, balanced_m_s) = (from.acting_m_s[0], from.balanced_m_s[0]);
         let ratio = step_s / self.time_s;
         let mut next = lag(acting_m_s, balanced_m_s, balanced_m_s, ratio);
         let mut to_m_s = balanced_m_s;
         for _ in 0..PASSES {
-            to_m_s = self.balanced_m_s(next);
+            to_m_s = self.balanced_m_s(next, pieces);
             next = lag(acting_m_s, balanced_m_s, to_m_s, ratio);
         }
         InflowState { acting_m_s: [next, 0.0], ..InflowState::established([to_m_s, 0.0]) }
@@ -177,7 +193,7 @@ mod tests {
             share_1_m: 2.0 / (std::f64::consts::PI * 12.0),
             time_s: 0.8,
         };
-        let rate = |v: f64| (annulus.balanced_m_s(v) - v) / annulus.time_s;
+        let rate = |v: f64| (annulus.balanced_m_s(v, &mut Pieces::Free) - v) / annulus.time_s;
         let (mut v, h) = (0.0, 0.5 / 4000.0);
         for _ in 0..4000 {
             let k1 = rate(v);
@@ -187,20 +203,22 @@ mod tests {
         }
         let error = |steps: u32| {
             let step_s = 0.5 / f64::from(steps);
-            let end = (0..steps).fold(annulus.still(), |state, _| annulus.after(&state, step_s));
+            let end = (0..steps)
+                .fold(annulus.still(&mut Pieces::Free), |state, _| annulus.after(&state, step_s, &mut Pieces::Free));
             (end.acting_m_s[0] - v).abs()
         };
         let (coarse, fine) = (error(10), error(20));
         assert!(coarse < 1e-2 && (3.4..4.6).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
-        let steady = annulus.settled();
+        let steady = annulus.settled(&mut Pieces::Free);
         approx::assert_relative_eq!(
-            annulus.balanced_m_s(steady.acting_m_s[0]),
+            annulus.balanced_m_s(steady.acting_m_s[0], &mut Pieces::Free),
             steady.acting_m_s[0],
             max_relative = 1e-12
         );
         assert!(steady.acting_m_s[0] > 1.0, "{steady:?}");
         // steps as long as the time constant, the longest allowed in a model
-        let far = (0..40).fold(annulus.still(), |state, _| annulus.after(&state, 0.8));
+        let far =
+            (0..40).fold(annulus.still(&mut Pieces::Free), |state, _| annulus.after(&state, 0.8, &mut Pieces::Free));
         approx::assert_relative_eq!(far.acting_m_s[0], steady.acting_m_s[0], max_relative = 1e-6);
     }
 }

@@ -6,14 +6,18 @@
 
 pub mod bem;
 mod continuous;
+mod disc;
 pub mod dynamic_inflow;
 pub mod dynamic_stall;
 pub mod induction;
 pub mod inflow_lag;
 pub mod lag;
 pub mod loads;
+mod meeting;
 pub mod options;
+pub mod pieces;
 pub mod skew;
+pub mod slopes;
 mod spread;
 pub mod states;
 pub mod steady;

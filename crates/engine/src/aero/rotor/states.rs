@@ -116,7 +116,7 @@ impl Rotor {
     }
 
     /// Whether a section has the single lag of eq. (B24), the two lags of eq. (B10), and dynamic stall.
-    fn moved(&self, section: &Section) -> [bool; 3] {
+    pub(super) fn moved(&self, section: &Section) -> [bool; 3] {
         let features = &self.options.features;
         let [tip_exponent, hub_exponent] = section.exponents;
         let is_end = Annulus { solidity: 0.0, tip_exponent, hub_exponent }.is_end();

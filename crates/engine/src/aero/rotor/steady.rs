@@ -2,6 +2,7 @@
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::induction::{Annular, Annulus, Approach, EndRule, SectionState, balance};
+use crate::aero::rotor::pieces::Pieces;
 use std::f64::consts::PI;
 
 /// Tip-speed ratios between which the induction is blended in, eq. (B7): momentum theory does not hold for the wake of a stopped rotor.
@@ -73,8 +74,13 @@ pub struct SteadyLoads {
 
 /// Fraction of the induction that applies at a tip-speed ratio, eq. (B7): none below 1, all from 2 on, as in AeroDyn.
 pub fn induction_share(tip_speed_ratio: f64) -> f64 {
+    induction_share_on(tip_speed_ratio, &mut Pieces::Free)
+}
+
+/// The same on pieces of its limits.
+pub fn induction_share_on(tip_speed_ratio: f64, pieces: &mut Pieces) -> f64 {
     let [none, all] = FADE;
-    let x = ((tip_speed_ratio.abs() - none) / (all - none)).clamp(0.0, 1.0);
+    let x = pieces.within((tip_speed_ratio.abs() - none) / (all - none), [0.0, 1.0]);
     0.5 * (1.0 - (PI * x).cos())
 }
 

@@ -183,7 +183,7 @@ impl Trial<'_> {
 }
 
 /// A motion with one entry changed.
-fn moved(motion: &SectionMotion, entry: usize, change: f64) -> SectionMotion {
+pub(in crate::aero) fn moved(motion: &SectionMotion, entry: usize, change: f64) -> SectionMotion {
     let mut vector = Vector3::zeros();
     vector[entry % 3] = change;
     let mut motion = *motion;

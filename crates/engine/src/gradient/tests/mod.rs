@@ -25,6 +25,7 @@ mod motor;
 mod prescribed;
 mod refusals;
 mod rigid;
+mod rotor;
 mod rows;
 mod shear;
 mod spatial;

@@ -1,10 +1,14 @@
-//! An aerodynamic step of strips as a map, and its derivatives, NOTATION eq. (X12): from the aerodynamic memory at the start and the poses
-//! of the sections at the end to the memory at the end and the effective loads in the step, eq. (Q1).
+//! An aerodynamic step of strips or of a rotor as a map, and its derivatives, NOTATION eqs. (X12) and (X37): from the aerodynamic memory at
+//! the start and the poses of the sections at the end to the memory at the end and the effective loads in the step, eq. (Q1).
 //!
-//! A memory is a flat vector: a sample of each section (position, rotation, filtered and mean velocities of eq. (Q4)), the lag states of
-//! each strip, and the circulatory load of each section in its frame.
+//! A memory is a flat vector. Of strips: a sample of each section (position, rotation, filtered and mean velocities of eq. (Q4)), the lag
+//! states of each strip, and the circulatory load of each section in its frame. Of a rotor, which uses velocities at the instant: the
+//! states of its sections, their mean induction, and the loads.
 
 use crate::aero::flow::{Gust, GustShape};
+use crate::aero::rotor::pieces::RotorPieces;
+use crate::aero::rotor::slopes::{NoRotorSlopes, RotorStep};
+use crate::aero::rotor::wind::Source;
 use crate::aero::strip::slopes::{LOADS, MOTION, ROWS, STATE, StripStep};
 use crate::aero::{AirModel, AirOptions, AirState};
 use crate::load::Wrench;
@@ -24,6 +28,10 @@ const SAMPLE: usize = 18;
 pub(crate) enum NoSlopes {
     /// A strip of this body has no relative flow velocity.
     Still(usize),
+    /// A section of this body is exactly at a row of its polar.
+    Kink(usize),
+    /// Any small wind across the shaft would skew the wake of the rotor.
+    NoWind,
     /// The step itself has no solution.
     Step(PlantError),
 }
@@ -35,60 +43,65 @@ pub(crate) struct AirStepSlopes {
     turns: Vec<[Matrix3<f64>; 2]>,
     /// Per section, at the end: attitude, circulatory and impulsive load in the root frame.
     ends: Vec<(Matrix3<f64>, [Wrench; 2])>,
-    /// Per strip: its sections and its derivatives.
-    strips: Vec<([usize; 2], StripStep)>,
+    model: ModelSlopes,
 }
 
-/// Number of entries of a memory.
-pub(crate) fn memory_entries(sections: usize, strips: usize) -> usize {
-    (SAMPLE + ENTRIES) * sections + STATE * strips
+/// Derivatives of the aerodynamic model in a step.
+enum ModelSlopes {
+    /// Per strip: its sections and its derivatives.
+    Strips(Vec<([usize; 2], StripStep)>),
+    /// Of a rotor, and the pieces on which its functions lie.
+    Rotor(Box<(RotorStep, RotorPieces)>),
 }
 
 impl AirStepSlopes {
     /// Number of entries of a memory.
     pub fn memory_entries(&self) -> usize {
-        memory_entries(self.ends.len(), self.strips.len())
+        self.first_load() + ENTRIES * self.ends.len()
     }
 
     fn first_load(&self) -> usize {
-        SAMPLE * self.ends.len() + STATE * self.strips.len()
+        match &self.model {
+            ModelSlopes::Strips(strips) => SAMPLE * self.ends.len() + STATE * strips.len(),
+            ModelSlopes::Rotor(rotor) => rotor.0.state_entries(),
+        }
+    }
+
+    /// Number of entries of the pose of a section: displacement and rotation; for rotors, which use them, also velocity and angular velocity.
+    fn pose_entries(&self) -> usize {
+        match &self.model {
+            ModelSlopes::Strips(_) => ENTRIES,
+            ModelSlopes::Rotor(_) => MOTION,
+        }
+    }
+
+    /// Pieces on which the functions of a rotor lie.
+    pub fn pieces(&self) -> Option<&RotorPieces> {
+        match &self.model {
+            ModelSlopes::Strips(_) => None,
+            ModelSlopes::Rotor(rotor) => Some(&rotor.1),
+        }
     }
 
     /// Variation of the memory at the end, followed by that of the effective loads, due to variations of the memory at the start and of the
-    /// poses at the end (displacement and rotation of each section, root frame).
+    /// poses at the end (displacement and rotation of each section, for rotors also their velocities; root frame).
     pub fn forward(&self, memory: &[f64], poses: &[f64]) -> Vec<f64> {
-        let [own, earlier, last] = VELOCITY_WEIGHTS;
         let sections = self.ends.len();
         let first_load = self.first_load();
         let mut out = vec![0.0; self.memory_entries() + ENTRIES * sections];
         let mut forces = vec![[0.0; LOADS]; sections];
-        for (section, turns) in self.turns.iter().enumerate() {
-            let [r0, f0, w0, o0, mw0, mo0] = thirds(&memory[SAMPLE * section..]);
-            let [r1, f1] = thirds(&poses[ENTRIES * section..]);
-            let mw1 = (r1 - r0) / self.step_s;
-            let mo1 = turns[1] * f1 - turns[0] * f0;
-            let w1 = mw1 * own + mw0 * earlier + w0 * last;
-            let o1 = mo1 * own + mo0 * earlier + o0 * last;
-            write(&mut out[SAMPLE * section..], &[r1, f1, w1, o1, mw1, mo1]);
-        }
-        let states = SAMPLE * sections;
-        for (strip, (ends, slopes)) in self.strips.iter().enumerate() {
-            let own = states + STATE * strip;
-            let mut along = SVector::<f64, { 2 * MOTION + STATE }>::zeros();
-            for (end, section) in ends.iter().enumerate() {
-                let motion = &out[SAMPLE * section..SAMPLE * section + MOTION];
-                along.as_mut_slice()[MOTION * end..MOTION * (end + 1)].copy_from_slice(motion);
+        match &self.model {
+            ModelSlopes::Strips(strips) => self.strips_forward(strips, [memory, poses], &mut out, &mut forces),
+            ModelSlopes::Rotor(rotor) => {
+                let (after, loads) = rotor.0.forward(&memory[..first_load], poses);
+                out[..first_load].copy_from_slice(&after);
+                for (own, loads) in forces.iter_mut().zip(loads.chunks_exact(ENTRIES)) {
+                    own[..ENTRIES].copy_from_slice(loads);
+                }
             }
-            along.as_mut_slice()[2 * MOTION..].copy_from_slice(&memory[own..own + STATE]);
-            let rows = slopes * along;
-            for (end, section) in ends.iter().enumerate() {
-                let own = &rows.as_slice()[LOADS * end..LOADS * (end + 1)];
-                forces[*section].iter_mut().zip(own).for_each(|(sum, row)| *sum += row);
-            }
-            out[own..own + STATE].copy_from_slice(&rows.as_slice()[2 * LOADS..]);
         }
         for (section, ((rotation, loads), changes)) in self.ends.iter().zip(&forces).enumerate() {
-            let [_, turn] = thirds(&poses[ENTRIES * section..]);
+            let [_, turn] = thirds(&poses[self.pose_entries() * section..]);
             let [circulatory, impulsive] = [0, 1].map(|part| {
                 let [force, moment] = thirds(&changes[ENTRIES * part..]);
                 let load = &loads[part];
@@ -103,32 +116,96 @@ impl AirStepSlopes {
         out
     }
 
+    /// Part of the strips in [`Self::forward`].
+    fn strips_forward(
+        &self,
+        strips: &[([usize; 2], StripStep)],
+        [memory, poses]: [&[f64]; 2],
+        out: &mut [f64],
+        forces: &mut [[f64; LOADS]],
+    ) {
+        let [own, earlier, last] = VELOCITY_WEIGHTS;
+        for (section, turns) in self.turns.iter().enumerate() {
+            let [r0, f0, w0, o0, mw0, mo0] = thirds(&memory[SAMPLE * section..]);
+            let [r1, f1] = thirds(&poses[ENTRIES * section..]);
+            let mw1 = (r1 - r0) / self.step_s;
+            let mo1 = turns[1] * f1 - turns[0] * f0;
+            let w1 = mw1 * own + mw0 * earlier + w0 * last;
+            let o1 = mo1 * own + mo0 * earlier + o0 * last;
+            write(&mut out[SAMPLE * section..], &[r1, f1, w1, o1, mw1, mo1]);
+        }
+        let states = SAMPLE * self.ends.len();
+        for (strip, (ends, slopes)) in strips.iter().enumerate() {
+            let own = states + STATE * strip;
+            let mut along = SVector::<f64, { 2 * MOTION + STATE }>::zeros();
+            for (end, section) in ends.iter().enumerate() {
+                let motion = &out[SAMPLE * section..SAMPLE * section + MOTION];
+                along.as_mut_slice()[MOTION * end..MOTION * (end + 1)].copy_from_slice(motion);
+            }
+            along.as_mut_slice()[2 * MOTION..].copy_from_slice(&memory[own..own + STATE]);
+            let rows = slopes * along;
+            for (end, section) in ends.iter().enumerate() {
+                let own = &rows.as_slice()[LOADS * end..LOADS * (end + 1)];
+                forces[*section].iter_mut().zip(own).for_each(|(sum, row)| *sum += row);
+            }
+            out[own..own + STATE].copy_from_slice(&rows.as_slice()[2 * LOADS..]);
+        }
+    }
+
     /// The transpose of [`Self::forward`]: multipliers of the memory at the start and of the poses, from those of the memory at the end and
     /// of the loads.
     pub fn reverse(&self, on: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let [own, earlier, last] = VELOCITY_WEIGHTS;
         let sections = self.ends.len();
         let first_load = self.first_load();
         let mut memory = vec![0.0; self.memory_entries()];
-        let mut poses = vec![0.0; ENTRIES * sections];
         let mut forces = vec![[0.0; LOADS]; sections];
-        let mut motions: Vec<[Vector3<f64>; 4]> = Vec::with_capacity(sections);
+        // on the rotations of the sections, which turn the loads
+        let mut turned = Vec::with_capacity(sections);
         for (section, (rotation, loads)) in self.ends.iter().enumerate() {
             let acting: [Vector3<f64>; 2] = thirds(&on[first_load + ENTRIES * (sections + section)..]);
             let after: [Vector3<f64>; 2] = thirds(&on[first_load + ENTRIES * section..]);
             let half = acting.map(|acting| acting * 0.5);
             write(&mut memory[first_load + ENTRIES * section..], &half);
-            let mut turned = Vector3::zeros();
+            let mut turn = Vector3::zeros();
             for (part, on) in [[after[0] + half[0], after[1] + half[1]], acting].into_iter().enumerate() {
                 let [force, moment] = on.map(|on| rotation * on);
                 write(&mut forces[section][ENTRIES * part..], &[force, moment]);
-                turned -= loads[part].force_n.cross(&force) + loads[part].moment_n_m.cross(&moment);
+                turn -= loads[part].force_n.cross(&force) + loads[part].moment_n_m.cross(&moment);
             }
+            turned.push(turn);
+        }
+        let poses = match &self.model {
+            ModelSlopes::Strips(strips) => self.strips_reverse(strips, on, (&forces, &turned), &mut memory),
+            ModelSlopes::Rotor(rotor) => {
+                let loads: Vec<f64> = forces.iter().flat_map(|own| own[..ENTRIES].iter().copied()).collect();
+                let (state, mut motions) = rotor.0.reverse(&on[..first_load], &loads);
+                memory[..first_load].copy_from_slice(&state);
+                for (motion, turn) in motions.chunks_exact_mut(MOTION).zip(&turned) {
+                    motion[3..ENTRIES].iter_mut().zip(turn).for_each(|(sum, turn)| *sum += turn);
+                }
+                motions
+            }
+        };
+        (memory, poses)
+    }
+
+    /// Part of the strips in [`Self::reverse`]: multipliers of the poses.
+    fn strips_reverse(
+        &self,
+        strips: &[([usize; 2], StripStep)],
+        on: &[f64],
+        (forces, turned): (&[[f64; LOADS]], &[Vector3<f64>]),
+        memory: &mut [f64],
+    ) -> Vec<f64> {
+        let [own, earlier, last] = VELOCITY_WEIGHTS;
+        let mut poses = vec![0.0; ENTRIES * self.ends.len()];
+        let mut motions: Vec<[Vector3<f64>; 4]> = Vec::with_capacity(self.ends.len());
+        for (section, turned) in turned.iter().enumerate() {
             let [r, f, w, o] = thirds(&on[SAMPLE * section..]);
             motions.push([r, f + turned, w, o]);
         }
-        let states = SAMPLE * sections;
-        for (strip, (ends, slopes)) in self.strips.iter().enumerate() {
+        let states = SAMPLE * self.ends.len();
+        for (strip, (ends, slopes)) in strips.iter().enumerate() {
             let own = states + STATE * strip;
             let mut rows = SVector::<f64, ROWS>::zeros();
             for (end, section) in ends.iter().enumerate() {
@@ -150,22 +227,31 @@ impl AirStepSlopes {
             let before = [-by_displacement, -turns[0].tr_mul(&mo1), w1 * last, o1 * last, w1 * earlier, o1 * earlier];
             write(&mut memory[SAMPLE * section..], &before);
         }
-        (memory, poses)
+        poses
     }
 }
 
 impl System {
-    /// First aerodynamic feature whose steps have no derivatives, and its name; only smooth strips have them.
+    /// First aerodynamic feature whose steps have no derivatives, and its name; smooth strips have them, and rotors in smooth wind.
     pub(crate) fn air_without_slopes(&self) -> Option<(&'static str, &str)> {
         let air = self.machine.air.as_ref()?;
         let strips = match air.only() {
-            Some(AirOptions::Strips(strips)) => strips,
+            Some(AirOptions::Strips(strips)) => Some(strips),
+            Some(AirOptions::Rotor(rotor)) => {
+                let features = &rotor.features;
+                if features.tower.is_some() {
+                    return Some(("rotors whose tower disturbs the wind", "tower"));
+                }
+                if features.field.as_ref().is_some_and(|field| matches!(field.source, Source::Box(_))) {
+                    return Some(("turbulence on a grid", "wind"));
+                }
+                None
+            }
             Some(AirOptions::Lattice(_)) => return Some(("the vortex lattice", "aerodynamics")),
-            Some(AirOptions::Rotor(_)) => return Some(("rotor aerodynamics", "aerodynamics")),
             Some(AirOptions::SlenderBody(_)) => return Some(("slender-body aerodynamics", "aerodynamics")),
             None => return Some(("several aerodynamic parts", "aerodynamics")),
         };
-        if strips.tip_loss.is_some() {
+        if strips.is_some_and(|strips| strips.tip_loss.is_some()) {
             return Some(("the lifting line of strips", "aerodynamics.tip_loss"));
         }
         if air.coupling == Coupling::Staggered {
@@ -175,20 +261,26 @@ impl System {
         if let Some(gust) = air.gusts.iter().find(|gust| !smooth(gust)) {
             return Some(("gusts with jumps or kinks, all but one_minus_cosine", &gust.name));
         }
-        let surface = air.surfaces.iter().find(|surface| surface.profile.polar.is_some())?;
+        let surface = air.surfaces.iter().find(|surface| strips.is_some() && surface.profile.polar.is_some())?;
         Some(("polars, which have kinks at their rows", &self.machine.bodies[surface.body].name))
     }
 
-    /// Sets the motions of the sections at the end of an aerodynamic step from `before`, by eq. (Q4); returns their samples.
-    fn meet_end_of_air_step(&mut self, before: &AirHistory, at: &Point) -> Result<Vec<Sample>, PlantError> {
+    /// Whether the loads of the air depend on velocities at the instant.
+    pub(crate) fn air_uses_rates(&self) -> bool {
+        self.air.as_ref().is_some_and(|air| air.model.instants().contains(&true))
+    }
+
+    /// Sets the motions of the sections at the end of an aerodynamic step from `before`, by eq. (Q4), or at the instant; returns their samples.
+    pub(super) fn meet_end_of_air_step(&mut self, before: &AirHistory, at: &Point) -> Result<Vec<Sample>, PlantError> {
         let Self { equations, scratch, air, state, .. } = self;
         equations.residual(at.time_s, &at.q, &at.v, &at.a, &mut scratch[0]);
         let Some(air) = air else { return Ok(Vec::new()) };
         air.observe(equations, at);
         air.deflect(state, before.loads.end_s)?;
         let step_s = air.settings.step_s;
-        let samples = air.motions.iter_mut().zip(&before.begin).map(|(motion, begin)| {
-            let end = begin.next(motion, step_s, &before.gain);
+        let begins = before.begin.iter().zip(air.model.instants());
+        let samples = air.motions.iter_mut().zip(begins).map(|(motion, (begin, &instant))| {
+            let end = if instant { Sample::steady(motion) } else { begin.next(motion, step_s, &before.gain) };
             *motion = end.motion;
             end
         });
@@ -199,7 +291,7 @@ impl System {
     pub(crate) fn air_step_slopes(&mut self, before: &AirHistory, at: &Point) -> Result<AirStepSlopes, NoSlopes> {
         let samples = self.meet_end_of_air_step(before, at).map_err(NoSlopes::Step)?;
         let Self { air, state, .. } = self;
-        let no_air = || NoSlopes::Step(refusal(at.time_s, "no strips"));
+        let no_air = || NoSlopes::Step(refusal(at.time_s, "neither strips nor a rotor"));
         let Some(air) = air else { return Err(no_air()) };
         let AirCoupling { model, settings, motions, loads, .. } = &mut **air;
         let flow = flow(settings, state, before.loads.end_s);
@@ -207,12 +299,21 @@ impl System {
         let mut after = before.after.clone();
         let solved = model.solve(&before.before, motions, &flow, step_s, &mut after, loads);
         solved.map_err(|error| NoSlopes::Step(gaps::failure(&self.machine, settings, before.loads.end_s, error)))?;
-        let (Some(AirModel::Strips(strips)), Some(AirState::Strips(from))) = (model.only(), before.before.only())
-        else {
-            return Err(no_air());
+        let model = match (model.only_mut(), before.before.only()) {
+            (Some(AirModel::Strips(strips)), Some(AirState::Strips(from))) => {
+                let slopes = strips.step_slopes(from, motions, &flow, step_s);
+                let slopes = slopes.map_err(|still| NoSlopes::Still(settings.surfaces[still.surface].body))?;
+                ModelSlopes::Strips(strips.strip_sections().zip(slopes).collect())
+            }
+            (Some(AirModel::Rotor(rotor)), Some(AirState::Rotor(from))) => {
+                let slopes = rotor.step_slopes(from, motions, &flow, step_s).map_err(|refused| match refused {
+                    NoRotorSlopes::Kink { blade } => NoSlopes::Kink(settings.surfaces[blade].body),
+                    NoRotorSlopes::NoWind => NoSlopes::NoWind,
+                })?;
+                ModelSlopes::Rotor(Box::new(slopes))
+            }
+            (_, _) => return Err(no_air()),
         };
-        let slopes = strips.step_slopes(from, motions, &flow, step_s);
-        let slopes = slopes.map_err(|still| NoSlopes::Still(settings.surfaces[still.surface].body))?;
         let turns = samples.iter().zip(&before.begin).map(|(end, begin)| {
             let left =
                 inverse_left_tangent(&rotation_vector(&(end.motion.rotation * begin.motion.rotation.transpose())));
@@ -224,7 +325,7 @@ impl System {
             step_s,
             turns: turns.collect(),
             ends: ends.map(|(motion, (a, b))| (motion.rotation, [*a, *b])).collect(),
-            strips: strips.strip_sections().zip(slopes).collect(),
+            model,
         })
     }
 
@@ -283,6 +384,11 @@ impl System {
 /// Memory at the end of a step, as a flat vector.
 fn memory(history: &AirHistory, reference: &[Matrix3<f64>]) -> Vec<f64> {
     let mut values = Vec::new();
+    if let Some(AirState::Rotor(state)) = history.after.only() {
+        values.extend(state.clone().numbers().map(|number| *number));
+        values.extend(entries(&history.loads.to));
+        return values;
+    }
     for (Sample { motion, mean_m_s, mean_rad_s }, reference) in history.end.iter().zip(reference) {
         values.extend(&motion.position_m);
         values.extend(&rotation_vector(&(motion.rotation * reference.transpose())));

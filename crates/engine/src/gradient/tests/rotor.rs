@@ -1,0 +1,330 @@
+//! Gradients of runs with rotors, against each other and against differences of runs with the same steps.
+
+use super::*;
+use crate::aero::polar::{Polar, PolarRow};
+use crate::aero::rotor::bem::RotorFeatures;
+use crate::aero::rotor::options::PitchRate;
+use crate::machine::Coupling;
+use crate::machine::builder::RotorSettings;
+use crate::machine::failure::FrictionBrake;
+use nalgebra::{Matrix3, Vector3};
+
+/// Numbers of a rotor of two blades.
+#[derive(Clone, Copy)]
+struct Turning {
+    wind: f64,
+    across: f64,
+    density: f64,
+    chord: f64,
+    pitch: f64,
+    command: f64,
+    speed: f64,
+    inertia: f64,
+    damping: f64,
+    length: f64,
+    thickness: f64,
+    fail_s: f64,
+    brake: f64,
+    catch: f64,
+}
+
+/// A number and its place.
+type TurningPlace = (&'static str, fn(&mut Turning) -> &mut f64);
+
+const WIND: TurningPlace = ("wind", |n| &mut n.wind);
+const DENSITY: TurningPlace = ("density", |n| &mut n.density);
+const CHORD: TurningPlace = ("chord", |n| &mut n.chord);
+const PITCH: TurningPlace = ("pitch", |n| &mut n.pitch);
+const COMMAND: TurningPlace = ("command", |n| &mut n.command);
+const SPEED: TurningPlace = ("speed", |n| &mut n.speed);
+const INERTIA: TurningPlace = ("inertia", |n| &mut n.inertia);
+const DAMPING: TurningPlace = ("damping", |n| &mut n.damping);
+const LENGTH: TurningPlace = ("length", |n| &mut n.length);
+const THICKNESS: TurningPlace = ("thickness", |n| &mut n.thickness);
+const FAIL_S: TurningPlace = ("fail_s", |n| &mut n.fail_s);
+const BRAKE: TurningPlace = ("brake", |n| &mut n.brake);
+const CATCH: TurningPlace = ("catch", |n| &mut n.catch);
+
+/// Parts of the machine.
+#[derive(Clone, Default)]
+struct Has {
+    flexible: bool,
+    /// Blades on pitch bearings with motors, the first with a latch.
+    pitching: bool,
+    /// A brake that is applied on the shaft within an aerodynamic step.
+    brake: bool,
+    features: Option<fn(&mut RotorFeatures)>,
+    /// Angle in degrees between the rows of the polar.
+    rows_deg: i32,
+}
+
+/// A section that stalls at 14°.
+fn polar(rows_deg: i32) -> Polar {
+    let row = |index: i32| {
+        let angle_rad = f64::from(rows_deg * index).to_radians();
+        let attached = 1.0 / (1.0 + ((angle_rad.abs() - 0.24) / 0.04).exp());
+        PolarRow {
+            angle_rad,
+            lift: attached * 2.0 * PI * (angle_rad + 0.05).sin() + (1.0 - attached) * 1.1 * (2.0 * angle_rad).sin(),
+            drag: 0.01 + 1.3 * angle_rad.sin().powi(2),
+            moment: -0.05 * attached,
+        }
+    };
+    Polar { rows: (-180 / rows_deg..=180 / rows_deg).map(row).collect() }
+}
+
+impl Turning {
+    const USUAL: Self = Self {
+        wind: 9.0,
+        across: 1.5,
+        density: 1.2,
+        chord: 0.5,
+        pitch: -2.0,
+        command: 0.06,
+        speed: 8.0,
+        inertia: 30.0,
+        damping: 60.0,
+        length: 5.4,
+        thickness: 0.06,
+        fail_s: 0.0613,
+        brake: 400.0,
+        catch: 0.021,
+    };
+
+    fn machine(self, has: &Has) -> Result<Machine, String> {
+        let mut settings = RotorSettings::on("hub", 0.6);
+        settings.polars = vec![("foil".to_owned(), polar(has.rows_deg))];
+        if let Some(set) = has.features {
+            set(&mut settings.features);
+        }
+        let air = Air::rotor(settings)
+            .density_kg_m3(self.density)
+            .wind_m_s([self.wind, self.across, 0.3])
+            .step_s(8e-3)
+            .coupling(Coupling::Iterated { tolerance: 1e-12, most_iterations: 200 });
+        let drag = Motor { damping_n_m_s_rad: self.damping, ..Motor::default() };
+        let hub = Body::rigid("hub").inertia(50.0, [0.0; 3], Matrix3::from_diagonal_element(self.inertia));
+        let shaft = Joint::revolute("shaft", [1.0, 0.0, 0.0]).motor(drag).start_rate_rad_s(self.speed);
+        let mut builder =
+            Machine::builder("Turning").gravity_m_s2([0.0, 0.0, -9.81]).air(air).body(hub, shaft).solver(solver());
+        if has.flexible {
+            builder = builder.gauge(Gauge::on("root", "blade0", 0.3).z_m(0.02));
+        }
+        for (blade, angle) in [0.0f64, PI].into_iter().enumerate() {
+            let name = format!("blade{blade}");
+            let along = Vector3::new(0.04, -angle.sin(), angle.cos()).normalize();
+            let ahead = Vector3::x().cross(&along).normalize();
+            let mount = Matrix3::from_columns(&[along, ahead, along.cross(&ahead)]);
+            let body = match has.flexible {
+                true => {
+                    let material = Material { youngs_modulus_pa: 4e9, shear_modulus_pa: 1.5e9, density_kg_m3: 600.0 };
+                    Body::beam(&name, self.length, Solid::rectangle(0.3, self.thickness, material))
+                        .elements(2)
+                        .stiffness_damping_s(1e-3)
+                }
+                false => Body::rigid(&name).inertia(
+                    40.0,
+                    [0.45 * self.length, 0.0, 0.0],
+                    Matrix3::from_diagonal(&Vector3::new(1.0, 90.0, 91.0)),
+                ),
+            };
+            let joint = match has.pitching {
+                true => {
+                    let motor = Motor {
+                        stiffness_n_m_rad: 900.0,
+                        damping_n_m_s_rad: 20.0,
+                        command_rad: self.command,
+                        inertia_kg_m2: 0.4,
+                        ..Motor::default()
+                    };
+                    let bearing = Joint::revolute(format!("pitch{blade}"), [1.0, 0.0, 0.0]).motor(motor);
+                    if blade == 0 {
+                        bearing.latch(Latch::with_stiffness_n_m_rad(4e3).angle_rad(self.catch).capture_rad(0.004))
+                    } else {
+                        bearing
+                    }
+                }
+                false => Joint::clamped(format!("root{blade}")),
+            };
+            let stations_m = [0.0, 0.28, 0.55, 0.8, 1.0].map(|share| share * self.length).to_vec();
+            let surface = LiftingSurface::on(&name, 4)
+                .blade(stations_m, vec!["foil".to_owned(); 5])
+                .chord_m(Along::constant(self.chord))
+                .elastic_axis_fraction(0.3)
+                .incidence_deg(Along::constant(self.pitch));
+            let surface = if has.flexible { surface } else { surface.length_m(self.length) };
+            builder = builder.body(body, joint.on("hub").offset_m(along * 0.6).mount(mount)).surface(surface);
+        }
+        let mut machine = builder.build().map_err(|refused| refused.to_string())?;
+        if has.brake {
+            let brake = FrictionBrake { torque_n_m: self.brake, ramp_s: 0.02, slip_rad_s: 0.3 };
+            let (effect, at_time_s) = (Effect::BrakeApplied { body: 0, brake }, Some(self.fail_s));
+            let name = "stops".to_owned();
+            machine.failures.push(Failure { name, effect, at_time_s, after: None, when: None, delay_s: 0.0 });
+        }
+        Ok(machine)
+    }
+
+    fn beside((_, place): TurningPlace, shift: f64) -> Self {
+        let mut numbers = Self::USUAL;
+        *place(&mut numbers) += shift;
+        numbers
+    }
+}
+
+fn size_of(place: TurningPlace) -> f64 {
+    (*(place.1)(&mut { Turning::USUAL })).abs()
+}
+
+/// Speed and angle of the shaft, gauge and tip of the first blade, energy, force of the air, reaction of the root; at both times.
+fn turning_results(plant: &Plant, has: &Has) -> Vec<RunResult> {
+    let layout = *plant.outputs().layout();
+    let mut indices = vec![
+        layout.joints.place(0, 0),
+        layout.joints.place(0, 0) + 1,
+        layout.energy.place(0, 0),
+        layout.air_total.place(0, 0),
+        layout.air_total.place(0, 0) + 3,
+        layout.root.place(0, 0) + 3,
+    ];
+    if has.flexible {
+        indices.extend([layout.gauges.place(0, 0), layout.tips.place(1, 0)]);
+    }
+    if has.pitching {
+        indices.push(layout.joints.place(1, 0));
+    }
+    (0..2).flat_map(|time| indices.iter().map(move |index| RunResult::Output { index: *index, time })).collect()
+}
+
+/// Disagreement of forward and adjoint, and of forward and differences.
+fn compare_turning(has: &Has, times_s: &[f64], places: &[TurningPlace]) -> (f64, f64, usize) {
+    let machine = |numbers: Turning| numbers.machine(has).unwrap_or_else(|error| panic!("{error}"));
+    let mut plant = started(machine(Turning::USUAL));
+    let tape = plant.run_on_tape(times_s).unwrap_or_else(|error| panic!("{error}"));
+    let events = tape.crossings_s().count();
+    let mut results = turning_results(&plant, has);
+    if events > 0 {
+        results.push(RunResult::LatchTime { joint: 1 });
+    }
+    let parameter = |place: &TurningPlace| {
+        let machine = |shift: f64| plant_of(Turning::beside(*place, shift).machine(has));
+        Parameter::new(place.0, 0.0, 1e-3 * size_of(*place), machine).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let parameters = places.iter().map(parameter).collect();
+    let mut gradient = Gradient::new(&mut plant, &tape, parameters).unwrap_or_else(|error| panic!("{error}"));
+    let forward = gradient.forward(&results).unwrap_or_else(|error| panic!("{error}"));
+    let adjoint: Vec<Vec<f64>> =
+        results.iter().map(|result| gradient.adjoint(*result).unwrap_or_else(|error| panic!("{error}"))).collect();
+    let own = gradient.values(&results).unwrap_or_else(|error| panic!("{error}"));
+    let run = |numbers: Turning| {
+        let mut plant = started(machine(numbers));
+        let mut copy = plant.run_along(&tape, &InputRows::default()).unwrap_or_else(|error| panic!("{error}"));
+        for time_s in times_s {
+            plant.request(&mut copy, *time_s).unwrap_or_else(|error| panic!("{error}"));
+        }
+        let pieces = plant.pieces_on_tape(&copy);
+        let mut gradient = Gradient::new(&mut plant, &copy, Vec::new()).unwrap_or_else(|error| panic!("{error}"));
+        (gradient.values(&results).unwrap_or_else(|error| panic!("{error}")), pieces)
+    };
+    let (same, pieces) = run(Turning::USUAL);
+    for (own, known) in own.iter().zip(same) {
+        assert!((own - known).abs() <= 1e-7 * known.abs().max(1e-4), "{own} and {known}");
+    }
+    let mut known = vec![vec![0.0; places.len()]; results.len()];
+    for (column, place) in places.iter().enumerate() {
+        // small enough that no section passes a row of its polar
+        let found = [1e-3, 3e-4, 1e-4, 3e-5, 1e-5].into_iter().find(|share| {
+            let step = share * size_of(*place);
+            known.iter_mut().for_each(|row| row[column] = 0.0);
+            [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)].into_iter().all(|(steps, weight)| {
+                let (values, there) = run(Turning::beside(*place, steps * step));
+                for (row, value) in known.iter_mut().zip(values) {
+                    row[column] += weight / (12.0 * step) * value;
+                }
+                there == pieces
+            })
+        });
+        assert!(found.is_some(), "{}: no difference on the same pieces", place.0);
+    }
+    let (mut both, mut differences) = (0.0f64, 0.0f64);
+    for row in 0..results.len() {
+        let entry = |table: &[Vec<f64>], column: usize| table[row][column] * size_of(places[column]);
+        let scale = (0..places.len()).fold(0.0, |scale: f64, column| scale.max(entry(&known, column).abs()));
+        for (column, place) in places.iter().enumerate() {
+            let [forward, adjoint, known] = [&forward, &adjoint, &known].map(|table| entry(table, column) / scale);
+            both = both.max((forward - adjoint).abs());
+            differences = differences.max((forward - known).abs());
+            if (forward - known).abs() > 1e-6 {
+                println!("{:?} by {}: {forward} {adjoint} {known}, {scale:e}", results[row], place.0);
+            }
+        }
+    }
+    (both, differences, events)
+}
+
+fn agree(words: &str, has: &Has, places: &[TurningPlace], has_events: bool) {
+    let (both, differences, events) = compare_turning(has, &[0.0583, 0.1213], places);
+    println!("{words}: {both:.1e} {differences:.1e}");
+    assert_eq!(events > 0, has_events, "{words}: {events} events");
+    assert!(both < 1e-10, "{words}: {both:.1e}");
+    assert!(differences < 1e-6, "{words}: {differences:.1e}");
+}
+
+/// All numbers of a rotor with rigid blades.
+const RIGID: [TurningPlace; 8] = [WIND, DENSITY, CHORD, PITCH, SPEED, INERTIA, DAMPING, LENGTH];
+
+/// GR-88: rigid blades in oblique wind, by wind, density, chord, pitch, start, inertia, damping and radius, with polars of long rows: the
+/// induced velocity follows the balance at once, with its wake skewed as well.
+#[test]
+fn gradients_of_a_rigid_rotor() {
+    let has = Has { rows_deg: 30, ..Has::default() };
+    agree("GR-88 straight wake", &has, &RIGID, false);
+    let has = Has { features: Some(|features| features.skewed_wake = true), ..has };
+    agree("GR-88 skewed wake", &has, &RIGID, false);
+}
+
+/// GR-89: the same with rows every 4°, of which sections pass some along the run and along the differences.
+#[test]
+fn gradients_pass_rows_of_polars() {
+    let has = Has { rows_deg: 4, ..Has::default() };
+    agree("GR-89", &has, &RIGID, false);
+}
+
+fn with_inflow(features: &mut RotorFeatures) {
+    (features.dynamic_inflow, features.skewed_wake) = (true, true);
+}
+
+fn with_stall(features: &mut RotorFeatures) {
+    with_inflow(features);
+    features.dynamic_stall = true;
+}
+
+/// GR-90: dynamic inflow by both models, and with dynamic stall.
+#[test]
+fn gradients_with_dynamic_inflow_and_stall() {
+    let has =
+        |rows_deg: i32, features: fn(&mut RotorFeatures)| Has { rows_deg, features: Some(features), ..Has::default() };
+    agree("GR-90 two lags", &has(4, with_inflow), &RIGID, false);
+    let one_lag = |features: &mut RotorFeatures| {
+        (features.inflow_lag_s, features.pitch_rate) = (Some(0.3), PitchRate::Air);
+    };
+    agree("GR-90 one lag", &has(4, one_lag), &RIGID, false);
+    agree("GR-90 stall", &has(4, with_stall), &RIGID, false);
+}
+
+/// GR-91: blades of beams with all effects in time, by wind, density, pitch, start and thickness.
+#[test]
+fn gradients_of_a_flexible_rotor() {
+    let places = [WIND, DENSITY, CHORD, PITCH, SPEED, THICKNESS, LENGTH];
+    let has = Has { flexible: true, rows_deg: 4, features: Some(with_stall), ..Has::default() };
+    agree("GR-91", &has, &places, false);
+}
+
+/// GR-92: through a brake that is applied within an aerodynamic step, and through a latch of a pitch bearing.
+#[test]
+fn gradients_of_rotors_pass_through_events() {
+    let has = Has { brake: true, rows_deg: 4, features: Some(with_inflow), ..Has::default() };
+    agree("GR-92 brake", &has, &[WIND, PITCH, SPEED, FAIL_S, BRAKE], false);
+    let has = Has { pitching: true, flexible: true, rows_deg: 4, features: Some(with_stall), ..Has::default() };
+    agree("GR-92 latch", &has, &[WIND, PITCH, SPEED, COMMAND, CATCH, THICKNESS], true);
+}
