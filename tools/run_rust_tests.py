@@ -46,6 +46,7 @@ SHARED = {
     "x17_machines_with_several_airs",
     "x18_machines_with_electrical_motors",
     "x19_machines_with_cylindrical_joints",
+    "x20_machines_with_rotors_in_model_exchange",
 }
 LINE = re.compile(r"test (?P<name>\S+)(?: - should panic)? \.\.\. ok <(?P<seconds>[\d.]+)s>$")
 
