@@ -31,19 +31,17 @@ impl Polar {
     /// Coefficients and the slope of the lift coefficient in 1/rad, which is that of the next higher interval at a row and 0 outside the
     /// rows.
     pub fn at_with_lift_slope(&self, angle_rad: f64) -> (PolarRow, f64) {
-        let after = self.rows.partition_point(|row| row.angle_rad <= angle_rad);
-        let (Some(upper), Some(lower)) = (self.rows.get(after), after.checked_sub(1).map(|i| &self.rows[i])) else {
-            return (self.rows[after.min(self.rows.len() - 1)], 0.0);
+        let interval = self.interval(angle_rad);
+        let slope_1_rad = match self.ends(interval) {
+            Some([lower, upper]) => (upper.lift - lower.lift) / (upper.angle_rad - lower.angle_rad),
+            None => 0.0,
         };
-        let share = (angle_rad - lower.angle_rad) / (upper.angle_rad - lower.angle_rad);
-        let between = |a: f64, b: f64| a + (b - a) * share;
-        let row = PolarRow {
-            angle_rad,
-            lift: between(lower.lift, upper.lift),
-            drag: between(lower.drag, upper.drag),
-            moment: between(lower.moment, upper.moment),
-        };
-        (row, (upper.lift - lower.lift) / (upper.angle_rad - lower.angle_rad))
+        (self.in_interval(interval, angle_rad), slope_1_rad)
+    }
+
+    /// Rows at the ends of an interval; `None` outside the rows.
+    fn ends(&self, interval: usize) -> Option<[&PolarRow; 2]> {
+        Some([self.rows.get(interval.checked_sub(1)?)?, self.rows.get(interval)?])
     }
 
     /// Number of rows at or below an angle of attack in rad: the interval of [`Self::at`].
@@ -53,8 +51,7 @@ impl Polar {
 
     /// Coefficients on the line of a given interval, continued beyond its ends; outside the rows those of the nearest row.
     pub fn in_interval(&self, interval: usize, angle_rad: f64) -> PolarRow {
-        let (Some(upper), Some(lower)) = (self.rows.get(interval), interval.checked_sub(1).map(|i| &self.rows[i]))
-        else {
+        let Some([lower, upper]) = self.ends(interval) else {
             return self.rows[interval.min(self.rows.len() - 1)];
         };
         let share = (angle_rad - lower.angle_rad) / (upper.angle_rad - lower.angle_rad);

@@ -13,7 +13,7 @@ use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance,
 use crate::aero::rotor::inflow_lag::{Lagging, Meeting};
 use crate::aero::rotor::loads::RotorLoads;
 pub use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
-use crate::aero::rotor::pieces::{Book, Holding, Pieces};
+use crate::aero::rotor::pieces::{Holding, PieceList, Pieces};
 use crate::aero::rotor::states::RotorLag;
 pub use crate::aero::rotor::states::{RotorState, SectionMemory};
 use crate::aero::surface::{ChordLine, Surface};
@@ -170,8 +170,8 @@ impl Rotor {
         // the first pass uses the induction at the start of the step, the second the resulting one at its end
         let passes = if dynamic_inflow && !aerodyn_compatible && matches!(past, Past::Known { .. }) { 2 } else { 1 };
         if let Holding::Record(pieces) = &mut holding {
-            let sections = vec![Book::default(); self.sections.len()];
-            (pieces.wakes, pieces.ends) = (vec![Book::default(); passes + 1], sections.clone());
+            let sections = vec![PieceList::default(); self.sections.len()];
+            (pieces.wakes, pieces.ends) = (vec![PieceList::default(); passes + 1], sections.clone());
             pieces.sections = vec![sections; passes];
         }
         for pass in 0..passes {

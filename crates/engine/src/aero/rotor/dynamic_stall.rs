@@ -218,7 +218,8 @@ impl StallState {
     /// The same on pieces of its functions.
     pub fn coefficients_on(&self, split: &SplitPolar, pieces: &mut Pieces) -> Coefficients {
         // the slope of the root is infinite at 0, where sections stay that are separated from the start
-        let attached_root = if pieces.holds(self.attached > 0.0) { self.attached.max(0.0).sqrt() } else { 0.0 };
+        let separated = pieces.holds(self.attached <= 0.0);
+        let attached_root = if separated { 0.0 } else { self.attached.clamp(0.0, f64::INFINITY).sqrt() };
         let plain = pieces.row(&split.polar, self.met.attack_rad);
         let static_row = Coefficients { lift: plain.lift, drag: plain.drag, moment: plain.moment };
         let [cutout_rad, half_rad] = CUTOUT_RAD;

@@ -5,7 +5,7 @@ use crate::aero::rotor::bem::Rotor;
 use crate::aero::rotor::disc::{Cut, Disc, NO_CUT, downwind};
 use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::rotor::options::RotorOptions;
-use crate::aero::rotor::pieces::{Book, Holding, Pieces};
+use crate::aero::rotor::pieces::{Holding, PieceList, Pieces};
 use crate::aero::rotor::skew::Skew;
 use crate::aero::rotor::steady::induction_share_on;
 use crate::load::SectionMotion;
@@ -30,7 +30,7 @@ impl Rotor {
         let mut pieces = match holding {
             Holding::Free => Pieces::Free,
             Holding::Record(pieces) => {
-                pieces.disc = Book::default();
+                pieces.disc = PieceList::default();
                 Pieces::Record(&mut pieces.disc)
             }
             Holding::Keep(pieces) => Pieces::keep(&pieces.disc),

@@ -13,7 +13,7 @@ const ROUND_OFF: f64 = 1e-12;
 
 /// Pieces in the order of evaluation.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Book {
+pub struct PieceList {
     /// Intervals and sides.
     pub choices: Vec<usize>,
     /// Angles in rad near which the function continues: angles of attack, whose range ends at ±π, and roots of the balance.
@@ -27,28 +27,28 @@ pub struct Book {
 pub enum Pieces<'a> {
     /// On the pieces of the arguments.
     Free,
-    /// The same, and the pieces are written down.
-    Record(&'a mut Book),
+    /// The same, and the pieces are recorded.
+    Record(&'a mut PieceList),
     /// On known pieces, continued beyond their ends.
     Keep {
         /// The pieces.
-        book: &'a Book,
+        list: &'a PieceList,
         /// Numbers of choices and values already used.
         used: [usize; 2],
     },
 }
 
 impl<'a> Pieces<'a> {
-    /// Evaluation on the pieces of a book, from its start.
-    pub fn keep(book: &'a Book) -> Self {
-        Self::Keep { book, used: [0; 2] }
+    /// Evaluation on the pieces of a list, from its start.
+    pub fn keep(list: &'a PieceList) -> Self {
+        Self::Keep { list, used: [0; 2] }
     }
 
-    /// The same pieces for each round of an iteration; they are written down by an evaluation behind it.
+    /// The same pieces for each round of an iteration; an evaluation behind it records them.
     pub fn of_round(&self) -> Pieces<'_> {
         match self {
             Self::Free | Self::Record(_) => Pieces::Free,
-            Self::Keep { book, used } => Pieces::Keep { book, used: *used },
+            Self::Keep { list, used } => Pieces::Keep { list, used: *used },
         }
     }
 
@@ -56,13 +56,13 @@ impl<'a> Pieces<'a> {
     pub fn choice(&mut self, own: usize) -> usize {
         match self {
             Self::Free => own,
-            Self::Record(book) => {
-                book.choices.push(own);
+            Self::Record(list) => {
+                list.choices.push(own);
                 own
             }
-            Self::Keep { book, used } => {
+            Self::Keep { list, used } => {
                 used[0] += 1;
-                book.choices.get(used[0] - 1).copied().unwrap_or(own)
+                list.choices.get(used[0] - 1).copied().unwrap_or(own)
             }
         }
     }
@@ -119,21 +119,21 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// A known value; `None` if values are written down or not needed.
+    /// A known value; `None` if values are recorded or not needed.
     pub fn known(&mut self) -> Option<f64> {
         match self {
             Self::Free | Self::Record(_) => None,
-            Self::Keep { book, used } => {
+            Self::Keep { list, used } => {
                 used[1] += 1;
-                book.values.get(used[1] - 1).copied()
+                list.values.get(used[1] - 1).copied()
             }
         }
     }
 
-    /// Writes down a value for [`Self::known`].
+    /// Records a value for [`Self::known`].
     pub fn note(&mut self, value: f64) {
-        if let Self::Record(book) = self {
-            book.values.push(value);
+        if let Self::Record(list) = self {
+            list.values.push(value);
         }
     }
 
@@ -152,9 +152,9 @@ impl<'a> Pieces<'a> {
     pub fn row(&mut self, polar: &Polar, angle_rad: f64) -> PolarRow {
         match self {
             Self::Free => polar.at(angle_rad),
-            Self::Record(book) => {
-                book.choices.push(polar.interval(angle_rad));
-                book.at_kink |= polar.is_at_kink(angle_rad, ROUND_OFF_RAD);
+            Self::Record(list) => {
+                list.choices.push(polar.interval(angle_rad));
+                list.at_kink |= polar.is_at_kink(angle_rad, ROUND_OFF_RAD);
                 polar.at(angle_rad)
             }
             Self::Keep { .. } => polar.in_interval(self.choice(0), angle_rad),
@@ -166,25 +166,25 @@ impl<'a> Pieces<'a> {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RotorPieces {
     /// Of the disc.
-    pub disc: Book,
+    pub disc: PieceList,
     /// Of the wake's time constant: in each pass over the sections, and behind the last.
-    pub wakes: Vec<Book>,
+    pub wakes: Vec<PieceList>,
     /// Of the sections, pass by pass.
-    pub sections: Vec<Vec<Book>>,
+    pub sections: Vec<Vec<PieceList>>,
     /// Of the time constants of the sections at the end of a step.
-    pub ends: Vec<Book>,
+    pub ends: Vec<PieceList>,
 }
 
 impl RotorPieces {
     /// Numbers of all pieces, for comparison.
     pub fn choices(&self) -> impl Iterator<Item = usize> {
-        let books = std::iter::once(&self.disc).chain(&self.wakes).chain(self.sections.iter().flatten());
-        books.chain(&self.ends).flat_map(|book| book.choices.iter().copied())
+        let lists = std::iter::once(&self.disc).chain(&self.wakes).chain(self.sections.iter().flatten());
+        lists.chain(&self.ends).flat_map(|list| list.choices.iter().copied())
     }
 
     /// The first section that is exactly at a row of its polar.
     pub fn kinked(&self) -> Option<usize> {
-        self.sections.iter().find_map(|pass| pass.iter().position(|book| book.at_kink))
+        self.sections.iter().find_map(|pass| pass.iter().position(|list| list.at_kink))
     }
 }
 
@@ -194,14 +194,14 @@ pub enum Holding {
     /// Nothing.
     #[default]
     Free,
-    /// The next evaluation writes them down.
+    /// The next evaluation records them.
     Record(RotorPieces),
     /// Evaluations keep them.
     Keep(RotorPieces),
 }
 
 impl Holding {
-    /// Takes the pieces that the last evaluation has written down.
+    /// Takes the pieces that the last evaluation has recorded.
     pub fn recorded(&mut self) -> Option<RotorPieces> {
         match std::mem::take(self) {
             Self::Record(pieces) => Some(pieces),
@@ -209,12 +209,12 @@ impl Holding {
         }
     }
 
-    /// Pieces of one of the books.
-    pub fn pieces(&mut self, book: impl Fn(&mut RotorPieces) -> &mut Book) -> Pieces<'_> {
+    /// Pieces in one of the lists.
+    pub fn pieces(&mut self, list: impl Fn(&mut RotorPieces) -> &mut PieceList) -> Pieces<'_> {
         match self {
             Self::Free => Pieces::Free,
-            Self::Record(pieces) => Pieces::Record(book(pieces)),
-            Self::Keep(pieces) => Pieces::keep(book(pieces)),
+            Self::Record(pieces) => Pieces::Record(list(pieces)),
+            Self::Keep(pieces) => Pieces::keep(list(pieces)),
         }
     }
 }

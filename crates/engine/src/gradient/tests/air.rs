@@ -179,16 +179,8 @@ fn compare_in_air(
             }
         }
     }
-    let (mut both, mut differences) = (0.0f64, 0.0f64);
-    for row in 0..results.len() {
-        let entry = |table: &[Vec<f64>], column: usize| table[row][column] * air_size(places[column]);
-        let scale = (0..places.len()).fold(0.0, |scale: f64, column| scale.max(entry(&known, column).abs()));
-        for column in 0..places.len() {
-            let [forward, adjoint, known] = [&forward, &adjoint, &known].map(|table| entry(table, column) / scale);
-            both = both.max((forward - adjoint).abs());
-            differences = differences.max((forward - known).abs());
-        }
-    }
+    let places: Vec<(&str, f64)> = places.iter().map(|place| (place.0, air_size(*place))).collect();
+    let [both, differences] = disagreements((&results, &own), &places, [&forward, &adjoint, &known]);
     (both, differences, events)
 }
 

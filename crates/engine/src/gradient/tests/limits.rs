@@ -218,7 +218,7 @@ fn compare_commanded(
         for (column, size) in sizes.iter().enumerate() {
             let [forward, adjoint] = [forward[column], adjoint[column]].map(|slope| slope * size / scale);
             let apart = [(forward - adjoint).abs(), (forward - known[column][result] / scale).abs()];
-            worst = [worst[0].max(apart[0]), worst[1].max(apart[1])];
+            worst = [0, 1].map(|which| larger(worst[which], apart[which]));
             if apart[0] > 1e-9 || apart[1] > 1e-6 {
                 println!("{:?} by {column}: {forward} {adjoint} {}", results[result], known[column][result] / scale);
             }

@@ -300,28 +300,44 @@ fn compare_results(
             }
         }
     }
-    let mut compared = Compared { forward_and_adjoint: 0.0, differences: 0.0, events };
-    for row in 0..results.len() {
-        let entry = |table: &[Vec<f64>], column: usize| table[row][column] * size(places[column]);
-        let scale = (0..places.len()).fold(0.0, |scale: f64, column| scale.max(entry(&known, column).abs()));
+    let places: Vec<(&str, f64)> = places.iter().map(|place| (place.0, size(*place))).collect();
+    let [forward_and_adjoint, differences] = disagreements((&results, &own), &places, [&forward, &adjoint, &known]);
+    Compared { forward_and_adjoint, differences, events }
+}
+
+/// Largest differences of forward and adjoint, and of forward and known derivatives (results by numbers), relative to the largest known
+/// entry of a result, each times the size of its number, given with its name. The derivatives of a result that no number changes are
+/// round-off.
+fn disagreements(
+    (results, own): (&[RunResult], &[f64]),
+    places: &[(&str, f64)],
+    [forward, adjoint, known]: [&[Vec<f64>]; 3],
+) -> [f64; 2] {
+    let mut worst = [0.0f64; 2];
+    for (row, result) in results.iter().enumerate() {
+        let entry = |table: &[Vec<f64>], column: usize| table[row][column] * places[column].1;
+        let most = |table| (0..places.len()).fold(0.0, |most, column| larger(most, entry(table, column).abs()));
+        let scale = most(known);
         if scale <= NO_SLOPE * own[row].abs() {
-            // a result that no number changes
-            let all = [&forward, &adjoint]
-                .map(|table| (0..places.len()).map(|column| entry(table, column)).collect::<Vec<_>>());
-            let most = all.iter().flatten().fold(0.0f64, |most, slope| most.max(slope.abs()));
-            assert!(most <= NO_SLOPE * own[row].abs(), "{:?}: {most:.1e}", results[row]);
+            let most = larger(most(forward), most(adjoint));
+            assert!(most <= NO_SLOPE * own[row].abs(), "{result:?} of {:e}: {most:.1e}", own[row]);
             continue;
         }
-        for (column, place) in places.iter().enumerate() {
-            let [forward, adjoint, known] = [&forward, &adjoint, &known].map(|table| entry(table, column) / scale);
-            compared.forward_and_adjoint = compared.forward_and_adjoint.max((forward - adjoint).abs());
-            compared.differences = compared.differences.max((forward - known).abs());
-            if (forward - known).abs() > 1e-5 {
-                println!("{:?} of {:e} by {}: {forward} {adjoint} {known}, {scale:e}", results[row], own[row], place.0);
+        for (column, (name, _)) in places.iter().enumerate() {
+            let [forward, adjoint, known] = [forward, adjoint, known].map(|table| entry(table, column) / scale);
+            let apart = [(forward - adjoint).abs(), (forward - known).abs()];
+            worst = [0, 1].map(|which| larger(worst[which], apart[which]));
+            if apart[1] > 1e-6 {
+                println!("{result:?} of {:e} by {name}: {forward} {adjoint} {known}, {scale:e}", own[row]);
             }
         }
     }
-    compared
+    worst
+}
+
+/// The larger of two disagreements: one that is not a number is infinite, which `f64::max` would leave out.
+fn larger(worst: f64, apart: f64) -> f64 {
+    if apart.is_nan() { f64::INFINITY } else { worst.max(apart) }
 }
 
 /// GR-01: through an elastic latch, by fourteen numbers of drive, latch, start, beams, masses and loads.
@@ -380,7 +396,7 @@ fn forward_and_adjoint_are_transposes_for_random_wings() {
             let back = gradient.adjoint(result).unwrap_or_else(|error| panic!("{error}"));
             let along: Vec<f64> = places.iter().map(|place| size(*place) * (2.0 * random.f64() - 1.0)).collect();
             let terms = row.iter().zip(&along).map(|(slope, along)| (slope * along).abs()).sum::<f64>();
-            worst = worst.max((dot(row, &along) - dot(&back, &along)).abs() / terms);
+            worst = larger(worst, (dot(row, &along) - dot(&back, &along)).abs() / terms);
         }
     }
     assert!(events >= 10, "{events}");

@@ -246,19 +246,8 @@ fn compare_turning(has: &Has, times_s: &[f64], places: &[TurningPlace]) -> (f64,
         });
         assert!(found.is_some(), "{}: no difference on the same pieces", place.0);
     }
-    let (mut both, mut differences) = (0.0f64, 0.0f64);
-    for row in 0..results.len() {
-        let entry = |table: &[Vec<f64>], column: usize| table[row][column] * size_of(places[column]);
-        let scale = (0..places.len()).fold(0.0, |scale: f64, column| scale.max(entry(&known, column).abs()));
-        for (column, place) in places.iter().enumerate() {
-            let [forward, adjoint, known] = [&forward, &adjoint, &known].map(|table| entry(table, column) / scale);
-            both = both.max((forward - adjoint).abs());
-            differences = differences.max((forward - known).abs());
-            if (forward - known).abs() > 1e-6 {
-                println!("{:?} by {}: {forward} {adjoint} {known}, {scale:e}", results[row], place.0);
-            }
-        }
-    }
+    let places: Vec<(&str, f64)> = places.iter().map(|place| (place.0, size_of(*place))).collect();
+    let [both, differences] = disagreements((&results, &own), &places, [&forward, &adjoint, &known]);
     (both, differences, events)
 }
 

@@ -39,7 +39,7 @@ fn by_rows(machine: &Machine, inputs: &InputRows, results: impl Fn(&Plant) -> Ve
         let scale = known.iter().fold(0.0f64, |scale, slope| scale.max(slope.abs()));
         for ((forward, adjoint), known) in forward.iter().zip(adjoint).zip(known) {
             let apart = [(forward - adjoint).abs() / scale, (forward - known).abs() / scale];
-            worst = [worst[0].max(apart[0]), worst[1].max(apart[1])];
+            worst = [0, 1].map(|which| larger(worst[which], apart[which]));
         }
     }
     worst

@@ -312,7 +312,10 @@ impl System {
                 })?;
                 ModelSlopes::Rotor(Box::new(slopes))
             }
-            (_, _) => return Err(no_air()),
+            (
+                Some(AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_) | AirModel::SlenderBody(_)) | None,
+                _,
+            ) => return Err(no_air()),
         };
         let turns = samples.iter().zip(&before.begin).map(|(end, begin)| {
             let left =
