@@ -197,6 +197,10 @@ fn started(machine: Machine) -> Plant {
 const TIMES_S: [f64; 2] = [0.26, 0.4];
 /// Step of the differences of runs as a share of a number: their truncation is that of stiff motions behind an impulse.
 const DIFFERENCE: f64 = 5e-4;
+/// Difference of values along the same steps, as a share of a value, that the tolerance of Newton's iteration leaves.
+const SAME_VALUE: f64 = 1e-8;
+/// The same from crossings: a run locates them to 1e-10 s, the one along its steps to round-off, and values change by up to 15 per s there.
+const SAME_CROSSING: f64 = 15.0 * 1e-10;
 /// Slope of a result by a number, as a share of both, that is round-off.
 const NO_SLOPE: f64 = 1e-9;
 
@@ -286,10 +290,7 @@ fn compare_results(
         results.iter().map(|result| gradient.adjoint(*result).unwrap_or_else(|error| panic!("{error}"))).collect();
     let own = gradient.values(&results).unwrap_or_else(|error| panic!("{error}"));
     let same = machine(Numbers::USUAL).unwrap_or_else(|error| panic!("{error}"));
-    // the run locates crossings to 1e-10 s, the one along its steps to round-off; behind a latch, values change by 1 to 15 per s
-    for (own, known) in own.iter().zip(retraced(&tape, same, &results)) {
-        assert!((own - known).abs() <= 1e-7 * known.abs(), "{own} and {known}");
-    }
+    same_values(&own, &retraced(&tape, same, &results));
     let mut known = vec![vec![0.0; places.len()]; results.len()];
     for (column, place) in places.iter().enumerate() {
         let step = DIFFERENCE * size(*place);
@@ -303,6 +304,13 @@ fn compare_results(
     let places: Vec<(&str, f64)> = places.iter().map(|place| (place.0, size(*place))).collect();
     let [forward_and_adjoint, differences] = disagreements((&results, &own), &places, [&forward, &adjoint, &known]);
     Compared { forward_and_adjoint, differences, events }
+}
+
+/// Asserts that results of a run and of the same machine along its steps are equal.
+fn same_values(own: &[f64], along: &[f64]) {
+    for (own, along) in own.iter().zip(along) {
+        assert!((own - along).abs() <= SAME_VALUE * along.abs() + SAME_CROSSING, "{own} and {along}");
+    }
 }
 
 /// Largest differences of forward and adjoint, and of forward and known derivatives (results by numbers), relative to the largest known

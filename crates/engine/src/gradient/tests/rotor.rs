@@ -227,9 +227,7 @@ fn compare_turning(has: &Has, times_s: &[f64], places: &[TurningPlace]) -> (f64,
         (gradient.values(&results).unwrap_or_else(|error| panic!("{error}")), pieces)
     };
     let (same, pieces) = run(Turning::USUAL);
-    for (own, known) in own.iter().zip(same) {
-        assert!((own - known).abs() <= 1e-7 * known.abs().max(1e-4), "{own} and {known}");
-    }
+    same_values(&own, &same);
     let mut known = vec![vec![0.0; places.len()]; results.len()];
     for (column, place) in places.iter().enumerate() {
         // small enough that no section passes a row of its polar
