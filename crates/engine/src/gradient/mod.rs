@@ -95,7 +95,7 @@ impl<'a> Gradient<'a> {
     pub fn new(plant: &'a mut Plant, tape: &'a Tape, parameters: Vec<Parameter>) -> Result<Self, GradientError> {
         let tableau = plant
             .tableau()
-            .ok_or(GradientError::NotCovered { part: "methods without stages", place: "solver.method".into() })?;
+            .ok_or(GradientError::NotCovered { part: "the methods generalized_alpha and rk4", place: "solver.method".into() })?;
         let system = plant.system_mut();
         if let Some(first) = tape.steps.first() {
             parameter::adopt(system, first, &tape.inputs);

@@ -249,7 +249,7 @@ impl System {
             }
             Some(AirOptions::Lattice(_)) => return Some(("the vortex lattice", "aerodynamics")),
             Some(AirOptions::SlenderBody(_)) => return Some(("slender-body aerodynamics", "aerodynamics")),
-            None => return Some(("several aerodynamic parts", "aerodynamics")),
+            None => return Some(("several aerodynamic models", "aerodynamics")),
         };
         if strips.is_some_and(|strips| strips.tip_loss.is_some()) {
             return Some(("the lifting line of strips", "aerodynamics.tip_loss"));
