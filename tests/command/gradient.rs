@@ -117,6 +117,13 @@ fn results_and_numbers_are_named_like_variables_and_keys() {
     let found =
         json(&["--of", "fold.angle", "--by", "fold.motor_damping", "--set", "fold.motor_damping=0", "--stop", "0.05"]);
     assert!(found["of"][0]["derivatives"][0].as_f64().unwrap() > 0.0, "damping holds the wing back: {found}");
+    // what trigonometric functions leave of a zero is no size of a step
+    let [of_zero, of_tiny] = ["0", "1e-15"].map(|value| {
+        let set = format!("fold.external_torque={value}");
+        let found = json(&["--of", "fold.angle", "--by", "fold.external_torque", "--set", &set, "--stop", "0.05"]);
+        found["of"][0]["derivatives"][0].as_f64().unwrap()
+    });
+    assert!((of_tiny / of_zero - 1.0).abs() < 1e-6, "{of_tiny} and {of_zero}");
 }
 
 /// Every error gives the option, the name and the cause.
