@@ -241,7 +241,7 @@ mod tests {
         let polar = plate();
         let mut beyond = 0;
         for tangential_m_s in [10.0, 30.0, 55.0, 90.0, 150.0] {
-            for chord_m in [0.2, 1.4, 4.0] {
+            for chord_m in [0.2, 0.7, 1.2, 4.0] {
                 let approach = Approach { axial_m_s: 11.0, tangential_m_s, chord_angle_rad: 0.0 };
                 let meeting = Meeting { approach, polar: &polar, chord_m, pitch_rate_rad_s: 0.0 };
                 let share_1_m = 3.0 / (std::f64::consts::PI * 12.0);
