@@ -9,6 +9,7 @@ VENV    ?= $(TARGET)/venv
 PEERS   ?= $(TARGET)/venv-peers
 DASK    ?= $(TARGET)/venv-dask
 CASADI  ?= $(TARGET)/venv-casadi
+OPTIONAL ?= $(TARGET)/venv-optional
 IMPORTERS ?= $(TARGET)/venv-importers
 SITE    ?= $(TARGET)/venv-site
 RELEASE ?= $(TARGET)/venv-release
@@ -42,7 +43,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-pytest validate-figures validate-clients validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu shear-cost gradient-cost bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-pytest validate-figures validate-clients validate-pages validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu shear-cost gradient-cost bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -229,7 +230,7 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 	$(PEERS)/bin/python studies/plot_lattice_cost.py --foldwing $(COMMAND)
 
 # Each stage can be run by itself, `make validate STAGES=validate-random`: the table keeps the last run of each.
-STAGES ?= validate-tests long validate-random validate-pytest validate-figures validate-clients robust validate-mutants
+STAGES ?= validate-tests long validate-random validate-pytest validate-figures validate-clients validate-pages robust validate-mutants
 
 validate: toolchain ## Run everything: whole studies, 2000 random models, all figures, the list of faults; hours. docs/tables/validate.md has its last results
 	@MAKE="$(MAKE)" $(PYTHON) tools/run_stages.py --times $(TARGET)/validate-times --keep-going --record docs/tables/validate.md $(STAGES)
@@ -268,13 +269,23 @@ validate-figures: package venv wheel
 	$(VENV_PYTHON) studies/plot_tunnel.py --foldwing $(COMMAND) --output docs/pictures
 	$(VENV_PYTHON) studies/shoot_viewer.py --foldwing $(COMMAND) --output docs/pictures
 
-validate-clients: package
+validate-clients: package wheel
 	@$(PYTHON) tools/create_venv.py $(DASK) --requirements python/requirements-dask.txt
 	$(DASK)/bin/python examples/sweep_dask.py --fmu $(FMU) --foldwing $(COMMAND)
 	@$(PYTHON) tools/create_venv.py $(CASADI) --requirements python/requirements-casadi.txt
 	$(CASADI)/bin/python examples/fastest_unfolding.py --foldwing $(COMMAND) --twice --picture docs/pictures/fastest_unfolding.png
 	$(CASADI)/bin/python studies/casadi_model_exchange.py --foldwing $(COMMAND)
+	FOLDWING_WHOLE=1 FOLDWING=$(abspath $(COMMAND)) $(CASADI)/bin/python -m pytest -q tests/fmi/test_casadi.py
 	$(CASADI)/bin/python studies/model_exchange_integrators.py --foldwing $(COMMAND) --table docs/tables/model_exchange.md
+	@$(PYTHON) tools/create_venv.py $(OPTIONAL) --requirements python/requirements-optional.txt
+	@$(OPTIONAL)/bin/python -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/*.whl
+	FOLDWING=$(abspath $(COMMAND)) $(OPTIONAL)/bin/python -m pytest -q -rs tests/python/test_differentiable.py \
+	    tests/python/test_run.py::test_films_are_decoded_with_their_length
+
+# Apart from the other tests, which run without a compiler for WebAssembly: where there is none, this stage alone fails, and names the packages.
+validate-pages: live-site
+	@command -v node >/dev/null || { echo "node is not installed (Debian: nodejs): it runs the engine of pages without a browser"; exit 1; }
+	$(MAKE) pytest PYTEST_ARGUMENTS="-rs -k live_site"
 
 # The matrix of all faults, MUTANTS_ARGUMENTS=--matrix, runs each test once per fault that it reaches.
 validate-mutants: toolchain
@@ -321,7 +332,7 @@ robust: toolchain valgrind ## A million random calls on each face, 30000 mutated
 	FOLDWING_STEPS=1000000 FOLDWING_KILLS=50 $(CARGO) test --locked --test robustness -- --nocapture endurance::
 
 valgrind: toolchain ## Random calls on each face under valgrind: no error, no leak
-	FOLDWING_VALGRIND_CALLS=3000 $(CARGO) test --locked --test robustness -- --nocapture rc02
+	FOLDWING_VALGRIND_CALLS=3000 $(CARGO) test --locked --test robustness -- --nocapture --include-ignored rc02
 
 # in a folder of its own: what is shipped has no switches. MUTANTS_ARGUMENTS: numbers of faults, --find, --matrix
 mutants: toolchain test-venv ## Plant small faults in a copy of the sources, one at a time: each has to be found by its test
@@ -375,6 +386,7 @@ python-lock: venv ## Renew the pinned requirements in python/ from the .in files
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-dask.in python/requirements-dask.txt 3.10
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-importers.in python/requirements-importers.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-casadi.in python/requirements-casadi.txt 3.10
+	$(VENV_PYTHON) tools/lock_python.py python/requirements-optional.in python/requirements-optional.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-site.in python/requirements-site.txt 3.11
 	$(VENV_PYTHON) tools/lock_python.py python/requirements-release.in python/requirements-release.txt 3.10
 

@@ -117,12 +117,19 @@ fn results_and_numbers_are_named_like_variables_and_keys() {
     let found =
         json(&["--of", "fold.angle", "--by", "fold.motor_damping", "--set", "fold.motor_damping=0", "--stop", "0.05"]);
     assert!(found["of"][0]["derivatives"][0].as_f64().unwrap() > 0.0, "damping holds the wing back: {found}");
+    // what trigonometric functions leave of a zero is no size of a step
+    let [of_zero, of_tiny] = ["0", "1e-15"].map(|value| {
+        let set = format!("fold.external_torque={value}");
+        let found = json(&["--of", "fold.angle", "--by", "fold.external_torque", "--set", &set, "--stop", "0.05"]);
+        found["of"][0]["derivatives"][0].as_f64().unwrap()
+    });
+    assert!((of_tiny / of_zero - 1.0).abs() < 1e-6, "{of_tiny} and {of_zero}");
 }
 
 /// Every error gives the option, the name and the cause.
 #[test]
 fn what_has_no_gradient_is_refused_by_name() {
-    let cases: [(&[&str], &str, i32); 15] = [
+    let cases: [(&[&str], &str, i32); 17] = [
         (&["--of", "fold.angel", "--by", "fold.motor_damping"], "--of fold.angel: no real output is named", 2),
         (&["--of", "fold.latched", "--by", "fold.motor_damping"], "--of fold.latched", 2),
         (
@@ -147,6 +154,8 @@ fn what_has_no_gradient_is_refused_by_name() {
         (&["--of", "fold.angle", "--by", "file:gravity_m_s2"], "is an array; name one of its 3 entries", 2),
         (&["--of", "fold.angle", "--by", "file:name"], "--by file:name: is not a number", 2),
         (&["--of", "fold.angle", "--by", "solver.tolerance"], "is a setting of the integrator", 2),
+        (&["--of", "fold.angle", "--by", "file:simulation.stop_time_s"], "is a setting of the run", 2),
+        (&["--of", "fold.angle", "--by", "file:aerodynamics.coupling_tolerance"], "is a setting of the coupling", 2),
         (
             &["--of", "fold.angle", "--by", "fold.motor_damping", "--stop", "0"],
             "--stop 0: must be after the start time",

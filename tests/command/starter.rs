@@ -29,7 +29,7 @@ fn latch_time_s(folder: &Path, model: &str) -> f64 {
 fn the_starter_runs_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let told = succeeds(&foldwing(folder.path(), &["new", "my-wing.toml"]));
-    assert!(told.starts_with("wrote my-wing.toml and foldwing.schema.json; type next:\n"), "{told}");
+    assert!(told.starts_with("wrote my-wing.toml and foldwing.schema.json; next commands:\n"), "{told}");
     let text = std::fs::read_to_string(folder.path().join("my-wing.toml")).unwrap();
     assert!(text.starts_with("#:schema ./foldwing.schema.json\n") && text.contains("\nname = \"my_wing\""), "{text}");
     let schema = std::fs::read_to_string(folder.path().join("foldwing.schema.json")).unwrap();

@@ -549,7 +549,7 @@ fn of_rows(model: &Model, inputs: &InputRows, (column, rows): (usize, Vec<usize>
         .collect();
     let largest = values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let plant = || machine(model, &View::plain()).map(|machine| Plant::new(Arc::new(machine)));
-    let step = if largest == 0.0 { 1e-3 } else { 1e-3 * largest };
+    let step = if largest == 0.0 { 1e-3 } else { (1e-3 * largest).max(1e-4) };
     let parameter = Parameter::of_rows(ROWS, (column, rows), step, plant).expect("the same machine");
     Numbers { by, parameter }
 }

@@ -139,7 +139,7 @@ pub fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         "universal, ball and free joints in air" => Some(clamped(model, place)),
         "generators whose torque jumps at the first row of the table" => of_joint("generator"),
         "rotors of geared motors that turn with their carrier" => of_joint("motor"),
-        "methods without stages" => remove("solver"),
+        "the methods generalized_alpha and rk4" => remove("solver"),
         part if part.starts_with("real-time mode") => remove("solver"),
         _ => None,
     }

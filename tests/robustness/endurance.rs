@@ -128,11 +128,8 @@ fn anonymous_kb() -> i64 {
 /// D-02. A latched wing for `FOLDWING_STEPS` steps, with inputs set and outputs read in each, states saved, serialised, restored and freed,
 /// and rejected calls in between: memory use after all steps equals that after a tenth of them.
 #[test]
+#[cfg_attr(not(target_os = "linux"), ignore = "memory is read from /proc")]
 fn d02_flat_memory() {
-    if !cfg!(target_os = "linux") {
-        println!("skipped: memory is read from /proc");
-        return;
-    }
     let steps = number("FOLDWING_STEPS").unwrap_or(20_000).to_string();
     let told = result(child("child_steps_for_long", &place(WING), &[("FOLDWING_STEPS", &steps)]));
     let numbers: Vec<i64> = told.split_whitespace().map(|number| number.parse().expect("a number")).collect();
@@ -143,7 +140,7 @@ fn d02_flat_memory() {
 }
 
 #[test]
-#[ignore = "a process of its own, started by e02"]
+#[ignore = "a process of its own, started by d02"]
 fn child_steps_for_long() {
     let Some(model) = model_of_child() else { return };
     let steps = number("FOLDWING_STEPS").expect("a number");
@@ -225,7 +222,7 @@ fn d03_killed_importers() {
 }
 
 #[test]
-#[ignore = "a process of its own, started by e03"]
+#[ignore = "a process of its own, started by d03"]
 fn child_steps_for_ever() {
     let Some(model) = model_of_child() else { return };
     let fmu = running(&model);
@@ -238,7 +235,7 @@ fn child_steps_for_ever() {
 }
 
 #[test]
-#[ignore = "a process of its own, started by e03"]
+#[ignore = "a process of its own, started by d03"]
 fn child_unfolds() {
     let Some(model) = model_of_child() else { return };
     println!("result {:x?}", unfold(&running(&model)));
@@ -254,7 +251,7 @@ fn d04_exit_without_freeing() {
 }
 
 #[test]
-#[ignore = "a process of its own, started by e04"]
+#[ignore = "a process of its own, started by d04"]
 fn child_exits() {
     let Some(model) = model_of_child() else { return };
     let fmus = [running(&model), running(&model)];
@@ -324,7 +321,7 @@ fn d05_unloading() {
 }
 
 #[test]
-#[ignore = "a process of its own, started by e05"]
+#[ignore = "a process of its own, started by d05"]
 fn child_unloads() {
     let Some(model) = model_of_child() else { return };
     let frees = std::env::var("FOLDWING_UNLOAD").as_deref() == Ok("frees");
@@ -399,7 +396,7 @@ unsafe extern "C" {
 
 #[test]
 #[cfg(unix)]
-#[ignore = "a process of its own, started by e06"]
+#[ignore = "a process of its own, started by d06"]
 fn child_forks() {
     let Some(model) = model_of_child() else { return };
     let expected = unfold(&running(&model));

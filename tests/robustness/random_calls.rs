@@ -82,7 +82,9 @@ fn rc05_random_calls_on_model_exchange_of_fmi3() {
 fn rc02_random_calls_under_valgrind() {
     let calls = number("FOLDWING_VALGRIND_CALLS").unwrap_or(SHARE_UNDER_VALGRIND);
     if !cfg!(target_os = "linux") || Command::new("valgrind").arg("--version").output().is_err() {
-        assert!(std::env::var("CI").as_deref() != Ok("true"), "valgrind is missing");
+        // continuous integration and `make valgrind`, which sets the number of calls, are not satisfied by a skipped test
+        let is_needed = std::env::var("CI").as_deref() == Ok("true") || number("FOLDWING_VALGRIND_CALLS").is_some();
+        assert!(!is_needed, "valgrind is missing");
         println!("skipped: valgrind is not installed");
         return;
     }

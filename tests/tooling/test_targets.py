@@ -110,6 +110,16 @@ RUN_OTHERWISE = {
     "wind_tunnel_flutter.py": "imported by wind_tunnel_study.py",
 }
 
+# Tests that may return before they have checked anything, with the reason.
+RETURN_EARLY = {
+    "rc02_random_calls_under_valgrind": "valgrind may be missing; not in CI and in `make valgrind`, where this is a failure",
+}
+
+# Optional packages that no environment has, with the reason.
+NOT_INSTALLED = {
+    "torch": "539 MB; GR-30 by hand",
+}
+
 
 def target(name):
     """Recipe of a target."""
@@ -156,12 +166,123 @@ def test_one_call_of_validate_runs_all_of_verification():
     assert "--test command" in calls[0] and "FOLDWING_WHOLE=1" in calls[0] and "--release" in calls[0] and calls[0].endswith("--include-ignored")
 
 
+def rust_tests(folders=("tests", "crates", "src", "benches")):
+    """File, attributes, name, body and level of indentation of every Rust test."""
+    for folder in folders:
+        for path in sorted((ROOT / folder).rglob("*.rs")):
+            text = path.read_text(encoding="utf-8")
+            for test in re.finditer(r"^( *)#\[test\]\n((?:\s*#\[.*\]\n)*)\s*fn (\w+)\(\)[^{\n]*\{\n((?s:.*?))^\1\}$", text, re.M):
+                yield path, test[2], test[3], test[4], len(test[1]) + 4
+
+
+CHECK = re.compile(r"\b(assert\w*!|hold\(|panic!)")
+
+
+def unchecked_return(body, level):
+    """The first line of a block of a test from which the test returns before it has checked anything."""
+    begin = re.compile(rf"^ {{{level}}}\S.*", re.M)
+    checked = False
+    for line in begin.finditer(body):
+        following = begin.search(body, line.end())
+        block = body[line.start() : following.start() if following else len(body)]
+        if not checked and re.search(r"\breturn( Ok\(\(\)\))?;|\{ return \};?", block):
+            return line[0].strip()
+        # what stands inside a condition may not run
+        checked = checked or bool(CHECK.search(block)) and not re.match(r"(if|match)\b|\}", line[0].strip())
+    return None
+
+
 def test_no_test_says_ok_without_doing_anything():
-    """A test that returns at once unless the studies are full must be `#[ignore]`d."""
-    for path in (ROOT / "tests/verification").rglob("*.rs"):
-        text = path.read_text(encoding="utf-8")
-        found = re.search(r"#\[test\]\s*fn (\w+)\(\) \{\s*if !is_whole\(\) \{\s*return;", text)
-        assert not found, f"{path.name}: {found and found.group(1)}"
+    """A test that returns before it has checked anything is ignored, so that it does not report ok, or is listed with the reason."""
+    found, count = {}, 0
+    for path, marks, name, body, level in rust_tests():
+        count += 1
+        condition = unchecked_return(body, level)
+        if condition and "model_of_child()" in condition:
+            assert "#[ignore" in marks, f"{path.name}: {name}"
+        elif condition:
+            found[name] = condition
+    assert count > 1800, count
+    assert found.keys() == RETURN_EARLY.keys(), found
+
+
+def test_tests_that_return_at_once_are_seen():
+    assert unchecked_return("    if !is_whole() {\n        return;\n    }\n    assert!(true);\n", 4) == "if !is_whole() {"
+    assert unchecked_return("    let Some(tool) = tool() else { return };\n    assert!(true);\n", 4) == "let Some(tool) = tool() else { return };"
+    assert unchecked_return("    if no_tool() {\n        assert!(!is_ci());\n        return;\n    }\n    assert!(true);\n", 4) == "if no_tool() {"
+    assert unchecked_return("    assert!(true);\n    if !is_whole() {\n        return;\n    }\n    assert!(true);\n", 4) is None
+    assert unchecked_return("    for case in CASES {\n        assert!(case);\n    }\n    if !is_whole() {\n        return;\n    }\n", 4) is None
+
+
+def path_of(file, program):
+    """Path of a module in a test program: its name and those of its folders."""
+    parts = file.relative_to(ROOT / "tests" / program).with_suffix("").parts
+    return "".join(f"{part}::" for part in parts if part not in ("mod", "main"))
+
+
+def left_out_by(arguments, tests):
+    """The filters among the arguments of a test program that meet no test, or only ignored ones without the option that includes them."""
+    words, filters, skipped = iter(arguments), [], []
+    for word in words:
+        if word == "--skip":
+            skipped.append(next(words))
+        elif not word.startswith("-"):
+            filters.append(word)
+    ignored = {"--include-ignored", "--ignored"} & set(arguments)
+    run = [path for path, marks in tests if not any(part in path for part in skipped) and (ignored or not re.search(r"#\[ignore", marks))]
+    return [word for word in filters if not any(word in path for path in run)]
+
+
+def filtered_calls(text):
+    """Test programs and arguments of the calls of `cargo test` that select tests."""
+    for call in re.findall(r"(?:\$\(CARGO\)|cargo) test ([^`]*?)(?:`|$)", text, re.M):
+        for_cargo, _, for_tests = call.partition(" -- ")
+        programs = re.findall(r"--test (\w+)", for_cargo)
+        if programs and for_tests:
+            yield programs, for_tests.split()
+
+
+def test_filters_of_targets_meet_tests():
+    """A filter that meets no test, or an ignored one only, runs nothing and reports ok."""
+    tests = {program.name: [(path_of(path, program.name) + name, marks) for path, marks, name, _, _ in rust_tests([f"tests/{program.name}"])]
+             for program in (ROOT / "tests").iterdir() if (program / "main.rs").exists()}
+    count = 0
+    pages = [ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]
+    for path, text in [(ROOT / "Makefile", MAKEFILE.replace("\\\n", ""))] + [(page, page.read_text(encoding="utf-8")) for page in pages]:
+        for programs, arguments in filtered_calls(text):
+            count += path.name == "Makefile"
+            of_programs = [test for program in programs for test in tests[program]]
+            assert not left_out_by(arguments, of_programs), f"{path.name}: {arguments}"
+    assert count >= 8, count
+
+
+def test_filters_that_meet_nothing_are_seen():
+    tests = [("calls::rc01", ""), ("calls::rc02", '#[ignore = "long"]\n')]
+    assert left_out_by(["--nocapture", "rc02"], tests) == ["rc02"]
+    assert left_out_by(["--include-ignored", "rc02"], tests) == []
+    assert left_out_by(["--skip", "rc01", "rc01", "calls::"], tests) == ["rc01", "calls::"]
+    assert list(filtered_calls("\t$(CARGO) test --locked --test robustness -- --nocapture rc02\n")) == [(["robustness"], ["--nocapture", "rc02"])]
+
+
+def test_ignored_tests_are_run_by_a_target():
+    """Ignored tests are long, processes of other tests, or in a program that `make validate` runs with the ignored ones."""
+    for path, marks, name, _, _ in rust_tests():
+        for reason in re.findall(r'#\[ignore(?: = "(.*)")?\]', marks):
+            whole = path.relative_to(ROOT).parts[:2] in (("tests", "verification"), ("tests", "command"))
+            assert reason.startswith("a process of its own") or "`make long` runs it" in reason or whole and "make validate" in reason, name
+
+
+def test_tests_that_skip_elsewhere_are_run_by_validate():
+    """Where optional programs and libraries are missing tests are skipped; a stage of `make validate` has what they need."""
+    clients = target("validate-clients")
+    assert re.search(r"FOLDWING_WHOLE=1 .*\$\(CASADI\)/bin/python -m pytest .*tests/fmi/test_casadi.py", clients)
+    assert re.search(r"\$\(OPTIONAL\)/bin/python -m pytest .*tests/python/test_differentiable.py", clients)
+    assert re.search(r"^validate-pages: live-site$", MAKEFILE, re.M) and "-k live_site" in target("validate-pages")
+    needed = {name for path in (ROOT / "tests").rglob("test_*.py") if path.name != "test_targets.py"
+              for name in re.findall(r'importorskip\("(\w+)"', path.read_text(encoding="utf-8"))}
+    given = "".join((ROOT / f"python/requirements-{name}.in").read_text(encoding="utf-8") for name in ("casadi", "optional", "package", "test"))
+    missing = {name for name in needed if not re.search(rf"^{name.replace('_', '-')}\b", given, re.M)}
+    assert missing == NOT_INSTALLED.keys()
 
 
 def test_long_tests_have_a_short_one_beside_them():

@@ -35,6 +35,35 @@ def test_ids_are_used_once():
     assert not twice, twice
 
 
+def mentioned(text):
+    """All ids in a text, with ranges expanded."""
+    return set(first_cells("\n".join(f"| {line.replace('|', ' ')} |" for line in text.splitlines())))
+
+
+def test_ids_of_tests_are_on_a_page():
+    """A test whose comment begins with an id has its row, or is named in the text of a page: what it allows can be looked up."""
+    known = set()
+    for page in (ROOT / "docs/validation").glob("*.md"):
+        text = page.read_text(encoding="utf-8")
+        known |= set(first_cells(text)) if page.name == "corrections.md" else mentioned(text)
+    missing = {}
+    for folder in ("tests", "crates"):
+        for path in (ROOT / folder).rglob("*.rs"):
+            for ids in re.findall(rf"^ *///? ?((?:{ID}(?:, | to | and )?)+)[.:]", path.read_text(encoding="utf-8"), re.M):
+                missing.update((name, path.name) for name in mentioned(ids) - known)
+    for path in (*(ROOT / "tests/fmi").glob("test_*.py"), *(ROOT / "tests/python").glob("test_*.py")):
+        for name in re.findall(rf'^    """({ID})[.:]', path.read_text(encoding="utf-8"), re.M):
+            missing.update({name: path.name} if name not in known else {})
+    assert not missing, missing
+
+
+def test_faults_that_no_test_finds_are_on_their_page():
+    faults = (ROOT / "tests/mutants/faults.toml").read_text(encoding="utf-8").split("[[fault]]\n")[1:]
+    survivors = {re.search(r"^number = (\d+)", fault, re.M)[1] for fault in faults if re.search(r"^(reason|pending) = ", fault, re.M)}
+    page = (ROOT / "docs/validation/robustness.md").read_text(encoding="utf-8").partition("Survivors, equivalent to the correct code:")[2]
+    assert survivors == set(re.findall(r"^\|? ?(\d+)[:,]", page.partition("\n## ")[0], re.M))
+
+
 def test_a_range_is_written_out():
     """A row for several tests has the id of each."""
     text = "| F-09 to F-11, Q-7 | a |\n| id | b |\ntext | C-01 |\n"

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Aerodynamics. Aerodynamic loads act on the lifting surfaces. One model has its keys in this table; several models in one flow have
+/// Aerodynamics. Aerodynamic loads act on lifting surfaces and slender bodies. One model has its keys in this table; several models in one flow have
 /// tables `[aerodynamics.<name>]`, and this table has density, wind, step, coupling and initial flow, which are common to all.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
@@ -25,7 +25,7 @@ pub(super) struct AirFile {
     /// the start, due to wind, flight and joint rates together; with strip theory, a quarter of the chord.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub step_s: Option<f64>,
-    /// Start from fully established flow, with a straight wake along the relative flow at the trailing edge; otherwise
+    /// Start from steady flow, with a straight wake along the relative flow at the trailing edge; otherwise
     /// the flow starts impulsively. Without relative motion of wing and air there is no initial wake.
     pub steady_initial_flow: bool,
     /// Fluid–structure coupling: `staggered` corrects the loads once per aerodynamic step, for wings much heavier than

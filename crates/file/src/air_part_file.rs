@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// One of several aerodynamic models in one flow: any number of rotors and slender bodies, and strips on all other surfaces. No model induces
 /// velocities at the surfaces of another: the slipstream of a propeller does not reach the wing, nor does the flow around a fuselage.
-/// Periodic motions and gradients are errors, with rotors also flutter speeds. Outputs of a rotor:
+/// Periodic motions and gradients are not supported, with rotors neither are flutter speeds. Outputs of a rotor:
 /// `rotor.<name>.thrust` and others.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -386,6 +386,47 @@ fn me30_no_derivative_across_a_jump() {
     assert!(told.contains("the momentum balance of blade.station[") && told.contains("is discontinuous"), "{told}");
 }
 
+/// ME-34. Directional derivatives next to rows of polars, which the first steps of the differences pass: thrust by wind at 200 winds,
+/// against differences over 1e-5 m/s in the engine.
+#[test]
+fn me34_derivatives_next_to_rows_of_polars() {
+    let mut plant = loaded("");
+    let interface = Interface::with_states(plant.machine(), &plant);
+    let reference = |name: &str| {
+        let row = interface.variables().iter().find(|row| row.name == name);
+        row.unwrap_or_else(|| panic!("no {name}")).value_reference
+    };
+    let (thrust, wind) = (reference("rotor.thrust"), reference("wind.velocity.x"));
+    let system = plant.system_mut();
+    system.begin_exchange().unwrap_or_else(|error| panic!("{error}"));
+    system.make_exchange_event().unwrap_or_else(|error| panic!("{error}"));
+    system.leave_exchange_event();
+    let thrust_n = |plant: &mut Plant, wind_m_s: f64| {
+        plant.inputs_mut().wind_m_s_mut().x = wind_m_s;
+        plant.system_mut().exchange_inputs_set();
+        plant.system_mut().update_exchange().unwrap_or_else(|error| panic!("{error}"));
+        plant.provide(OutputSet::ALL);
+        plant.outputs().rotor()[0].thrust_n
+    };
+    let (mut worst, mut passed) = (0.0_f64, 0);
+    for number in 0..200_u32 {
+        let wind_m_s = 8.0 + 0.0301 * f64::from(number);
+        let [wide, close] = [1e-2, 1e-5].map(|change| {
+            let [more, less] = [change, -change].map(|change| thrust_n(&mut plant, wind_m_s + change));
+            (more - less) / (2.0 * change)
+        });
+        passed += usize::from((wide / close - 1.0).abs() > 1e-4);
+        thrust_n(&mut plant, wind_m_s);
+        let mut found = [0.0];
+        interface
+            .exchange_directional_derivative(&mut plant, (&[thrust], &mut found), (&[wind], &[1.0]))
+            .unwrap_or_else(|error| panic!("{error}"));
+        worst = worst.max((found[0] / close - 1.0).abs());
+    }
+    println!("ME-34: {worst:.1e}; {passed} of 200 within 0.01 m/s of a row");
+    assert!(passed > 20 && worst < 1e-5, "{worst:e}, {passed}");
+}
+
 /// ME-31. Rates of dynamic stall are the limit of short steps at any angle of attack, across 180° too, where derivatives unwrap the angle;
 /// coefficients are finite and continuous for a degree of attachment that an integrator sets below 0.
 #[test]

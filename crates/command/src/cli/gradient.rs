@@ -26,6 +26,10 @@ use std::sync::Arc;
 
 /// Step of finite differences between models, relative to the value; for a value of zero, in its SI unit.
 const STEP: f64 = 1e-3;
+/// Magnitudes below which values are small, and the step for them: steps relative to a small value would be lost in round-off. Inputs of zero
+/// are common, and trigonometric functions leave 1e-16 of them; keys of the model file may have small values, such as inertias.
+const SMALL_INPUT: (f64, f64) = (0.1, 1e-4);
+const SMALL: (f64, f64) = (1e-9, STEP);
 /// Name of the figure.
 const FIGURE: &str = "gradient";
 
@@ -295,28 +299,35 @@ impl Variants<'_> {
         };
         let by = rows.iter().map(|row| By { name: at(*row), value: values[*row], unit: variable.unit() }).collect();
         let largest = values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
-        let step = if largest == 0.0 { STEP } else { STEP * largest };
+        let step = if largest == 0.0 { STEP } else { (STEP * largest).max(SMALL_INPUT.1) };
         let plant = || plant_with(Arc::clone(&self.machine), self.interface, self.settings);
         Ok(Numbers { by, parameter: Parameter::of_rows(&variable.name, (column, rows), step, plant)? })
     }
 
     /// Quantity, and the models with perturbed values for finite differences.
     fn number(&self, name: &str, plant: &Plant) -> Result<Numbers, Failure> {
-        if name.starts_with("solver.") || name.starts_with("file:solver.") {
-            return Err(refused(name, "is a setting of the integrator: derivatives are computed for fixed time steps"));
+        if let Some(cause) = setting(name) {
+            return Err(refused(name, cause));
         }
-        let (value, unit) = match (file_path(name), self.interface.find(name)) {
-            (Some(path), _) => (number_in_file(self.text, &path).map_err(|cause| refused(name, &cause))?, ""),
+        let (value, unit, small) = match (file_path(name), self.interface.find(name)) {
+            (Some(path), _) => (number_in_file(self.text, &path).map_err(|cause| refused(name, &cause))?, "", SMALL),
             (None, Some(row)) => match self.interface.get(plant, plant.outputs(), row.value_reference) {
-                Some(Value::Real(value)) => (value, row.unit()),
+                Some(Value::Real(value)) => {
+                    (value, row.unit(), if row.causality == Causality::Input { SMALL_INPUT } else { SMALL })
+                }
                 Some(Value::Integer(_) | Value::Boolean(_)) | None => {
                     return Err(refused(name, "is not a real number"));
                 }
             },
             (None, None) => return Err(refused(name, "is not an input or parameter")),
         };
-        let step = if value == 0.0 { STEP } else { STEP * value.abs() };
-        let parameter = Parameter::new(name, value, step, |value| self.plant(name, value))?;
+        let with = |step: f64| Parameter::new(name, value, step, |value| self.plant(name, value));
+        let parameter = match value.abs() {
+            0.0 => with(STEP)?,
+            // a number that may only change by shares of itself
+            size if size < small.0 => with(small.1).or_else(|_| with(STEP * size))?,
+            size => with(STEP * size)?,
+        };
         Ok(Numbers { by: vec![By { name: name.to_owned(), value, unit }], parameter })
     }
 
@@ -336,6 +347,20 @@ impl Variants<'_> {
             }
         }
     }
+}
+
+/// Reason why a quantity is no parameter: settings of a computation.
+fn setting(name: &str) -> Option<&'static str> {
+    let path = name.strip_prefix("file:").unwrap_or(name);
+    if path.starts_with("solver.") {
+        return Some("is a setting of the integrator: derivatives are computed for fixed time steps");
+    }
+    if path.starts_with("simulation.") {
+        return Some("is a setting of the run: use the rate of the result, or the time of a row of --inputs");
+    }
+    let last = path.rsplit('.').next().unwrap_or_default();
+    let of_coupling = path.starts_with("aerodynamics.") && matches!(last, "coupling_tolerance" | "coupling_iterations");
+    of_coupling.then_some("is a setting of the coupling: derivatives are those of its solution")
 }
 
 fn refused(name: &str, cause: &str) -> Failure {

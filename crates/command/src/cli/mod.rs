@@ -184,13 +184,13 @@ enum Command {
     /// which they become unstable are refined. `--vary` repeats this over another quantity, such as the fold angle, the density or the
     /// stiffness of a latch. Latches keep their start state, open or closed.
     Flutter(flutter::Arguments),
-    /// Compute derivatives of simulation results with respect to numbers of the model
+    /// Compute derivatives of simulation results with respect to parameters of the model
     ///
     /// Computes exact derivatives of the time-discrete simulation, including latch closings and end stops: of outputs at given times, of
     /// largest values and means, of latch times and impulses, with respect to inputs, parameters and keys of the model file. If gradients do not cover a part
     /// of the model, the error names it.
     Gradient(gradient::Arguments),
-    /// Identify numbers of the model from measurements
+    /// Identify parameters of the model from measurements
     ///
     /// Solves a nonlinear least-squares problem for measured and computed outputs over time, latch times and largest values, with the exact
     /// derivatives of `foldwing gradient`. Prints estimates within bounds, their standard errors, and the combinations of numbers that the

@@ -182,7 +182,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         [model, rest @ ..] if rest.len() > 2 => format!("{model} and {} files next to it", rest.len()),
         list => list.join(" and "),
     };
-    print(&format!("wrote {written}; type next:\n{commands}"))
+    print(&format!("wrote {written}; next commands:\n{commands}"))
 }
 
 /// Text of a template: an example with the commands to run next in its header, for a file named `file` and a model named `name`.
@@ -199,7 +199,7 @@ fn template(example: &Example, next: &[(&str, &str)], file: &Path, name: &str) -
         .map(|(command, what)| format!("#   foldwing {}\n#       {what}\n", command.replace(FILE, &quoted(file))))
         .collect();
     format!(
-        "#:schema ./{SCHEMA}\n\n# Made from the example {}. It is valid as it is. What you can type next, in this folder:\n#\n{head}#\n{body}",
+        "#:schema ./{SCHEMA}\n\n# Made from the example {}. It is valid as it is. Next commands, in this folder:\n#\n{head}#\n{body}",
         example.name
     )
 }

@@ -67,7 +67,8 @@ impl Example {
         of_model().or_else(beginning).unwrap_or_default().to_owned()
     }
 
-    /// Other examples that this one needs: files that it names relative to its folder, and scripts that it imports.
+    /// Other examples that this one needs: files that it names relative to its folder, tables in the commands of its comments, and scripts that
+    /// it imports.
     pub fn needed(&self) -> Vec<Self> {
         let mut found = vec![*self];
         let mut next = 0;
@@ -94,7 +95,10 @@ impl Example {
             Some(format!("{}.py", module.split([' ', ',']).next()?))
         });
         let paths = quoted.chain(schema).map(str::to_owned).chain(imported);
-        paths.filter_map(|path| Self::named(&joined(folder, &path)?)).collect()
+        // tables of inputs, in the commands at the top of a model
+        let comments = text.lines().filter_map(|line| line.strip_prefix('#')).flat_map(str::split_whitespace);
+        let tables = comments.filter(|word| word.ends_with(".csv")).filter_map(|word| word.strip_prefix("examples/"));
+        paths.filter_map(|path| Self::named(&joined(folder, &path)?)).chain(tables.filter_map(Self::named)).collect()
     }
 }
 
@@ -132,6 +136,7 @@ mod tests {
         assert!(turbine.contains(&"models/foldwing.schema.json"), "{turbine:?}");
         assert_eq!(turbine.iter().filter(|name| name.starts_with("turbine/polars/")).count(), 8, "{turbine:?}");
         assert!(needs("turbine/closed_loop.py").contains(&"turbine/nrel_controller.py"));
+        assert!(needs("sliding/jib_crane.toml").contains(&"sliding/jib_crane_commands.csv"));
         assert!(needs("soft_fold.py").contains(&"house_style.py"));
         assert_eq!(joined(&["a"], "../../b"), None);
     }

@@ -6,7 +6,6 @@
 
 pub mod biot_savart;
 pub mod continuous_turbulence;
-mod corners;
 pub mod established;
 pub mod flap;
 pub mod flow;

@@ -4,11 +4,11 @@
 //! The limit of the steps of [`SlenderBody::solve`] as they shrink: the momentum of the apparent mass has the rate of the accelerations of the
 //! sections at the instant. There are no states.
 
-use crate::aero::corners::slope_off_corners;
 use crate::aero::flow::Flow;
 use crate::aero::slender::{DragPoint, SlenderBody, SlenderBodyState};
 use crate::aero::strip::continuous::{Answer, LOAD_ROWS, Variable, displace, kinds_of_loads};
 use crate::aero::strip::instant::Instant;
+use crate::math::corners::slope_off_corners;
 use nalgebra::Vector3;
 use std::borrow::Cow;
 

@@ -37,6 +37,10 @@ impl Gradient<'_> {
                 let blade = self.system.machine.bodies[body].name.clone();
                 GradientError::Polar { blade, time_s: last.end.time_s }
             }
+            NoSlopes::End(body) => {
+                let place = self.system.machine.bodies[body].name.clone();
+                GradientError::NotCovered { part: "annuli whose momentum balance ends beside their state", place }
+            }
             NoSlopes::NoWind => {
                 let remedy = "use a wind along the shaft, or aerodynamics.skewed_wake = false".into();
                 GradientError::OtherChoice { part: "a rotor with a skewed wake in still air", remedy }

@@ -93,9 +93,10 @@ impl<'a> Gradient<'a> {
     /// The plant's state is changed; initialise it again before its next run. Errors for parameters that change the mesh or the discrete
     /// state of the start.
     pub fn new(plant: &'a mut Plant, tape: &'a Tape, parameters: Vec<Parameter>) -> Result<Self, GradientError> {
-        let tableau = plant
-            .tableau()
-            .ok_or(GradientError::NotCovered { part: "methods without stages", place: "solver.method".into() })?;
+        let tableau = plant.tableau().ok_or(GradientError::NotCovered {
+            part: "the methods generalized_alpha and rk4",
+            place: "solver.method".into(),
+        })?;
         let system = plant.system_mut();
         if let Some(first) = tape.steps.first() {
             parameter::adopt(system, first, &tape.inputs);

@@ -30,7 +30,10 @@ impl Plant {
         self.system.refuse_gradient()?;
         self.system.refuse_jumps()?;
         if self.tableau().is_none() {
-            return Err(GradientError::NotCovered { part: "methods without stages", place: "solver.method".into() });
+            return Err(GradientError::NotCovered {
+                part: "the methods generalized_alpha and rk4",
+                place: "solver.method".into(),
+            });
         }
         let start_s = self.system.state.ahead.time_s;
         let mut from_s = start_s;

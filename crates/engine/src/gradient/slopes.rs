@@ -199,7 +199,7 @@ impl System {
             );
         }
         if machine.solver.most_iterations.is_some() {
-            return refuse("real-time mode, whose stages may end without convergence", "solver.most_iterations");
+            return refuse("real-time mode, whose stages may end without convergence", "solver.mode");
         }
         if let Some(joint) = machine.sliding_joint() {
             return refuse("sliding joints", joint);

@@ -376,6 +376,17 @@ pub struct Air {
     pub flaps: Vec<Flap>,
 }
 
+impl Air {
+    /// Whether loads depend on polars, which are linear between their rows.
+    pub fn has_polars(&self) -> bool {
+        let of_part = |part: &AirPart| match part.options {
+            AirOptions::Rotor(_) => true,
+            AirOptions::Strips(_) | AirOptions::Lattice(_) | AirOptions::SlenderBody(_) => false,
+        };
+        self.parts.iter().any(of_part) || self.surfaces.iter().any(|surface| surface.profile.polar.is_some())
+    }
+}
+
 /// Coupling of aerodynamics and structure at the end of an aerodynamic step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coupling {

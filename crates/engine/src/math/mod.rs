@@ -1,5 +1,6 @@
 //! Rotations, rigid motions, strains, differences and quadrature.
 
+pub mod corners;
 pub mod difference;
 pub mod jet;
 pub mod jet_link;

@@ -194,7 +194,7 @@ pub enum PlantError {
     },
     /// An analysis of a machine with sliding joints and too many coordinates.
     #[error(
-        "no {analysis} at t = {time_s} s: a machine with a sliding joint ({joint}) may have {maximum} coordinates for it, and this one has \
+        "no {analysis} at t = {time_s} s: a model with a sliding joint ({joint}) may have {maximum} coordinates for it, and this one has \
          {coordinates}; use fewer elements, or compute the motion over time"
     )]
     Sliding {

@@ -66,9 +66,7 @@ pub enum FlutterError {
         machine: String,
     },
     /// The flow starts impulsively with the run, so that it is not developed.
-    #[error(
-        "{machine}: aerodynamics.steady_initial_flow = false: flutter needs the developed steady flow; omit the key"
-    )]
+    #[error("{machine}: aerodynamics.steady_initial_flow = false: flutter needs steady initial flow; omit the key")]
     UnsteadyStart {
         /// Name of the model.
         machine: String,

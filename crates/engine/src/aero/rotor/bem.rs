@@ -344,7 +344,7 @@ impl Rotor {
                     false => memory.inflow.acting_m_s,
                 };
                 let factor = match &disc.skew {
-                    Some(skew) => skew.factor(&(cut.radial_m / disc.radius_m), axial_m_s),
+                    Some(skew) => skew.factor(&(cut.radial_m / disc.radius_m), axial_m_s, pieces),
                     None => 1.0,
                 };
                 ([axial_m_s * factor, swirl_m_s].map(|velocity_m_s| disc.share * velocity_m_s), meeting)

@@ -1,7 +1,6 @@
 //! Blades in continuous time: loads and rates of the lag states at one instant, and their derivatives with respect to the motion of the
 //! sections and to the air, NOTATION eqs. (B27) and (B31).
 
-use crate::aero::corners::{STEPS, slope_off_corners};
 use crate::aero::flow::Flow;
 use crate::aero::rotor::bem::{Past, Rotor, RotorState, SectionMemory};
 use crate::aero::rotor::dynamic_inflow::time_constant_s;
@@ -11,6 +10,7 @@ use crate::aero::rotor::states::RotorLag;
 use crate::aero::strip::continuous::{Answer, LOAD_ROWS, Variable, displace, kinds_of_loads};
 use crate::aero::strip::instant::Instant;
 use crate::load::SectionMotion;
+use crate::math::corners::{STEPS, slope_off_corners};
 use std::mem::offset_of;
 
 /// Difference step relative to the scale of the sections. The steps span 0.03° of angle of attack, so that few of them cross a row of a

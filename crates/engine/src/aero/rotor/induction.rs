@@ -21,6 +21,8 @@ const TOLERANCE_RAD: f64 = 1e-14;
 const FIRST_SECANT: f64 = 1e-5;
 /// Change relative to the root behind which it is exact to round-off.
 const LAST_SECANT: f64 = 1e-11;
+/// The same with which the iteration has converged: where round-off keeps it from the smaller one.
+const LARGEST_LAST_SECANT: f64 = 1e-8;
 /// Maximum number of its steps.
 const MOST_SECANTS: usize = 30;
 /// Load parameter `k` above which an annulus is heavily loaded, eq. (B5).
@@ -299,11 +301,15 @@ impl Balance<'_> {
         }
     }
 
-    /// Root near a known one, by the secant method to round-off.
+    /// Root near a known one, by the secant method to round-off; NaN if the piece does not continue to a root.
     fn root_near(&self, known_rad: f64) -> f64 {
         let (mut before_rad, mut root_rad) = (known_rad + FIRST_SECANT * known_rad.abs().max(FIRST_SECANT), known_rad);
         let (mut before, mut now) = (self.residual(before_rad), self.residual(root_rad));
+        let mut last_rad = f64::INFINITY;
         for _ in 0..MOST_SECANTS {
+            if now == 0.0 {
+                return root_rad;
+            }
             let change_rad = now * (before_rad - root_rad) / (now - before);
             if !change_rad.is_finite() {
                 break;
@@ -311,12 +317,13 @@ impl Balance<'_> {
             (before_rad, before) = (root_rad, now);
             root_rad += change_rad;
             now = self.residual(root_rad);
+            last_rad = change_rad.abs();
             // the next change would be that of round-off
-            if change_rad.abs() <= LAST_SECANT * root_rad.abs() {
+            if last_rad <= LAST_SECANT * root_rad.abs() {
                 break;
             }
         }
-        root_rad
+        if last_rad <= LARGEST_LAST_SECANT * root_rad.abs() { root_rad } else { f64::NAN }
     }
 
     /// Whether the annulus is heavily loaded at a flow angle, eq. (B5).
@@ -436,14 +443,15 @@ impl Balance<'_> {
     }
 }
 
-/// `1/(1 − a)` of an annulus with flow in the direction of the wind, eqs. (B3) and (B5); continuous at 2/3.
+/// `1/(1 − a)` of an annulus with flow in the direction of the wind, eqs. (B3) and (B5); continuous at 2/3. NaN where the relation of heavily
+/// loaded annuli is continued to less than a quarter of its start.
 fn windmill(k: f64, loss: f64, heavy: bool) -> f64 {
     if !heavy {
         return 1.0 + k;
     }
     let load = 2.0 * loss * k;
     let g1 = load - (10.0 / 9.0 - loss);
-    let root = (load - loss * (4.0 / 3.0 - loss)).max(0.0).sqrt();
+    let root = (load - loss * (4.0 / 3.0 - loss)).sqrt();
     // (g1 − √g2)/g3 is 0/0 at g3 = 0; g1² − g2 = g3 (load − 4/9) gives a form without the quotient
     let a = if g1 > 0.0 { (load - 4.0 / 9.0) / (g1 + root) } else { (g1 - root) / (load - (25.0 / 9.0 - 2.0 * loss)) };
     1.0 / (1.0 - a)

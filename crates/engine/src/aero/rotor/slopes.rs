@@ -14,7 +14,7 @@ use crate::aero::rotor::pieces::{Holding, Pieces, RotorPieces};
 use crate::aero::rotor::spread::{SPREAD, Share};
 use crate::aero::strip::slopes::{MOTION, moved};
 use crate::load::SectionMotion;
-use crate::math::difference::SIXTH_ORDER;
+use crate::math::corners::slope_off_corners;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 /// Number of entries of a section's state that later loads depend on.
@@ -43,9 +43,9 @@ const ROWS: usize = AFTER + STATE;
 /// Jacobian of a section.
 type Section = SMatrix<f64, ROWS, COLUMNS>;
 
-/// Difference step relative to the chord or the radius, a radian, the relative speed, a time constant. The steps span 0.1° of flow angle: at
-/// 2° the sixth-order error is 1e-10 of Prandtl's loss, which is of the sharpest curvature; round-off is 1e-11.
-const STEP: f64 = 3e-4;
+/// First difference step relative to the chord or the radius, a radian, the relative speed, a time constant: the error is 1e-13 of Prandtl's
+/// loss at a flow angle of 2°, which is of the sharpest curvature, that of lower order 1e-9; round-off is 1e-11.
+const STEP: f64 = 1e-4;
 /// Smallest speed in m/s that scales the steps.
 const LEAST_SPEED_M_S: f64 = 1e-3;
 
@@ -76,6 +76,11 @@ const NO_WIND: f64 = 1e-6;
 pub enum NoRotorSlopes {
     /// A section is exactly at a row of its polar, at which both sides have other slopes.
     Kink {
+        /// Index of its blade.
+        blade: usize,
+    },
+    /// The momentum balance of a section ends beside its state.
+    End {
         /// Index of its blade.
         blade: usize,
     },
@@ -196,6 +201,10 @@ impl Rotor {
         }
         let sections: Vec<Section> =
             (0..cuts.len()).map(|index| trial.slopes(index, &variables(index, inductions), &cuts[index])).collect();
+        let ends = |section: &Section| section.iter().any(|slope| !slope.is_finite());
+        if let Some(section) = sections.iter().position(ends) {
+            return Err(NoRotorSlopes::End { blade: blades[section] });
+        }
         Ok((RotorStep { sections, shares, roots, axes, blades, outermost, passes, means }, pieces))
     }
 }
@@ -210,7 +219,8 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// Jacobian of a section, by differences of sixth order.
+    /// Jacobian of a section, by differences of sixth order with steps in which its functions are smooth: at small angles of the flow they have
+    /// a sharp curvature, and heavily loaded annuli end.
     fn slopes(&mut self, index: usize, now: &Variables, cut: &Cut) -> Section {
         let chord_m = self.rotor.chord_m(index);
         let speed_m_s = cut.relative_m_s.norm().max(LEAST_SPEED_M_S);
@@ -218,6 +228,8 @@ impl Trial<'_> {
         let [one_lag, two_lags, stalls] = self.rotor.moved(&self.rotor.sections[index]);
         let mut state = now.state;
         let mut slopes = Section::zeros();
+        let present = self.rows(index, now);
+        let kinds: [usize; ROWS] = std::array::from_fn(|row| row);
         for column in 0..COLUMNS {
             let size = match column {
                 ..OWN_STATE => of_motion[column / 3],
@@ -244,16 +256,12 @@ impl Trial<'_> {
             if step == 0.0 {
                 continue;
             }
-            let mut sum = SVector::<f64, ROWS>::zeros();
-            for (steps, weight) in (1..).map(f64::from).zip(SIXTH_ORDER) {
-                let [above, below] = [steps, -steps].map(|steps| {
-                    let mut beside = *now;
-                    beside.change(column, steps * step);
-                    self.rows(index, &beside)
-                });
-                sum += (above - below) * (weight / (60.0 * step));
-            }
-            slopes.set_column(column, &sum);
+            let slope = slope_off_corners(step, &kinds, present.as_slice(), |shift, side| {
+                let mut beside = *now;
+                beside.change(column, shift);
+                side.copy_from_slice(self.rows(index, &beside).as_slice());
+            });
+            slopes.column_mut(column).copy_from_slice(&slope);
         }
         slopes
     }

@@ -4,6 +4,7 @@ use super::*;
 use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
 use crate::aero::surface::{ChordLine, Profile, Surface};
+use crate::math::difference::SIXTH_ORDER;
 use nalgebra::{Matrix3, Rotation3};
 use std::f64::consts::PI;
 

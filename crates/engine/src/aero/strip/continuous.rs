@@ -4,7 +4,6 @@
 //! The limit of the steps of [`Strips::solve`] as they shrink: the lag states of (W6) obey `ẋ = b (2Q/c)(w − x)`, and the apparent mass of
 //! (W8) is proportional to the accelerations of the sections at the instant.
 
-use crate::aero::corners::slope_off_corners;
 use crate::aero::flap::HingeMoment;
 use crate::aero::flow::Flow;
 use crate::aero::strip::flap::MassRates;
@@ -13,6 +12,7 @@ use crate::aero::strip::instant::Instant;
 use crate::aero::strip::section::{Cut, Strip};
 use crate::aero::strip::{Inflow, StripState, Strips};
 use crate::load::Wrench;
+use crate::math::corners::slope_off_corners;
 use nalgebra::{Rotation3, Vector3};
 use std::borrow::Cow;
 use std::f64::consts::PI;

@@ -44,7 +44,7 @@ fn what_is_not_covered_is_refused_by_name() {
             });
         }),
         ("real-time mode", |machine| machine.solver.most_iterations = Some(2)),
-        ("methods without stages", |machine| machine.solver.method = Method::GeneralizedAlpha),
+        ("the methods generalized_alpha and rk4", |machine| machine.solver.method = Method::GeneralizedAlpha),
         ("rotors of geared motors that turn with their carrier (fold)", |machine| {
             fold(machine).motor.gear_ratio = Some(5.0);
         }),

@@ -53,6 +53,8 @@ struct Has {
     pitching: bool,
     /// A brake that is applied on the shaft within an aerodynamic step.
     brake: bool,
+    /// A wind almost in the plane of the disc: the angles of the flow are small, and annuli heavily loaded.
+    edgewise: bool,
     features: Option<fn(&mut RotorFeatures)>,
     /// Angle in degrees between the rows of the polar.
     rows_deg: i32,
@@ -97,9 +99,10 @@ impl Turning {
         if let Some(set) = has.features {
             set(&mut settings.features);
         }
+        let [along, across] = if has.edgewise { [0.045, 5.3] } else { [1.0; 2] };
         let air = Air::rotor(settings)
             .density_kg_m3(self.density)
-            .wind_m_s([self.wind, self.across, 0.3])
+            .wind_m_s([along * self.wind, across * self.across, 0.3])
             .step_s(8e-3)
             .coupling(Coupling::Iterated { tolerance: 1e-12, most_iterations: 200 });
         let drag = Motor { damping_n_m_s_rad: self.damping, ..Motor::default() };
@@ -305,6 +308,13 @@ fn gradients_of_a_flexible_rotor() {
     let places = [WIND, DENSITY, CHORD, PITCH, SPEED, THICKNESS, LENGTH];
     let has = Has { flexible: true, rows_deg: 4, features: Some(with_stall), ..Has::default() };
     agree("GR-91", &has, &places, false);
+}
+
+/// GR-93: in a wind almost in the plane of the disc, where the angles of the flow at heavily loaded annuli pass zero.
+#[test]
+fn gradients_at_small_angles_of_the_flow() {
+    let has = Has { edgewise: true, rows_deg: 4, ..Has::default() };
+    agree("GR-93", &has, &RIGID, false);
 }
 
 /// GR-92: through a brake that is applied within an aerodynamic step, and through a latch of a pitch bearing.

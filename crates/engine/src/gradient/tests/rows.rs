@@ -51,6 +51,8 @@ fn by_rows(machine: &Machine, inputs: &InputRows, results: impl Fn(&Plant) -> Ve
 fn rows_of_a_load_move_the_equilibrium_at_the_start() {
     let mut machine = Numbers::USUAL.machine(false).unwrap();
     machine.experiment.start = StartState::Equilibrium;
+    // what Newton's iteration leaves in each run is noise of the differences: 4.1e-6 at the tolerance of 1e-10 of the other tests
+    machine.solver.tolerance = 1e-12;
     let layout = *Plant::new(Arc::new(machine.clone())).inputs().layout();
     let index = layout.stations.place(0, offset_of!(Wrench, force_n)) + 2;
     let column = InputColumn { index, held: false, values: vec![0.3, 0.4, 0.1, 0.5, 0.2] };
@@ -62,8 +64,7 @@ fn rows_of_a_load_move_the_equilibrium_at_the_start() {
     });
     println!("GR-84 {:.1e} {:.1e}", worst[0], worst[1]);
     assert!(worst[0] < 1e-10, "{:.1e}", worst[0]);
-    // 4.1e-6, 2.4e-6 over a tenth of the change of the load: the cause is not determined
-    assert!(worst[1] < 1e-5, "{:.1e}", worst[1]);
+    assert!(worst[1] < 1e-7, "{:.1e}", worst[1]);
 }
 
 /// GR-85: accounts of GR-01's wing by the rows of an acceleration of the root and of gravity with a ramp and a jump: the work of a field

@@ -47,7 +47,7 @@ pub(super) fn check(air: &AirBuilder, checker: &mut Checker) -> bool {
                 }
             }
             Model::Lattice | Model::Parts | Model::None => {
-                let allowed = "strips, rotors or slender bodies: a vortex lattice is the only model of its machine, because its wake would \
+                let allowed = "strips, rotors or slender bodies: a vortex lattice is the only aerodynamic model, because its wake would \
                                have to meet the other surfaces";
                 checker.refuse_state(&place, "a vortex lattice or no model in a part", allowed);
             }

@@ -38,7 +38,7 @@ pub(super) fn check(air: &Air, checker: &mut Checker) -> bool {
         let count = |kind: &dyn Fn(&AirOptions) -> bool| air.parts.iter().filter(|part| kind(&part.options)).count();
         if count(&lattice) > 0 || count(&strips) > 1 {
             let allowed =
-                "rotors, slender bodies, and strips in one part: a vortex lattice is the only model of its machine";
+                "rotors, slender bodies, and strips in one part: a vortex lattice is the only aerodynamic model";
             checker.refuse_state(&["air", "parts"], "a vortex lattice or several parts with strips", allowed);
         }
     }

@@ -417,8 +417,8 @@ mod tests {
         assert!((modes[0].frequency_hz * TAU / (2.3 * SPEED_RAD_S) - 1.0).abs() < 1e-6, "{:?}", modes[0]);
     }
 
-    /// The motion of a mode over the revolution is in the coordinates of the model: a lead-lag blade has its own exponent relative to the
-    /// hub at any speed of the shaft, so that its periodic part times the principal exponential is a single exponential function.
+    /// MS-08. The motion of a mode over the revolution is in the coordinates of the model: a lead-lag blade has its own exponent relative to
+    /// the hub at any speed of the shaft, so that its periodic part times the principal exponential is a single exponential function.
     #[test]
     fn motions_are_those_of_the_own_coordinates() {
         let (ratio, damping_n_m_s_rad) = (2.3, 0.02);

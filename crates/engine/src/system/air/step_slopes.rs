@@ -30,6 +30,8 @@ pub(crate) enum NoSlopes {
     Still(usize),
     /// A section of this body is exactly at a row of its polar.
     Kink(usize),
+    /// The momentum balance of a section of this body ends beside its state.
+    End(usize),
     /// Any small wind across the shaft would skew the wake of the rotor.
     NoWind,
     /// The step itself has no solution.
@@ -249,7 +251,7 @@ impl System {
             }
             Some(AirOptions::Lattice(_)) => return Some(("the vortex lattice", "aerodynamics")),
             Some(AirOptions::SlenderBody(_)) => return Some(("slender-body aerodynamics", "aerodynamics")),
-            None => return Some(("several aerodynamic parts", "aerodynamics")),
+            None => return Some(("several aerodynamic models", "aerodynamics")),
         };
         if strips.is_some_and(|strips| strips.tip_loss.is_some()) {
             return Some(("the lifting line of strips", "aerodynamics.tip_loss"));
@@ -308,6 +310,7 @@ impl System {
             (Some(AirModel::Rotor(rotor)), Some(AirState::Rotor(from))) => {
                 let slopes = rotor.step_slopes(from, motions, &flow, step_s).map_err(|refused| match refused {
                     NoRotorSlopes::Kink { blade } => NoSlopes::Kink(settings.surfaces[blade].body),
+                    NoRotorSlopes::End { blade } => NoSlopes::End(settings.surfaces[blade].body),
                     NoRotorSlopes::NoWind => NoSlopes::NoWind,
                 })?;
                 ModelSlopes::Rotor(Box::new(slopes))

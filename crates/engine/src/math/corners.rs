@@ -4,7 +4,7 @@
 /// by falling between all of them.
 const RATIO: f64 = 1.618_033_988_749_895;
 /// The three difference steps, relative to the first.
-pub(crate) const STEPS: [f64; 3] = [1.0, RATIO, RATIO * RATIO];
+pub const STEPS: [f64; 3] = [1.0, RATIO, RATIO * RATIO];
 /// Weights of the central differences over these steps for a derivative of sixth order; `LOWER` uses the first two steps and has fourth
 /// order: `w_i = Π_{j ≠ i} x_j² / (x_j² - x_i²)`.
 const WEIGHTS: [f64; 3] = [1.894_427_190_999_916, -1.0, 0.105_572_809_000_084];
@@ -34,7 +34,7 @@ const SHORTER: f64 = 0.05;
 /// kink may affect the load of one section only, and small rows would not show next to large ones. The error estimate adds the difference
 /// of the sixth- and fourth-order results, which does not detect a kink next to the instant or at 1.41 steps, and the sixth difference,
 /// which does not detect one at 0.55 or 1.5 steps.
-pub(crate) fn slope_off_corners(
+pub fn slope_off_corners(
     first_step: f64,
     kinds: &[usize],
     present: &[f64],
