@@ -52,7 +52,7 @@ def least_damped(place):
 
 def pazy_point(air, speed_m_s, damping_s=1e-4, more=(), outputs=(), replaced=()):
     """The Pazy wing at pitch 5 at a wind speed."""
-    changes = ((w.AIR, "wind_m_s", w.vector(0, -speed_m_s, 0)), ("experiment", "step_s", PAZY_STEP_S), *more)
+    changes = ((w.AIR, "wind_m_s", w.vector(0, -speed_m_s, 0)), ("simulation", "step_s", PAZY_STEP_S), *more)
     damping = (("stiffness_damping_s = 1e-4", f"stiffness_damping_s = {damping_s!r}"),) if damping_s != 1e-4 else ()
     return w.Point("pazy_wing", changes, air, tuple(outputs), (*damping, *replaced))
 
