@@ -267,3 +267,37 @@ fn outputs_take_vectors() {
     let table = succeeds(&foldwing(&["simulate", model, "--csv", "-", "--stop", "0.002", "--variables", "aero.force"]));
     assert!(table.starts_with("time,aero.force.x,aero.force.y,aero.force.z"), "{table}");
 }
+
+/// The table of modes has the natural frequencies of damped modes, as the JSON; modes over a key use the start values of `--set`.
+#[test]
+fn modes_are_the_same_in_text_json_and_over_a_key() {
+    let wing = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/models/folding_wing.toml");
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&succeeds(&foldwing(&[&["modes", wing, "--json"], arguments].concat()))).unwrap()
+    };
+    let mode = &json(&["--count", "1"])["modes"][0];
+    let [frequency_hz, damping] = ["frequency_Hz", "damping_ratio"].map(|key| mode[key].as_f64().unwrap());
+    assert!(damping > 0.03, "the frequencies differ by more than the digits: {damping}");
+    let text = succeeds(&foldwing(&["modes", wing, "--count", "1"]));
+    assert!(text.contains(&format!("{frequency_hz:14.6} {damping:10.6}")), "{frequency_hz}: {text}");
+    let over = ["--count", "1", "--vary", "fold.motor_stiffness=0.02,0.04"];
+    let of = |settings: &[&str]| json(&[&over[..], settings].concat())["modes"][0]["frequency_Hz"][0].as_f64().unwrap();
+    let (usual, soft) = (of(&[]), of(&["--set", "fold.latch_stiffness=10"]));
+    assert!((usual - frequency_hz).abs() < 1e-5 && soft < 0.998 * usual, "{usual} {soft}");
+}
+
+/// Notes and warnings of a run are separate fields of its JSON.
+#[test]
+fn notes_are_no_warnings() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("capture.toml");
+    let text = include_str!("../../examples/models/folding_wing.toml");
+    let captured = text.replace("[joint.fold.latch]\n", "[joint.fold.latch]\ncapture_deg = 3.0\n");
+    assert_ne!(captured, text);
+    std::fs::write(&path, captured).unwrap();
+    let run = succeeds(&foldwing(&["simulate", path.to_str().unwrap(), "--json", "--stop", "0.002"]));
+    let run: serde_json::Value = serde_json::from_str(&run).unwrap();
+    let [notes, warnings] = ["notes", "warnings"].map(|key| run[key].as_array().unwrap());
+    assert!(warnings.is_empty() && notes.len() == 1, "{run}");
+    assert!(notes[0].as_str().unwrap().contains("with capture_deg = 3 the enabled latch"), "{run}");
+}

@@ -29,7 +29,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
     ("plant", &["signal", "system", "study", "run", "gradient"]),
     ("config", &["math", "load", "aero", "beam", "machine"]),
-    ("interface", &["load", "machine", "plant"]),
+    ("interface", &["math", "load", "machine", "plant"]),
     ("instance", &["machine", "plant", "config", "interface"]),
     ("fmi2", &["instance"]),
     ("fmi3", &["instance"]),

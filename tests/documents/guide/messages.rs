@@ -552,6 +552,8 @@ fn produced() -> Vec<String> {
         "gradient wing.toml --of fold.angle --by fold.motor_damping,fold.motor_damping",
         "gradient wing.toml --of fold.angle --by fold.release",
         "gradient wing.toml --of fold.angle --by solver.tolerance",
+        "gradient wing.toml --of fold.angle --by file:simulation.stop_time_s",
+        "gradient wing.toml --of fold.angle --by file:aerodynamics.coupling_tolerance",
         "gradient wing.toml --of fold.angle --by file:body.inner",
         "gradient wing.toml --of fold.angle --by file:body.inner.colour",
         "gradient wing.toml --of fold.angle --by file:gravity_m_s2",

@@ -62,3 +62,20 @@ impl OneFreedom {
         Self::about(axis)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both joints keep the direction of the axis, at zero and free.
+    #[test]
+    fn joints_of_programs_keep_the_direction_of_their_axis() {
+        let axis = Vector3::new(0.6, 0.0, -0.8);
+        for joint in [OneFreedom::about(axis), OneFreedom::along(axis)] {
+            assert_eq!(
+                (joint.axis, joint.start_angle_rad, joint.start_rate_rad_s, joint.release),
+                (axis, 0.0, 0.0, true)
+            );
+        }
+    }
+}

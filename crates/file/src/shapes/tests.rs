@@ -359,6 +359,20 @@ fn profiles_that_are_none_are_refused() {
     assert!(both[0].shear_centre_m[0] > 0.05, "the leading edge is at the origin, the chord towards +y");
 }
 
+/// A box with webs thicker than its flanges has the torsional rigidity of the same box turned by 90°, and so has one with thinner webs.
+#[test]
+fn a_turned_box_has_the_same_torsion() {
+    let material = aluminium();
+    let boxed = |width_m: f64, height_m: f64, wall_m: f64, web_m: f64| {
+        let raw = hollow_box(Frame { width_m, height_m, wall_m, web_m }, &material).expect("a box");
+        raw.torsional_rigidity_n_m2
+    };
+    for (wall_m, web_m) in [(0.002, 0.005), (0.005, 0.002), (0.003, 0.004)] {
+        let [own, turned] = [boxed(0.08, 0.05, wall_m, web_m), boxed(0.05, 0.08, web_m, wall_m)];
+        assert!((own / turned - 1.0).abs() < 1e-12, "{wall_m} {web_m}: {own} and {turned}");
+    }
+}
+
 /// Names are unique, and values are positive and plausible for solids; quasi-isotropic laminates have the moduli of lamination theory, to
 /// the given digits; a name that is nearly or partly right is found.
 #[test]
