@@ -21,7 +21,7 @@ const TOLERANCE_RAD: f64 = 1e-14;
 const FIRST_SECANT: f64 = 1e-5;
 /// Change relative to the root behind which it is exact to round-off.
 const LAST_SECANT: f64 = 1e-11;
-/// The same with which the iteration has converged: where round-off keeps it from the smaller one.
+/// The same with which the iteration has converged, because round-off may keep it from the smaller one.
 const LARGEST_LAST_SECANT: f64 = 1e-8;
 /// Maximum number of its steps.
 const MOST_SECANTS: usize = 30;

@@ -51,7 +51,7 @@ fn by_rows(machine: &Machine, inputs: &InputRows, results: impl Fn(&Plant) -> Ve
 fn rows_of_a_load_move_the_equilibrium_at_the_start() {
     let mut machine = Numbers::USUAL.machine(false).unwrap();
     machine.experiment.start = StartState::Equilibrium;
-    // what Newton's iteration leaves in each run is noise of the differences: 4.1e-6 at the tolerance of 1e-10 of the other tests
+    // the rest of Newton's iteration in each run is noise of the differences: 4.1e-6 at the tolerance of 1e-10 of the other tests
     machine.solver.tolerance = 1e-12;
     let layout = *Plant::new(Arc::new(machine.clone())).inputs().layout();
     let index = layout.stations.place(0, offset_of!(Wrench, force_n)) + 2;
