@@ -351,3 +351,23 @@ fn linear_models_are_in_the_air_of_the_rotor() {
     told(folder, "linearize windy.toml --state start --inputs wind.velocity.x --outputs rotor.thrust -o windy.json");
     assert_eq!(read("windy.json")["states"].as_array().expect("states").len(), 14);
 }
+
+/// `package --interface me` warns of rotors whose loads jump with the momentum balance, with JSON too, and of no others.
+#[test]
+fn jumps_of_steady_inflow_have_a_warning() {
+    let folder = folder();
+    let examples = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/airs");
+    let cases =
+        [("wing_with_propellers", "me", true), ("wing_with_propellers", "cs", false), ("twin_rotor", "me", false)];
+    for (model, kind, jumps) in cases {
+        let output = Command::new(env!("CARGO_BIN_EXE_foldwing"))
+            .args(["package", &format!("{examples}/{model}.toml"), "--interface", kind, "--no-reference", "--json"])
+            .args(["--force", "-o", "x.fmu", "--library"])
+            .arg(crate::library())
+            .current_dir(folder.path())
+            .output()
+            .expect("the command runs");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && told.contains("steady inflow jumps") == jumps, "{model} {kind}: {told}");
+    }
+}

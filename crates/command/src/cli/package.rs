@@ -5,7 +5,7 @@ use crate::cli::outlets::{Force, Mark, Outlets, Quiet};
 use crate::cli::progress::Progress;
 use crate::cli::{Failure, print, read_model};
 use crate::packaging::{self, CrossCheck, Extras, Kinds, Library, PackageError, Platform, Reference};
-use foldwing_engine::machine::{AirOptions, AirPart, Machine};
+use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::Plant;
 use foldwing_fmi::instance::Version;
 use foldwing_fmi::interface::{Interface, LinearModel, Variable};
@@ -137,6 +137,12 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
             submit(&folder.join(place), &files, &mut outlets, arguments.quiet.quiet || arguments.json)?;
         }
     }
+    if kinds.model_exchange && Plant::new(Arc::new(machine.clone())).system_mut().switch_count() > 0 {
+        arguments.quiet.warning(
+            "where the thrust coefficient of an annulus reaches 2, steady inflow jumps: near there, integrators of Model Exchange may stop at \
+             many events or leave the jump on the wrong side; write dynamic_inflow = true or inflow_lag_s, or compare with co-simulation",
+        );
+    }
     if arguments.json {
         let summary = json!({
             "name": machine.name,
@@ -151,22 +157,7 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     if !arguments.quiet.quiet {
         outlets.report();
     }
-    if kinds.model_exchange && has_steady_inflow(&machine) {
-        arguments.quiet.warning(
-            "where the thrust coefficient of an annulus reaches 2, steady inflow jumps: near there, integrators of Model Exchange may stop at \
-             many events or leave the jump on the wrong side; write dynamic_inflow = true or inflow_lag_s, or compare with co-simulation",
-        );
-    }
     Ok(())
-}
-
-/// Whether a rotor has inflow without lag.
-fn has_steady_inflow(machine: &Machine) -> bool {
-    let of_part = |part: &AirPart| match &part.options {
-        AirOptions::Rotor(rotor) => !rotor.features.dynamic_inflow && rotor.features.inflow_lag_s.is_none(),
-        AirOptions::Lattice(_) | AirOptions::Strips(_) | AirOptions::SlenderBody(_) => false,
-    };
-    machine.air.as_ref().is_some_and(|air| air.parts.iter().any(of_part))
 }
 
 /// Checks that an FMU of this type can be made from the model.

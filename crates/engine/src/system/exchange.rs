@@ -114,8 +114,8 @@ impl System {
         &self.equations.model.circuits
     }
 
-    /// Number of annuli of rotors whose loads can jump.
-    pub(super) fn switch_count(&self) -> usize {
+    /// Number of annuli of rotors whose loads can jump with their momentum balance; known before the initialisation.
+    pub fn switch_count(&self) -> usize {
         self.air.as_ref().map_or(0, |air| air.model.switches(true).count())
     }
 

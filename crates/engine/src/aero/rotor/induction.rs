@@ -444,7 +444,7 @@ impl Balance<'_> {
 }
 
 /// `1/(1 − a)` of an annulus with flow in the direction of the wind, eqs. (B3) and (B5); continuous at 2/3. NaN where the relation of heavily
-/// loaded annuli is continued to less than a quarter of its start.
+/// loaded annuli is continued beyond its end, at a load `2Fk` of `F(4/3 − F)`.
 fn windmill(k: f64, loss: f64, heavy: bool) -> f64 {
     if !heavy {
         return 1.0 + k;

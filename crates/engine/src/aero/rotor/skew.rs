@@ -141,7 +141,7 @@ mod tests {
             for step in 0..3600 {
                 let [at, next] = [of(step, loss_m_s), of(step + 1, loss_m_s)];
                 assert!((0.0..=1.0).contains(&at), "{step} {loss_m_s}: {at}");
-                // half of the steps of 0.05°, by twice the slope 1/(2 cos² χ/2), and by the induction
+                // the wind turns by 8.7e-4 rad in a step; with induction the wake turns by up to a quarter more
                 assert!((next - at).abs() < 1.2e-3, "{step} {loss_m_s}: {at} {next}");
                 approx::assert_relative_eq!(of(3600 - step, -loss_m_s), at, epsilon = 1e-9);
             }
@@ -149,7 +149,7 @@ mod tests {
     }
 
     /// Also where the induced velocity exceeds the wind, the wake is straight in the limit of no lateral wind, and its angle is continuous in
-    /// the wind along the shaft: a change of a millionth of the induced velocity changes it by less than a thousandth.
+    /// the wind along the shaft: over 2e-6 of the induced velocity the tangent changes by less than 1e-3 (5.4e-5 in the steepest place).
     #[test]
     fn wake_is_straight_without_lateral_wind_against_any_induction() {
         let of = |axial_m_s: f64, across_m_s: f64| {
