@@ -144,6 +144,33 @@ fn sj25_modes_of_bodies_on_a_beam() {
     }
 }
 
+/// SJ-43. In shapes of modes a locked body within an element moves with its section, not with a node: the body on 8 elements at 7/16 of the
+/// length moves, relative to the tip, as one that is clamped at a node of 16 elements.
+#[test]
+fn sj43_shapes_of_bodies_within_elements() {
+    let shapes = |pairs: usize, joint: JointBuilder| {
+        let soft = body("beam", 1.0, &slender(1e4, 2.0, 1e-5), ElementKind::Linear, pairs);
+        let block = Body::rigid("block").inertia(0.4, [0.03, 0.02, -0.05], Matrix3::from_diagonal_element(1e-3));
+        let machine = Machine::builder("held").gravity_m_s2([1.0, 2.0, -GRAVITY_M_S2]).body(soft, clamped());
+        let mut plant = plant_of(&machine.body(block, joint.offset_m([0.01, -0.02, 0.04])));
+        plant.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+        let modes = plant.study().modes(3).unwrap_or_else(|error| panic!("{error}"));
+        let size = |mode: &ModeShape, body: usize, node: usize| {
+            let part = [&mode.real, &mode.imaginary].map(|part| part[body][node].displacement_m.norm_squared());
+            (part[0] + part[1]).sqrt()
+        };
+        let tip = |mode: &ModeShape| size(mode, 0, mode.real[0].len() - 1);
+        modes.iter().map(|mode| size(mode, 1, 0) / tip(mode)).collect::<Vec<f64>>()
+    };
+    let slides = shapes(4, Joint::sliding("slide").on("beam").start_position_m(0.4375).locked());
+    let clamps = shapes(8, Joint::clamped("slide").on_at("beam", 0.4375));
+    println!("SJ-43: {slides:.5?} of {clamps:.5?}");
+    for (slides, clamps) in slides.iter().zip(&clamps) {
+        // half of what the inner node of the element moves less
+        assert!((slides / clamps - 1.0).abs() < 0.02, "{slides} of {clamps}");
+    }
+}
+
 /// SJ-26. Parts of a machine without sliding joints keep their equilibrium and modes beside a sliding joint elsewhere, with which stiffness and
 /// equilibrium are computed by differences: a bent beam with a spring on a ball joint, and a loop with a stiffness.
 #[test]

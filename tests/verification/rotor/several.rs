@@ -384,3 +384,17 @@ fn rt29_examples_run() {
     approx::assert_relative_eq!(port.thrust_n, starboard.thrust_n, max_relative = 1e-4);
     approx::assert_relative_eq!(port.speed_rad_s, starboard.speed_rad_s, max_relative = 1e-4);
 }
+
+/// RT-33. An error of one model names the body of its own surface: the strips of the left wing reach the speed of sound behind two rotor blades
+/// in the list of surfaces.
+#[test]
+fn rt33_errors_name_the_body_of_the_models_own_surface() {
+    let begin = PROPELLERS.find("[surface.right_wing]").expect("a surface");
+    let end = begin + PROPELLERS[begin..].find("\n\n").expect("its end");
+    let text = format!("{}{}", &PROPELLERS[..begin], &PROPELLERS[end..])
+        .replace("[aerodynamics.wing]", "[aerodynamics.wing]\nspeed_of_sound_m_s = 20.0");
+    let mut plant = Plant::new(Arc::new(machine(&text)));
+    let error = plant.initialize(0.0).map(|_| ()).expect_err("a wing at Mach 1.25").to_string();
+    println!("RT-33: {error}");
+    assert!(error.contains("left_wing") && error.contains("Mach 1.2") && !error.contains("blade"), "{error}");
+}

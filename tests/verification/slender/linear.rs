@@ -12,7 +12,7 @@ use foldwing::interface::{Interface, LinearModel};
 use foldwing::load::SectionMotion;
 use foldwing::plant::{Holding, Hybrid, Plant};
 use foldwing::study::flutter;
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Complex, Rotation3, Vector3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -181,6 +181,28 @@ fn winged_pod(with_body: bool) -> String {
          [aerodynamics.wing]\nmodel = \"strip\"\nquasi_steady = true\napparent_mass = false\ntip_loss = \"none\"\n{}",
         if with_body { hull } else { String::new() }
     )
+}
+
+/// SB-24. The linear model of a body on a spring along z, across the wind, in a wind along z that varies: the apparent mass `M = ρV` follows
+/// the difference of the velocities, `(m + M) z̈ + k z = M ẇ`, so that `ż/w = M s²/((m + M) s² + k)`, below and above the natural frequency.
+#[test]
+fn sb24_a_wind_that_varies_moves_a_body_on_a_slide() {
+    let (mass_kg, spring_n_m) = (0.3, 40.0);
+    let joint =
+        format!("type = \"prismatic\"\naxis = [0.0, 0.0, 1.0]\n[joint.mount.spring]\nstiffness_N_m = {spring_n_m:?}");
+    let text = pointed(&joint, mass_kg, "wind_m_s = [6.0, 0.0, 0.0]\nstep_s = 0.01", "");
+    let (_, model) = linear(&text, &["wind.velocity.z"], &["mount.velocity"]);
+    let [a, b, c, d] =
+        [&model.matrices.a, &model.matrices.b, &model.matrices.c, &model.matrices.d].map(|m| m.map(Complex::from));
+    let apparent_kg = apparent_kg();
+    for rate_rad_s in [2.0, 9.0, 40.0] {
+        let s = Complex::new(0.0, rate_rad_s);
+        let states = (nalgebra::DMatrix::identity(a.nrows(), a.nrows()) * s - &a).lu().solve(&b).expect("no pole");
+        let found = (&c * states + &d)[(0, 0)];
+        let due = s * s * apparent_kg / (s * s * (mass_kg + apparent_kg) + spring_n_m);
+        println!("SB-24: {rate_rad_s} rad/s: {found:.6} of {due:.6}");
+        assert!((found - due).norm() < 1e-9 * due.norm(), "{found} of {due}");
+    }
 }
 
 /// SB-19. A closed body under a wing moves the neutral point forward by `2V/(S a)`: the moment of Munk over the lift of the wing, of slope

@@ -393,5 +393,7 @@ mod tests {
         for source in sources.into_iter().filter(|source| !source.starts_with("..")) {
             assert!(files.contains_key(&format!("{FOLDER}/{source}")), "{source} is named and missing");
         }
+        let notes = &files["documentation/fmi-ls-ref.txt"];
+        assert!(notes.contains("at most 1e-6 of a variable's range over the run, or 1e-9 in its unit"), "{notes}");
     }
 }

@@ -103,6 +103,26 @@ fn traced(figure: &Figure, sheet: Sheet) -> Vec<Traced> {
     canvas.paths
 }
 
+/// Names of two curves that end at one height are moved apart: the stroke to each begins at the height of the curve's end and ends at that of
+/// the name.
+#[test]
+fn strokes_lead_from_curves_to_their_names() {
+    let ends = |n: usize| vec![[0.0, n as f64], [1.0, 2.0]];
+    let curves: Vec<Curve> = (0..2).map(|n| Curve::nth(n, format!("wing{n}"), ends(n))).collect();
+    let svg = Figure { curves, ..Figure::default() }.svg(Sheet::default()).expect("a figure");
+    let lines: Vec<Vec<[f32; 2]>> =
+        elements(&svg).into_iter().filter(|(name, _)| *name == "polyline").map(|(_, tag)| points(tag)).collect();
+    for name in ["wing0", "wing1"] {
+        let (_, label) = elements(&svg).into_iter().find(|(_, tag)| tag.contains(name)).expect("a name");
+        let [x, y] = [number(label, "x"), number(label, "y")];
+        let stroke = lines.iter().find(|line| line.len() == 2 && line[1][1] == y && line[1][0] < x).expect("a stroke");
+        assert_ne!(stroke[0][1], y, "moved apart");
+        let curve =
+            lines.iter().find(|line| line.last().is_some_and(|end| end[1] == stroke[0][1] && end[0] < stroke[0][0]));
+        assert!(curve.is_some(), "{name}: no curve ends where {stroke:?} begins");
+    }
+}
+
 /// Every element of the SVG has a path, in the same order, with the same vertices, colour and width, open for a line and closed for a
 /// filled shape. Texts are at their anchors, within a third of their height, since the glyphs of the two fonts may differ.
 #[test]

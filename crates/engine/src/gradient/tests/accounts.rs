@@ -3,6 +3,7 @@
 use super::rigid::hardened;
 use super::*;
 use crate::load::Wrench;
+use crate::machine::failure::FrictionBrake;
 use crate::signal::JointInputs;
 use std::mem::offset_of;
 
@@ -127,6 +128,64 @@ fn accounts_of_a_damped_arm() {
         let final_rate = numbers[2] * left + torque * (1.0 - left) / damping;
         let power = [torque * final_rate, damping * final_rate * final_rate][row];
         assert!((rate - power).abs() < 1e-6 * power, "{row}: {rate} and {power}");
+    }
+}
+
+/// GR-94: an arm of `J` = 1.7 kg·m² whose angle `a + b t + c t²` is prescribed takes the work `J ((b + 2 c t)² − b²)/2`, and an arm on a brake
+/// that slips from 0.1 s on, `J ω' = −T tanh(ω/s)`, dissipates `J (ω₀² − ω²)/2` with `sinh(ω/s) = sinh(ω₀/s) e^{−T (t − 0.1 s)/(J s)}`: by
+/// `b` and `c`, and by `ω₀` and `T`, both ways, to 1e-7 of a run with an error of 1e-9.
+#[test]
+fn accounts_of_a_driven_and_of_a_braked_arm() {
+    let (inertia, time_s) = (1.7, 0.7);
+    let work = |[rate, half]: [f64; 2]| 0.5 * inertia * ((rate + 2.0 * half * time_s).powi(2) - rate * rate);
+    let dissipated = |[rate, torque]: [f64; 2]| {
+        let slip = 0.5;
+        let left = f64::sinh(rate / slip) * f64::exp(-torque * (time_s - 0.1) / (inertia * slip));
+        0.5 * inertia * (rate * rate - (slip * left.asinh()).powi(2))
+    };
+    let plant = |[rate, second]: [f64; 2], braked: bool| {
+        let body = Body::rigid("arm").inertia(1.0, [0.0; 3], nalgebra::Matrix3::from_diagonal_element(inertia));
+        let hinge = Joint::revolute("hinge", [0.0, 1.0, 0.0]).start_rate_rad_s(rate);
+        let solver = Solver { tolerance: 1e-10, ..Solver::default() };
+        let builder = Machine::builder("Arm").gravity_m_s2([0.0; 3]).body(body, hinge).solver(solver);
+        let machine = builder.build().map(|mut machine| {
+            if braked {
+                let brake = FrictionBrake { torque_n_m: second, ramp_s: 0.0, slip_rad_s: 0.5 };
+                let (effect, at_time_s) = (Effect::BrakeApplied { body: 0, brake }, Some(0.1));
+                let name = "stops".to_owned();
+                machine.failures.push(Failure { name, effect, at_time_s, after: None, when: None, delay_s: 0.0 });
+            } else if let JointKind::Revolute(hinge) = &mut machine.bodies[0].joint.kind {
+                hinge.motion = JointMotion::Prescribed(Motion::Polynomial(vec![0.2, rate, second]));
+            }
+            machine
+        });
+        plant_of(machine.map_err(|refused| refused.to_string()))
+    };
+    let cases: [(bool, [f64; 2], &dyn Fn([f64; 2]) -> f64); 2] =
+        [(false, [0.9, 0.7], &work), (true, [0.9, 0.8], &dissipated)];
+    for (braked, usual, known) in cases {
+        let mut own = plant(usual, braked).unwrap();
+        own.initialize(0.0).unwrap();
+        let tape = own.run_on_tape(&[time_s]).unwrap_or_else(|error| panic!("{error}"));
+        let index = own.outputs().layout().accounts()[usize::from(braked)];
+        let result = RunResult::Output { index, time: 0 };
+        let beside = |place: usize, shift: f64| {
+            let mut numbers = usual;
+            numbers[place] += shift;
+            numbers
+        };
+        let parameter = |place: usize| {
+            Parameter::new("number", 0.0, 1e-3 * usual[place], |shift| plant(beside(place, shift), braked)).unwrap()
+        };
+        let mut gradient = Gradient::new(&mut own, &tape, (0..2).map(parameter).collect()).unwrap();
+        approx::assert_relative_eq!(gradient.values(&[result]).unwrap()[0], known(usual), max_relative = 1e-7);
+        let forward = gradient.forward(&[result]).unwrap();
+        let adjoint = gradient.adjoint(result).unwrap();
+        for place in 0..2 {
+            let slope = (known(beside(place, 1e-4)) - known(beside(place, -1e-4))) / 2e-4;
+            approx::assert_relative_eq!(forward[0][place], slope, max_relative = 1e-7);
+            approx::assert_relative_eq!(adjoint[place], slope, max_relative = 1e-7);
+        }
     }
 }
 
