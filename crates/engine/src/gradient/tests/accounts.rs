@@ -161,9 +161,8 @@ fn accounts_of_a_driven_and_of_a_braked_arm() {
         });
         plant_of(machine.map_err(|refused| refused.to_string()))
     };
-    let cases: [(bool, [f64; 2], &dyn Fn([f64; 2]) -> f64); 2] =
-        [(false, [0.9, 0.7], &work), (true, [0.9, 0.8], &dissipated)];
-    for (braked, usual, known) in cases {
+    let known_of: [&dyn Fn([f64; 2]) -> f64; 2] = [&work, &dissipated];
+    for ((braked, usual), known) in [(false, [0.9, 0.7]), (true, [0.9, 0.8])].into_iter().zip(known_of) {
         let mut own = plant(usual, braked).unwrap();
         own.initialize(0.0).unwrap();
         let tape = own.run_on_tape(&[time_s]).unwrap_or_else(|error| panic!("{error}"));
