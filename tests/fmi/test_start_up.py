@@ -1,4 +1,4 @@
-"""Time of an FMU from `fmi2Instantiate` to the end of the initialisation, called from C."""
+"""Processor time of an FMU from `fmi2Instantiate` to the end of the initialisation, called from C."""
 
 import re
 import struct
@@ -35,8 +35,8 @@ def run(driver, fmu, references, step_s, steps):
 
 
 def test_n08_an_instance_starts_within_five_milliseconds(driver, shipped):
-    """N-08. Start-up of each shipped model, without and with aerodynamics, in a new process: pages of the library are not yet loaded. The
-    fastest of a few tries counts, because the limit must not depend on the load of the computer."""
+    """N-08. Processor time of the start-up of each shipped model, without and with aerodynamics, in a new process: pages of the library are
+    not yet loaded. The fastest of a few tries counts, because the limit must not depend on the load of the computer."""
     reference = next(variable.valueReference for variable in shipped.outputs if variable.type == "Real")
     fastest_ms = min(run(driver, shipped, [reference], 1e-3, 0)[1] for _ in range(TRIES))
     print(f"{Path(shipped.path).stem}: {fastest_ms:.2f} ms")

@@ -103,7 +103,7 @@ fn traced(figure: &Figure, sheet: Sheet) -> Vec<Traced> {
     canvas.paths
 }
 
-/// Names of two curves that end at one height are moved apart: the stroke to each begins at the height of the curve's end and ends at that of
+/// Names of two curves that end at one height are moved apart: the stroke to each goes from the height of the end of its curve to that of
 /// the name.
 #[test]
 fn strokes_lead_from_curves_to_their_names() {
