@@ -9,7 +9,7 @@ use foldwing::beam::profile::Profile as Along;
 use foldwing::machine::builder::{AirBuilder, BodyBuilder, JointBuilder, MachineBuilder};
 use foldwing::machine::*;
 use foldwing::plant::{Holding, Outputs, Plant};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// Strips with a step of the air in s.
@@ -356,6 +356,48 @@ fn sj36_equilibrium_in_air() {
         let off = apart(&found[0], &found[1]);
         assert!(off < 1e-8, "{what}: {off:e} apart");
     }
+}
+
+/// SJ-44. A soft rail turns by more than a radian in the wind and lifts the carriage of a bead, on a spring, into another element than in still
+/// air: the equilibrium is found from either side, is stable, and the machine stays there for 0.5 s. Above the divergence speed of the rail with
+/// the carriage held, which the path from still air finds, the search ends with an error.
+#[test]
+fn sj44_equilibrium_of_a_rail_that_bends_far() {
+    let rest_or_error = |from_m: f64, wind_m_s: f64| {
+        let text = include_str!("sliding_air.toml")
+            .replace("start_position_m = 0.3", &format!("start_position_m = {from_m:?}"))
+            .replace("wind_m_s = [11.0,", &format!("wind_m_s = [{wind_m_s:?},"));
+        let machine = foldwing::config::parse(&text, "sliding_air.toml").unwrap_or_else(|error| panic!("{error}"));
+        let mut plant = start(machine);
+        plant.study().equilibrium(0.0, Holding::AsReleased).map(|_| plant)
+    };
+    let rest_from = |from_m, wind_m_s| rest_or_error(from_m, wind_m_s).unwrap_or_else(|error| panic!("{error}"));
+    let still_m = rest_from(0.3, 0.0).outputs().joints()[0].angle_rad;
+    let mut found: Vec<Outputs> = Vec::new();
+    for from_m in [0.3, 0.8] {
+        let mut plant = rest_from(from_m, 11.0);
+        let rest = plant.outputs().clone();
+        let carriage_m = rest.joints()[0].angle_rad;
+        // the sections of the unstrained rail are turned by 90° about z
+        let turned_rad =
+            rest.tips()[0].rotation.angle_to(&UnitQuaternion::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2));
+        let stability = plant.study().stability().unwrap_or_else(|error| panic!("{error}"));
+        assert!(stability.is_stable(), "{stability:?}");
+        coast(&mut plant, 0.5);
+        let off = apart(&rest, plant.outputs());
+        println!(
+            "SJ-44 from {from_m} m: at {carriage_m:.6} m, in still air at {still_m:.6} m, turned {turned_rad:.2} rad, leaves by {off:.1e}"
+        );
+        assert!(off < 1e-7 && turned_rad > 1.0, "{off:e}, {turned_rad} rad");
+        assert!(carriage_m < 0.5 && still_m > 0.5, "a boundary of elements at 0.5 m: {carriage_m} m, {still_m} m");
+        found.push(rest);
+    }
+    let off = apart(&found[0], &found[1]);
+    assert!(off < 1e-8, "{off:e} apart");
+    let Err(error) = rest_or_error(0.3, 24.0) else { panic!("beyond divergence") };
+    let error = error.to_string();
+    println!("SJ-44 {error}");
+    assert!(error.contains("static divergence") && error.contains("slide at 0.3000 m"), "{error}");
 }
 
 /// SJ-37. Every row of the linear models with the lag states of strips: about a moving state beyond a border, and about the equilibrium.

@@ -49,7 +49,7 @@ impl Study<'_> {
         };
         let mut largest_n_m = f64::NAN;
         for _ in 0..MAXIMUM_ITERATIONS {
-            let effort = at(self, &start, &angles)?;
+            let effort = at(self, &start, &angles).map_err(|error| self.with_held(error, hinges, &angles))?;
             let torque = self.hinge_torques(time_s, hinges);
             largest_n_m = torque.amax();
             let slopes = match self.hinge_slopes(hinges) {
@@ -162,7 +162,19 @@ impl Study<'_> {
         any
     }
 
-    fn no_coasting(&self, time_s: f64, hinges: &[usize], angles: &DVector<f64>, torque_n_m: f64) -> PlantError {
+    /// Adds the positions at which the hinges were held to an error of the search with held hinges.
+    fn with_held(&self, error: PlantError, hinges: &[usize], angles: &DVector<f64>) -> PlantError {
+        match error {
+            PlantError::Equilibrium { time_s, reached, tried, cause, diverges_m_s } => {
+                let cause = format!("{cause}; released joints were held ({})", self.list_of(hinges, angles));
+                PlantError::Equilibrium { time_s, reached, tried, cause, diverges_m_s }
+            }
+            other => other,
+        }
+    }
+
+    /// Names and positions of hinges for messages.
+    fn list_of(&self, hinges: &[usize], angles: &DVector<f64>) -> String {
         let list: Vec<String> = hinges
             .iter()
             .zip(angles)
@@ -174,10 +186,14 @@ impl Study<'_> {
                 }
             })
             .collect();
+        list.join(", ")
+    }
+
+    fn no_coasting(&self, time_s: f64, hinges: &[usize], angles: &DVector<f64>, torque_n_m: f64) -> PlantError {
         let cause = format!(
             "an unbalanced torque of {torque_n_m:.1e} N.m remains on the released hinges in this wind ({}); try a \
              lower speed, lock them (release = false), or stiffen their springs",
-            list.join(", ")
+            self.list_of(hinges, angles)
         );
         PlantError::Equilibrium { time_s, reached: 0.0, tried: 1.0, cause, diverges_m_s: None }
     }

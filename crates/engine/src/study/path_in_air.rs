@@ -66,8 +66,6 @@ impl Study<'_> {
         air.continuous.is_some()
             && air.settings.rotors().next().is_none()
             && air.settings.established
-            // its corrections leave the elements of carriages unchanged
-            && self.system.machine.sliding_joint().is_none()
             // hinges with only aerodynamic stiffness are outer unknowns, eq. (Q6)
             && (holding == Holding::Stopped || self.free_hinges().is_empty())
     }
