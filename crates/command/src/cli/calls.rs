@@ -7,7 +7,7 @@ use crate::cli::grid::{GridArguments, grid_of};
 use crate::cli::outlets::{Mark, Outlets};
 use crate::cli::sweep::{Experiment, Plan, changed_text, columns, file_path};
 use crate::cli::{check, package as packages, shapes, stability, statics};
-use crate::packaging::{self, Extras, Kinds, Library};
+use crate::packaging::Kinds;
 use crate::report::InputTable;
 use foldwing_engine::machine::Machine;
 use foldwing_engine::plant::{Branch, Holding, LoadPath, ModeShape, Plant, PlantError, Rest, Search, Stability};
@@ -155,29 +155,18 @@ pub fn package(machine: &Machine, text: &str, packaging: &Packaging) -> Result<(
     packages::check_kinds(packaging.kinds, machine)?;
     packages::check_name(&packaging.output)?;
     packages::check_system(packaging.ssp.as_deref(), packaging.kinds)?;
+    let libraries: Vec<_> = packaging.libraries.iter().map(|path| (None, path.clone())).collect();
     let read = packaging.model.iter().chain(&packaging.libraries).map(PathBuf::as_path);
-    let mut outlets = Outlets::new(packaging.force, read);
-    let place = outlets.place(&packaging.output, Mark::FMU)?;
-    let system = packaging.ssp.as_ref().map(|ssp| outlets.place(ssp, Mark::SSP)).transpose()?;
-    let extras = Extras {
+    let order = packages::Order {
         kinds: packaging.kinds,
-        // the tables have one column per scalar variable of FMI 2.0
-        reference: (!packaging.without_reference && packaging.kinds.version == Version::Fmi2)
-            .then(|| packages::reference(machine))
-            .transpose()?,
-        linear: packaging.linear.as_ref().map(|at| packages::linear(machine, at)).transpose()?,
+        output: &packaging.output,
+        ssp: packaging.ssp.as_deref(),
+        libraries: &libraries,
+        linear: packaging.linear.as_deref(),
+        without_reference: packaging.without_reference,
+        shows_progress: false,
     };
-    let mut libraries = Vec::new();
-    for path in &packaging.libraries {
-        libraries.extend(Library::read(path, None).map_err(packages::failure)?);
-    }
-    let fmu = packaging::package(machine, text, &extras, &libraries).map_err(packages::failure)?;
-    place.fill_durably(&fmu)?;
-    if let Some(system) = system {
-        let interface = packaging.kinds.interface(machine);
-        system.fill_durably(&packaging::ssp::system(machine, interface.variables(), packaging.kinds, fmu))?;
-    }
-    Ok(())
+    packages::write(machine, text, &order, &mut Outlets::new(packaging.force, read)).map(drop)
 }
 
 /// Modes of a rotor over its speed, in the format of `foldwing modes --vary rotor_speed_rpm=… --json`.

@@ -110,26 +110,16 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
     let sources = sources(&arguments.libraries, library)?;
     let read = std::iter::once(arguments.model.as_path()).chain(sources.iter().map(|(_, path)| path.as_path()));
     let mut outlets = Outlets::new(arguments.force.force, read);
-    let place = outlets.place(output, Mark::FMU)?;
-    let system = arguments.ssp.as_ref().map(|ssp| outlets.place(ssp, Mark::SSP)).transpose()?;
-    let progress = Progress::phase("reference results and linear model");
-    let extras = Extras {
+    let order = Order {
         kinds,
-        // the tables have one column per scalar variable of FMI 2.0
-        reference: (!arguments.no_reference && version == Version::Fmi2).then(|| reference(&machine)).transpose()?,
-        linear: arguments.linear.as_ref().map(|at| linear(&machine, at)).transpose()?,
+        output,
+        ssp: arguments.ssp.as_deref(),
+        libraries: &sources,
+        linear: arguments.linear.as_deref(),
+        without_reference: arguments.no_reference,
+        shows_progress: true,
     };
-    drop(progress);
-    let mut libraries = Vec::new();
-    for (platform, path) in sources {
-        libraries.extend(Library::read(&path, platform).map_err(failure)?);
-    }
-    let fmu = packaging::package(&machine, &text, &extras, &libraries).map_err(failure)?;
-    place.fill_durably(&fmu)?;
-    if let Some(system) = system {
-        let interface = kinds.interface(&machine);
-        system.fill_durably(&packaging::ssp::system(&machine, interface.variables(), kinds, fmu.clone()))?;
-    }
+    let Packaged { fmu, extras, libraries } = write(&machine, &text, &order, &mut outlets)?;
     if let (Some(folder), Some(reference)) = (&arguments.cross_check, &extras.reference) {
         let name = output.file_stem().and_then(|stem| stem.to_str()).unwrap_or("model");
         let files = CrossCheck::new(&machine, reference, name);
@@ -158,6 +148,56 @@ pub fn run(arguments: &Arguments, library: Option<&Path>) -> Result<(), Failure>
         outlets.report();
     }
     Ok(())
+}
+
+/// Files to write, and contents of the FMU.
+pub(super) struct Order<'a> {
+    pub kinds: Kinds,
+    /// Path of the FMU.
+    pub output: &'a Path,
+    /// Path of a system of this FMU alone.
+    pub ssp: Option<&'a Path>,
+    /// Libraries, with their platforms if these were given.
+    pub libraries: &'a [(Option<Platform>, PathBuf)],
+    /// Point of the linear model.
+    pub linear: Option<&'a str>,
+    pub without_reference: bool,
+    pub shows_progress: bool,
+}
+
+/// An FMU that was written, with its contents.
+pub(super) struct Packaged {
+    pub fmu: Vec<u8>,
+    pub extras: Extras,
+    pub libraries: Vec<Library>,
+}
+
+/// Writes the FMU and the system around it; kinds and names have been checked.
+pub(super) fn write(machine: &Machine, text: &str, order: &Order, outlets: &mut Outlets) -> Result<Packaged, Failure> {
+    let kinds = order.kinds;
+    let place = outlets.place(order.output, Mark::FMU)?;
+    let system = order.ssp.map(|ssp| outlets.place(ssp, Mark::SSP)).transpose()?;
+    let progress = order.shows_progress.then(|| Progress::phase("reference results and linear model"));
+    let extras = Extras {
+        kinds,
+        // the tables have one column per scalar variable of FMI 2.0
+        reference: (!order.without_reference && kinds.version == Version::Fmi2)
+            .then(|| reference(machine))
+            .transpose()?,
+        linear: order.linear.map(|at| linear(machine, at)).transpose()?,
+    };
+    drop(progress);
+    let mut libraries = Vec::new();
+    for (platform, path) in order.libraries {
+        libraries.extend(Library::read(path, *platform).map_err(failure)?);
+    }
+    let fmu = packaging::package(machine, text, &extras, &libraries).map_err(failure)?;
+    place.fill_durably(&fmu)?;
+    if let Some(system) = system {
+        let interface = kinds.interface(machine);
+        system.fill_durably(&packaging::ssp::system(machine, interface.variables(), kinds, fmu.clone()))?;
+    }
+    Ok(Packaged { fmu, extras, libraries })
 }
 
 /// Checks that an FMU of this type can be made from the model.
@@ -213,7 +253,7 @@ fn submit(folder: &Path, files: &[(String, &[u8])], outlets: &mut Outlets, silen
     if silent { Ok(()) } else { print(&format!("cross-check files in {}", folder.display())) }
 }
 
-pub(super) fn failure(error: PackageError) -> Failure {
+fn failure(error: PackageError) -> Failure {
     match error {
         PackageError::NotALibrary { .. } => Failure::Refused(error.to_string()),
         PackageError::Twice { .. } => Failure::Usage(error.to_string()),
@@ -242,7 +282,7 @@ fn place(argument: &OsStr) -> Result<(Option<Platform>, PathBuf), Failure> {
     }
 }
 
-pub(super) fn reference(machine: &Machine) -> Result<Reference, Failure> {
+fn reference(machine: &Machine) -> Result<Reference, Failure> {
     Reference::simulate(machine).map_err(|error| {
         Failure::Simulation(format!(
             "{error}; the default experiment, whose result is stored in the FMU, failed: fix the model or its [simulation], or \
@@ -252,7 +292,7 @@ pub(super) fn reference(machine: &Machine) -> Result<Reference, Failure> {
 }
 
 /// Returns the linear model from all real inputs to all real outputs.
-pub(super) fn linear(machine: &Machine, at: &str) -> Result<LinearModel, Failure> {
+fn linear(machine: &Machine, at: &str) -> Result<LinearModel, Failure> {
     let interface = Interface::new(machine);
     let mut plant = Plant::new(Arc::new(machine.clone()));
     reach("--linear", at, &mut plant)?;
