@@ -309,7 +309,7 @@ def test_long_tests_have_a_short_one_beside_them():
 
 
 def test_tests_of_a_share_of_their_cases_run_whole_in_long():
-    """`make test` alone sets the share, and `make long` runs every test that takes one, on all cases."""
+    """`make test` and `make assertions` set the share, and `make long` runs every test that takes one, on all cases."""
     found = set()
     for path in (ROOT / "tests").rglob("*.rs"):
         text = path.read_text(encoding="utf-8")
@@ -317,7 +317,7 @@ def test_tests_of_a_share_of_their_cases_run_whole_in_long():
             if re.search(r'\bshare\(\)|\bhold\("X-', body):
                 found.add(body.split("(", 1)[0])
     assert found == run_rust_tests.SHARED
-    assert MAKEFILE.count("FOLDWING_SHARE") == 1 and "FOLDWING_SHARE=3" in target("unit")
+    assert MAKEFILE.count("FOLDWING_SHARE") == 2 and all("FOLDWING_SHARE=3" in target(name) for name in ("unit", "assertions"))
     arguments = re.search(r"run_rust_tests.py --long .*\n.*", target("long")).group()
     assert all(f"--test {program}" in arguments for program in ("verification", "random", "robustness", "command"))
 
