@@ -489,3 +489,32 @@ fn commands_whose_results_are_files_print_json() {
     assert_eq!(page["files"], serde_json::json!(["wing.html"]));
     assert_eq!(called(&["view", "wing.html", "--no-open", "--json"])["page"], "wing.html");
 }
+
+/// Every connector of the system around an FMU is a variable of that FMU with the same causality, vectors as scalars in FMI 3.0; without
+/// outputs of other types than Real, there are no connectors to them.
+#[test]
+fn systems_connect_the_variables_of_their_fmus() {
+    let folder = tempfile::tempdir().unwrap();
+    let (wing, library) = (wing(), library().to_str().unwrap().to_owned());
+    for kind in [&["--fmi", "3", "--scalars"][..], &["--interface", "cs,me"], &["--real-outputs-only"]] {
+        let named = ["package", &wing, "-o", "w.fmu", "--ssp", "w.ssp", "--no-reference", "--library", &library];
+        succeeds(&in_folder(folder.path(), &[&named, kind].concat()));
+        let text = |archive: &str, member: &str| {
+            let mut archive = zip::ZipArchive::new(fs::File::open(folder.path().join(archive)).unwrap()).unwrap();
+            std::io::read_to_string(archive.by_name(member).unwrap()).unwrap()
+        };
+        let (description, system) = (text("w.fmu", "modelDescription.xml"), text("w.ssp", "SystemStructure.ssd"));
+        let connectors: Vec<(&str, &str)> = system
+            .split("<ssd:Connector name=\"")
+            .skip(1)
+            .map(|rest| rest.split_once("\" kind=\"").expect("a kind"))
+            .map(|(name, rest)| (name, rest.split('"').next().unwrap_or_default()))
+            .collect();
+        assert!(connectors.len() > 50, "{system}");
+        for (name, causality) in connectors {
+            let tag = description.split(&format!("name=\"{name}\"")).nth(1).and_then(|rest| rest.split('>').next());
+            let tag = tag.unwrap_or_else(|| panic!("{kind:?}: no {name}"));
+            assert!(tag.contains(&format!("causality=\"{causality}\"")), "{kind:?}: {name} {tag}");
+        }
+    }
+}

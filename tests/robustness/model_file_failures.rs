@@ -95,6 +95,20 @@ fn refusals_name_place_and_cure() {
     }
 }
 
+/// A failure after an invalid one: only the invalid one is reported.
+#[test]
+fn failures_after_an_invalid_one_are_not_reported() {
+    let text = format!(
+        "{}\n[failure.second]\nkind = \"motor_loss\"\njoint = \"fold\"\nafter = \"motor\"\n",
+        model("kind = \"brake_applied\"\njoint = \"fold\"")
+    );
+    let message = message_of(&text);
+    assert!(message.contains("key 'failure.motor.torque_N_m'"), "{message}");
+    assert_eq!(message.lines().count(), 1, "one fault: {message}");
+    let valid = text.replacen("brake_applied", "motor_jam", 1);
+    config::parse(&valid, "wing.toml").unwrap_or_else(|error| panic!("{error}"));
+}
+
 /// The slip of a brake is stiff: an explicit method would alternate between full torques in both directions.
 #[test]
 fn a_brake_with_an_explicit_method_is_refused() {

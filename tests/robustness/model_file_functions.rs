@@ -163,6 +163,12 @@ fn tapers_that_leave_no_section() {
         "wing.toml:17: key 'body.inner.height_taper': a factor that falls to -0.5 on the body is not allowed; \
          allowed: a factor > 0 all along the body"
     );
+    // the gauge of the body would be outside its section, whose height is not checked further
+    assert_eq!(
+        message_of(&inner("height_taper = { table = [[0, 0.5], [0.15, -0.5]] }")),
+        "wing.toml:17: key 'body.inner.height_taper': a factor that falls to -0.5 on the body is not allowed; \
+         allowed: a factor > 0 all along the body"
+    );
     assert_eq!(
         message_of(&inner("height_taper = { table = [[0, 1], [0.15, 1e-200]] }")),
         "wing.toml:17: key 'body.inner.height_taper': a section of such dimensions is not allowed; allowed: factors \

@@ -325,6 +325,13 @@ fn dc17_motors_push_joints_against_latches_and_stops() {
         assert!((position_m - expected_m).abs() < 1e-12, "{start_m} {volts}: {position_m}");
     }
     assert!(rest_of(&car(0.0, 0.0)).expect_err("no force").contains("no stiffness resists a motion"));
+    // the arm at 60° beside a car that is stopped at its end: the latch at 300°, behind the balance of the weight at 90°, stays open
+    let balanced = arm(60.0, 0.0, "stiffness_N_m_rad = 400.0, angle_deg = 300.0");
+    let mut beside =
+        Plant::new(std::sync::Arc::new(machine(&(balanced + &car(0.0, 12.0).replacen("name = 'car'\n", "", 1)))));
+    beside.study().equilibrium(0.0, Holding::AsReleased).unwrap_or_else(|error| panic!("{error}"));
+    let [arm, car] = [0, 1].map(|joint| beside.outputs().joints()[joint].angle_rad);
+    assert!((arm - 0.5 * std::f64::consts::PI).abs() < 1e-9 && (car - 1.003).abs() < 1e-9, "{arm} {car}");
 }
 
 /// DC-18. A motor in the air of a lattice: the equilibrium is found, its stability is not assessed, with the reason.

@@ -386,45 +386,83 @@ fn me30_no_derivative_across_a_jump() {
     assert!(told.contains("the momentum balance of blade.station[") && told.contains("is discontinuous"), "{told}");
 }
 
-/// ME-34. Directional derivatives next to rows of polars, which the first steps of the differences pass: thrust by wind at 200 winds,
-/// against differences over 1e-5 m/s in the engine.
-#[test]
-fn me34_derivatives_next_to_rows_of_polars() {
-    let mut plant = loaded("");
-    let interface = Interface::with_states(plant.machine(), &plant);
-    let reference = |name: &str| {
+/// Largest relative error of the directional derivative of an output by a component of the wind at some winds in m/s, against differences over
+/// 1e-5 m/s in the engine, and the number of winds within 0.01 m/s of a row of a polar.
+fn beside_rows(
+    plant: &mut Plant,
+    [output, wind]: [&str; 2],
+    component: usize,
+    winds_m_s: impl Iterator<Item = f64>,
+    read: fn(&Outputs) -> f64,
+) -> (f64, usize) {
+    let interface = Interface::with_states(plant.machine(), plant);
+    let [output, wind] = [output, wind].map(|name| {
         let row = interface.variables().iter().find(|row| row.name == name);
         row.unwrap_or_else(|| panic!("no {name}")).value_reference
-    };
-    let (thrust, wind) = (reference("rotor.thrust"), reference("wind.velocity.x"));
+    });
     let system = plant.system_mut();
     system.begin_exchange().unwrap_or_else(|error| panic!("{error}"));
     system.make_exchange_event().unwrap_or_else(|error| panic!("{error}"));
     system.leave_exchange_event();
-    let thrust_n = |plant: &mut Plant, wind_m_s: f64| {
-        plant.inputs_mut().wind_m_s_mut().x = wind_m_s;
+    let value = |plant: &mut Plant, wind_m_s: f64| {
+        plant.inputs_mut().wind_m_s_mut()[component] = wind_m_s;
         plant.system_mut().exchange_inputs_set();
         plant.system_mut().update_exchange().unwrap_or_else(|error| panic!("{error}"));
         plant.provide(OutputSet::ALL);
-        plant.outputs().rotor()[0].thrust_n
+        read(plant.outputs())
     };
     let (mut worst, mut passed) = (0.0_f64, 0);
-    for number in 0..200_u32 {
-        let wind_m_s = 8.0 + 0.0301 * f64::from(number);
+    for wind_m_s in winds_m_s {
         let [wide, close] = [1e-2, 1e-5].map(|change| {
-            let [more, less] = [change, -change].map(|change| thrust_n(&mut plant, wind_m_s + change));
+            let [more, less] = [change, -change].map(|change| value(plant, wind_m_s + change));
             (more - less) / (2.0 * change)
         });
         passed += usize::from((wide / close - 1.0).abs() > 1e-4);
-        thrust_n(&mut plant, wind_m_s);
+        value(plant, wind_m_s);
         let mut found = [0.0];
         interface
-            .exchange_directional_derivative(&mut plant, (&[thrust], &mut found), (&[wind], &[1.0]))
+            .exchange_directional_derivative(plant, (&[output], &mut found), (&[wind], &[1.0]))
             .unwrap_or_else(|error| panic!("{error}"));
         worst = worst.max((found[0] / close - 1.0).abs());
     }
+    (worst, passed)
+}
+
+/// ME-34. Directional derivatives next to rows of polars, which the first steps of the differences pass: thrust by wind at 200 winds,
+/// against differences over 1e-5 m/s in the engine.
+#[test]
+fn me34_derivatives_next_to_rows_of_polars() {
+    let winds_m_s = (0..200_u32).map(|number| 8.0 + 0.0301 * f64::from(number));
+    let names = ["rotor.thrust", "wind.velocity.x"];
+    let (worst, passed) = beside_rows(&mut loaded(""), names, 0, winds_m_s, |outputs| outputs.rotor()[0].thrust_n);
     println!("ME-34: {worst:.1e}; {passed} of 200 within 0.01 m/s of a row");
     assert!(passed > 20 && worst < 1e-5, "{worst:e}, {passed}");
+}
+
+/// ME-35. The same for two wings in strips, one with a polar and one without: moment at the root of the first by vertical wind.
+#[test]
+fn me35_derivatives_next_to_rows_of_one_of_two_wings() {
+    let wing = |name: &str, turn_deg: f64, edge: &str, polar: &str| {
+        format!(
+            "[body.{name}]\nlength_m = 0.5\nsection = 'wing'\nelements = 1\n[joint.{name}]\ntype = 'clamped'\nparent = 'root'\n\
+             child = '{name}'\nmount_rotation_deg = [0.0, 0.0, {turn_deg:?}]\n[surface.{name}]\nbody = '{name}'\n\
+             leading_edge = '{edge}'\nchord_m = 0.2\nstrips = 2\nincidence_deg = 4.0\n{polar}\n"
+        )
+    };
+    let polar = "polar = [[-180.0, 0.0, 0.0, 0.0], [-10.0, -0.9, 0.05, 0.0], [0.0, 0.1, 0.01, 0.0], [2.0, 0.5, 0.011, 0.0], \
+                 [5.0, 0.6, 0.02, 0.01], [9.0, 1.4, 0.03, 0.0], [180.0, 0.0, 0.0, 0.0]]";
+    let text = format!(
+        "name = 'wings'\n[section.wing]\nshape = 'rectangle'\nwidth_m = 0.1\nheight_m = 0.02\nmaterial = 'aluminium 7075-T6'\n\
+         {}{}[aerodynamics]\nmodel = 'strip'\nquasi_steady = true\ndensity_kg_m3 = 1.2\nwind_m_s = [20.0, 0.0, 0.0]\n",
+        wing("left", 90.0, "+y", polar),
+        wing("right", -90.0, "-y", "")
+    );
+    let winds_m_s = (0..200_u32).map(|number| -0.9 + 0.0067 * f64::from(number));
+    let names = ["root.moment.x", "wind.velocity.z"];
+    let read = |outputs: &Outputs| outputs.root().moment_n_m.x;
+    let (worst, passed) = beside_rows(&mut initialised(&text), names, 2, winds_m_s, read);
+    println!("ME-35: {worst:.1e}; {passed} of 200 within 0.01 m/s of a row");
+    assert!(passed > 4 && worst < 1e-5, "{worst:e}, {passed}");
 }
 
 /// ME-31. Rates of dynamic stall are the limit of short steps at any angle of attack, across 180° too, where derivatives unwrap the angle;

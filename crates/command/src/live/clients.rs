@@ -210,3 +210,15 @@ impl Clients {
 pub(super) fn refusal(reason: &str) -> String {
     serde_json::json!({ "kind": "refused", "message": reason }).to_string()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refusals_are_json_whatever_the_reason_quotes() {
+        let reason = "no output \"tip\\y\"\nis known";
+        let read: serde_json::Value = serde_json::from_str(&refusal(reason)).unwrap();
+        assert_eq!(read, serde_json::json!({ "kind": "refused", "message": reason }));
+    }
+}

@@ -200,6 +200,17 @@ mod tests {
         address().check(format!("GET {path} HTTP/1.1\r\n{lines}\r\n").as_bytes())
     }
 
+    /// All 128 bits are random: the first and the second half of four tokens differ from each other.
+    #[test]
+    fn tokens_are_random_in_both_halves() {
+        let tokens: Vec<String> = (0..4).map(|_| ServerAddress::new(4000).unwrap().token).collect();
+        let mut halves: Vec<&str> = tokens.iter().flat_map(|token| [&token[..16], &token[16..]]).collect();
+        assert!(halves.iter().all(|half| half.len() == 16), "{tokens:?}");
+        halves.sort_unstable();
+        halves.dedup();
+        assert_eq!(halves.len(), 8, "{tokens:?}");
+    }
+
     const HOST: &str = "Host: 127.0.0.1:4000";
     const ORIGIN: &str = "Origin: http://127.0.0.1:4000";
     const UPGRADE: [&str; 4] = [

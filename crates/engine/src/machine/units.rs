@@ -126,6 +126,10 @@ mod tests {
         assert_eq!(unit_of("second_moments_kg_m").unwrap().symbol, "kg·m");
         assert_eq!(unit_of("mass_damping_1_s").unwrap().symbol, "1/s");
         assert_eq!(unit_of("elements"), None);
+        assert_eq!(unit_of("coupling_iterations"), None);
+        for key in ["coupling_axial_twist_N_m", "coupling_axial_flap_N_m", "coupling_flap_edge_N_m2"] {
+            assert_eq!(unit_of(key).unwrap().quantity, "stiffness", "{key}");
+        }
     }
 
     #[test]

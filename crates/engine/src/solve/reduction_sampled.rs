@@ -137,6 +137,11 @@ mod tests {
             // with all states, the error is the square root of round-off
             assert!(off <= bound + 1e-8 && (order < 8 || off < 1e-7), "{order}: {off} {bound}");
         }
+        // the number of states does not depend on the units of inputs and outputs
+        let small = StateSpace { b: &model.b * 1e-6, c: &model.c * 1e-6, ..model.clone() };
+        let [states, of_small] =
+            [&model, &small].map(|model| reduce_sampled(model, 8, Keep::Balanced).unwrap().model.a.nrows());
+        assert_eq!(states, of_small);
         let growing = StateSpace { a: &model.a * 1.05, ..model.clone() };
         assert_eq!(reduce_sampled(&growing, 3, Keep::Balanced), Err(NoReduction::Grows));
         assert_eq!(reduce_sampled(&model, 3, Keep::Modes), Err(NoReduction::SampledModes));
