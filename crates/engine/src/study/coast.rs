@@ -162,15 +162,12 @@ impl Study<'_> {
         any
     }
 
-    /// Adds the positions at which the hinges were held to an error of the search with held hinges.
+    /// Adds the positions at which the hinges were held to an error of the search with held hinges, whose divergence speed is not that of the
+    /// machine.
     fn with_held(&self, error: PlantError, hinges: &[usize], angles: &DVector<f64>) -> PlantError {
-        match error {
-            PlantError::Equilibrium { time_s, reached, tried, cause, diverges_m_s } => {
-                let cause = format!("{cause}; released joints were held ({})", self.list_of(hinges, angles));
-                PlantError::Equilibrium { time_s, reached, tried, cause, diverges_m_s }
-            }
-            other => other,
-        }
+        let PlantError::Equilibrium { time_s, reached, tried, cause, diverges_m_s: _ } = error else { return error };
+        let cause = format!("{cause}; released joints were held ({})", self.list_of(hinges, angles));
+        PlantError::Equilibrium { time_s, reached, tried, cause, diverges_m_s: None }
     }
 
     /// Names and positions of hinges for messages.
