@@ -4,6 +4,7 @@
 //! browser.
 
 pub mod acting;
+pub mod csv_row;
 pub mod fan;
 pub mod grid;
 pub mod outlines;
@@ -13,6 +14,7 @@ pub mod run;
 pub mod signals;
 pub mod turbine;
 
+pub use csv_row::{CsvRow, cell};
 pub use fan::{Fan, FanRun};
 pub use grid::Grid;
 pub use recording::Recording;

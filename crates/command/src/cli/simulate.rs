@@ -133,6 +133,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         interface: &interface,
         inputs,
         recorded: &recorded,
+        value_references: recorded.iter().map(|variable| variable.value_reference).collect(),
         recorder: Recorder::new(csv, names()).map_err(writing)?,
         strains: arguments.strains.as_ref().map(|_| StrainPeaks::default()),
         lattices: arguments.lattice.as_ref().map(|_| LatticeRecord::new(arguments.lattice_at.clone())),
@@ -296,6 +297,8 @@ struct Run<'a, W: Write> {
     interface: &'a Interface,
     inputs: Option<InputTable>,
     recorded: &'a [&'a Variable],
+    /// Their value references.
+    value_references: Vec<u32>,
     recorder: Recorder<W>,
     /// Largest strains, if requested.
     strains: Option<StrainPeaks>,
@@ -351,7 +354,7 @@ impl<W: Write> Run<'_, W> {
             interface.get(plant, plant.outputs(), variable.value_reference).expect("rows come from the same table")
         };
         self.pictures.include(plant, self.recorded.iter().map(value));
-        self.recorder.record(time_s, self.recorded.iter().map(value))
+        self.recorder.record_variables(time_s, interface, plant, &self.value_references)
     }
 }
 

@@ -1,14 +1,15 @@
 //! Selected variables over time, written row by row as CSV.
 
-use crate::report::{CELL_BYTES, cell, write_cell};
-use foldwing_fmi::interface::Value;
+use crate::report::cell;
+use foldwing_engine::plant::Plant;
+use foldwing_fmi::interface::{Interface, Value};
+use foldwing_recording::CsvRow;
 use std::io::{self, BufWriter, Write};
 
 /// Writes a header of variable names, then one row per time.
 pub struct Recorder<W: Write> {
     target: BufWriter<W>,
-    /// Text of one row, with space for the widest cells, since a growing text would check its capacity at each cell.
-    row: Vec<u8>,
+    row: CsvRow,
 }
 
 impl<W: Write> Recorder<W> {
@@ -29,20 +30,30 @@ impl<W: Write> Recorder<W> {
         header.write_record(std::iter::once("time").chain(names).inspect(|_| cells += 1))?;
         header.flush()?;
         drop(header);
-        Ok(Self { target, row: vec![0; cells * (CELL_BYTES + 1)] })
+        Ok(Self { target, row: CsvRow::new(cells) })
     }
 
     /// Writes one row, with a value for each name of the header. Numbers need no quotes: a writer that checks for them took longer than
     /// the run.
     pub fn record(&mut self, time_s: f64, values: impl IntoIterator<Item = Value>) -> io::Result<()> {
-        let mut end = write_cell(&Value::Real(time_s), &mut self.row);
+        self.row.start(time_s);
         for value in values {
-            self.row[end] = b',';
-            end += 1;
-            end += write_cell(&value, &mut self.row[end..]);
+            self.row.push(&value);
         }
-        self.row[end] = b'\n';
-        self.target.write_all(&self.row[..=end])
+        self.target.write_all(self.row.line())
+    }
+
+    /// Writes one row with the values of variables of a plant, by their value references: those of the header.
+    pub fn record_variables(
+        &mut self,
+        time_s: f64,
+        interface: &Interface,
+        plant: &Plant,
+        value_references: &[u32],
+    ) -> io::Result<()> {
+        self.row.start(time_s);
+        self.row.push_variables(interface, plant, value_references);
+        self.target.write_all(self.row.line())
     }
 
     /// Writes one row of texts.
