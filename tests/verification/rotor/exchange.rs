@@ -439,7 +439,7 @@ fn me34_derivatives_next_to_rows_of_polars() {
     assert!(passed > 20 && worst < 1e-5, "{worst:e}, {passed}");
 }
 
-/// ME-35. The same for two wings in strips, one with a polar and one without: moment at the root of the first by vertical wind.
+/// ME-35. The same for two wings in strips, one with a polar and one without: moment at the root by vertical wind.
 #[test]
 fn me35_derivatives_next_to_rows_of_one_of_two_wings() {
     let wing = |name: &str, turn_deg: f64, edge: &str, polar: &str| {

@@ -45,11 +45,12 @@ impl Study<'_> {
                 study.system.state.now.q[study.system.equations.forces.joints()[hinge].coordinate] =
                     *angle * study.scale(hinge);
             }
-            study.settle_with_air(time_s, Holding::Stopped)
+            let settled = study.settle_with_air(time_s, Holding::Stopped);
+            settled.map_err(|error| study.with_held(error, hinges, angles))
         };
         let mut largest_n_m = f64::NAN;
         for _ in 0..MAXIMUM_ITERATIONS {
-            let effort = at(self, &start, &angles).map_err(|error| self.with_held(error, hinges, &angles))?;
+            let effort = at(self, &start, &angles)?;
             let torque = self.hinge_torques(time_s, hinges);
             largest_n_m = torque.amax();
             let slopes = match self.hinge_slopes(hinges) {
