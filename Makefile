@@ -43,7 +43,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all assertions-build build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-pytest validate-figures validate-clients validate-pages validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu shear-cost gradient-cost bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-pytest validate-figures validate-clients validate-pages validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu shear-cost gradient-cost bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -117,14 +117,11 @@ long: test-venv package-venv package runner wheel ## Run the tests that `make te
 check: toolchain test-venv ## Check what is not committed, or else the last commit: format, clippy and quick tests of what it may break
 	@CARGO="$(CARGO)" $(TEST_PYTHON) tools/check_changes.py $(CHECK_ARGUMENTS)
 
-WITH_ASSERTIONS := test --locked --features foldwing/import,foldwing-fmu/import
+# the packages and programs of `make assertions`; CI selects some
+ASSERTIONS ?=
 
 assertions: test-venv ## Run the Rust tests on a build with assertions and checks for overflow, and with the feature `import`
-	FOLDWING_SHARE=3 $(IMPORT) $(CARGO) $(WITH_ASSERTIONS) --no-fail-fast
-
-# CI compiles them beside the tests of the release build
-assertions-build: test-venv
-	$(IMPORT) $(CARGO) $(WITH_ASSERTIONS) --quiet --no-run
+	FOLDWING_SHARE=3 $(IMPORT) $(CARGO) test $(ASSERTIONS) --locked --features foldwing/import,foldwing-fmu/import --no-fail-fast
 
 format:
 	$(CARGO) fmt --check
@@ -236,7 +233,7 @@ bench-peers: build ## Compare with Exudyn and Ptera Software in turn: docs/table
 	$(PEERS)/bin/python studies/plot_lattice_cost.py --foldwing $(COMMAND)
 
 # Each stage can be run by itself, `make validate STAGES=validate-random`: the table keeps the last run of each.
-STAGES ?= validate-tests long validate-random validate-pytest validate-figures validate-clients validate-pages robust validate-mutants
+STAGES ?= validate-tests long assertions validate-random validate-pytest validate-figures validate-clients validate-pages robust validate-mutants
 
 validate: toolchain ## Run everything: whole studies, 2000 random models, all figures, the list of faults; hours. docs/tables/validate.md has its last results
 	@MAKE="$(MAKE)" $(PYTHON) tools/run_stages.py --times $(TARGET)/validate-times --keep-going --record docs/tables/validate.md $(STAGES)

@@ -308,6 +308,17 @@ def test_long_tests_have_a_short_one_beside_them():
     assert "long" in stages_of_validate()
 
 
+def test_assertions_run_in_part_in_ci_and_whole_in_validate():
+    """Programs that CI selects exist; without a selection, `make assertions` and its stage of `make validate` run all."""
+    ci = (ROOT / ".ci/run").read_text(encoding="utf-8")
+    assert re.search(r'^ +make assertions ASSERTIONS="\$assertions"$', ci, re.M)
+    selected = re.search(r'^assertions="(.*)"$', ci, re.M).group(1).split()
+    programs = [name for option, name in zip(selected, selected[1:], strict=False) if option == "--test"]
+    assert "random" in programs and all((ROOT / f"tests/{name}/main.rs").is_file() for name in programs)
+    assert "--lib" in selected and "foldwing-engine" in selected
+    assert "assertions" in stages_of_validate() and re.search(r"^ASSERTIONS \?=$", MAKEFILE, re.M)
+
+
 def test_tests_of_a_share_of_their_cases_run_whole_in_long():
     """`make test` and `make assertions` set the share, and `make long` runs every test that takes one, on all cases."""
     found = set()
