@@ -16,7 +16,7 @@ use crate::aero::images::{Plane, Stretch};
 use crate::aero::lattice_profiles::LatticeProfiles;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
-use crate::aero::near_sheets::{Facing, Gap};
+use crate::aero::near_sheets::{CrossedSheets, Facing, Gap};
 use crate::aero::panel_forces::PanelForces;
 use crate::aero::rear::rear_corner_m;
 use crate::aero::surface::{Edge, Surface};
@@ -91,6 +91,8 @@ pub struct VortexLattice {
     pool: Option<Arc<rayon::ThreadPool>>,
     /// Pairs of edges at which surfaces are joined.
     pub(super) joined: Vec<[Edge; 2]>,
+    /// Joined surfaces of which one passes through the other at their edges, as placed last.
+    pub(super) crossed_edges: Option<CrossedSheets>,
     /// Points near another sheet, whose velocity is interpolated from above its control points.
     pub(super) facings: Vec<Facing>,
     /// Gaps between the sheets, for the points of the first above the second: `[index · surfaces + other]`.
@@ -194,6 +196,7 @@ impl VortexLattice {
         Self {
             facings: Vec::with_capacity(others * if suction { segments } else { panels }),
             joined: Vec::new(),
+            crossed_edges: None,
             gaps: vec![Gap::NONE; surfaces.len() * surfaces.len()],
             facing_entries: vec![0.0; LANES * largest],
             facing_sums: vec![0.0; largest],
@@ -365,6 +368,7 @@ impl VortexLattice {
                 }
             }
         }
+        self.merge_edges(motions, state);
     }
 
     /// Computes the velocity of the air relative to the panels at their collocation points, with the wake and without bound vortices.

@@ -45,6 +45,9 @@ impl VortexLattice {
         if let Some(closed) = self.closed_sheets() {
             return Err(NoCirculation::Closed(closed));
         }
+        if let Some(crossed) = self.crossed_edges {
+            return Err(NoCirculation::Overlapping(crossed));
+        }
         let (panels, rows) = (self.right.len(), blocks(self.right.len()) * LANES);
         let (kernel, bound, inducing) = (self.kernel, &self.bound, &self.inducing);
         let (points, normals, firsts, arms) = (&self.points, &self.normals, &self.first_panel, &mut self.arms[0]);

@@ -104,10 +104,12 @@ impl AirModel {
         }
     }
 
-    /// Joins two surface edges where their bodies are connected (lattice only).
+    /// Joins two surface edges where their bodies are connected (lattice and lifting line).
     pub fn join(&mut self, edges: [Edge; 2]) {
-        if let Self::Lattice(lattice) = self {
-            lattice.join(edges);
+        match self {
+            Self::Lattice(lattice) => lattice.join(edges),
+            Self::Strips(strips) => strips.join(edges),
+            Self::Rotor(_) | Self::SlenderBody(_) => {}
         }
     }
 
@@ -142,7 +144,7 @@ impl AirModel {
     /// Computes the initial state and loads: of an established flow (`steady_initial_flow`), or of an impulsively started one.
     ///
     /// # Errors
-    /// If panels of the lattice coincide, two of its sheets are closed, a surface is below the ground, or a model with a speed of sound
+    /// If panels of the lattice coincide, two sheets are closed or overlap, a surface is below the ground, or a model with a speed of sound
     /// reaches Mach 1.
     pub fn start(
         &mut self,
@@ -158,7 +160,7 @@ impl AirModel {
             }
             (Self::Strips(strips), AirState::Strips(state)) => {
                 strips.start(motions, flow, established.is_some(), state, loads);
-                strips.sonic().map_or(Ok(()), |sonic| Err(NoCirculation::Sonic(sonic)))
+                strips.validity()
             }
             (Self::Rotor(rotor), AirState::Rotor(state)) => {
                 rotor.start(motions, flow, established.is_some(), state, loads);
@@ -195,7 +197,7 @@ impl AirModel {
     /// motions.
     ///
     /// # Errors
-    /// If panels of the lattice coincide, two of its sheets are closed, a surface is below the ground, or a model with a speed of sound
+    /// If panels of the lattice coincide, two sheets are closed or overlap, a surface is below the ground, or a model with a speed of sound
     /// reaches Mach 1.
     pub fn solve(
         &mut self,
@@ -212,7 +214,7 @@ impl AirModel {
             }
             (Self::Strips(strips), AirState::Strips(from), AirState::Strips(to)) => {
                 strips.solve(from, motions, flow, step_s, to, loads);
-                strips.sonic().map_or(Ok(()), |sonic| Err(NoCirculation::Sonic(sonic)))
+                strips.validity()
             }
             (Self::Rotor(rotor), AirState::Rotor(from), AirState::Rotor(to)) => {
                 rotor.solve(from, motions, flow, step_s, to, loads);

@@ -22,7 +22,7 @@ const EDGE_PANELS: f64 = 0.25;
 pub const CLOSED_PANELS: f64 = 0.07;
 /// Height relative to the panel size: a sheet with points higher than this on both sides of another one passes through it. It exceeds the
 /// effect of bending on points next to a common hinge and is far below the resolution of a lattice.
-const CROSSED_PANELS: f64 = 0.02;
+pub(super) const CROSSED_PANELS: f64 = 0.02;
 /// Number of control points in each direction used by the interpolation.
 const ORDER: usize = 4;
 /// Number of blocks for the interpolation points.
@@ -74,6 +74,9 @@ pub enum NoCirculation {
     /// Two sheets are closer to each other than the lattice can resolve.
     #[error("{0:?}")]
     Closed(ClosedSheets),
+    /// Two joined sheets overlap at their joint: their edges are further apart than the lattice can merge.
+    #[error("{0:?}")]
+    Overlapping(CrossedSheets),
     /// A strip reaches Mach 1, where the Prandtl-Glauert rule ends.
     #[error("Mach {:.3} at a surface", .0.mach)]
     Sonic(Sonic),
@@ -91,6 +94,9 @@ impl NoCirculation {
         match self {
             Self::Singular(_) => self,
             Self::Closed(closed) => Self::Closed(ClosedSheets { surfaces: closed.surfaces.map(index), ..closed }),
+            Self::Overlapping(crossed) => {
+                Self::Overlapping(CrossedSheets { surfaces: crossed.surfaces.map(index), ..crossed })
+            }
             Self::Sonic(sonic) => Self::Sonic(Sonic { surface: index(sonic.surface), ..sonic }),
             Self::BelowGround(surface) => Self::BelowGround(index(surface)),
             Self::Profile(surface) => Self::Profile(index(surface)),
@@ -141,13 +147,13 @@ struct Above {
 }
 
 /// Smooth ramp from 0 to 1 between two positions, with zero slope at both.
-fn ramp(from: f64, to: f64, x: f64) -> f64 {
+pub(super) fn ramp(from: f64, to: f64, x: f64) -> f64 {
     let part = ((x - from) / (to - from)).clamp(0.0, 1.0);
     part * part * (3.0 - 2.0 * part)
 }
 
 /// Weight of interpolation as a function of the distance in panels: 1 where sheets are too close to resolve.
-pub(super) fn nearness(panels: f64) -> f64 {
+fn nearness(panels: f64) -> f64 {
     1.0 - ramp(NEAR_PANELS[0], NEAR_PANELS[1], panels)
 }
 

@@ -142,10 +142,13 @@ impl AirModels {
         self.parts.iter().map(|part| (&part.model, &part.sections[..]))
     }
 
-    /// Joins two surface edges where their bodies are connected (lattice only, which has all surfaces).
+    /// Joins two surface edges where their bodies are connected, if one model has both (lattice and lifting line).
     pub fn join(&mut self, edges: [Edge; 2]) {
-        if let Some(model) = self.only_mut() {
-            model.join(edges);
+        for part in &mut self.parts {
+            let local = edges.map(|edge| part.surfaces.iter().position(|surface| *surface == edge.surface));
+            if let [Some(one), Some(two)] = local {
+                part.model.join([Edge { surface: one, ..edges[0] }, Edge { surface: two, ..edges[1] }]);
+            }
         }
     }
 

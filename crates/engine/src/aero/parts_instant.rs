@@ -194,10 +194,10 @@ impl AirModels {
         all
     }
 
-    /// The strip that has reached the speed of sound in the last response.
-    pub fn sonic(&self) -> Option<NoCirculation> {
+    /// Reason why a model does not hold for the last response: a strip at the speed of sound, surfaces that overlap.
+    pub fn invalid(&self) -> Option<NoCirculation> {
         self.parts.iter().find_map(|part| match &part.model {
-            AirModel::Strips(strips) => Some(part.name(NoCirculation::Sonic(strips.sonic()?))),
+            AirModel::Strips(strips) => strips.validity().err().map(|error| part.name(error)),
             AirModel::Lattice(_) | AirModel::Rotor(_) | AirModel::SlenderBody(_) => None,
         })
     }

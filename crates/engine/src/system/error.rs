@@ -142,6 +142,22 @@ pub enum PlantError {
         /// Penetration depth in m.
         depth_m: f64,
     },
+    /// The lattices or lifting lines of two bodies overlap at their joint.
+    #[error(
+        "no aerodynamic loads at t = {time_s} s: the surfaces of {} and {} overlap by {depth_m:.1e} m where they are joined, \
+         because their edges do not lie on the axis of the joint: set the incidence of the wing by the attitude of its root \
+         instead of incidence_deg, use wider strips, or, in a vortex lattice, set flare_deg of both surfaces there to the \
+         flare of the axis",
+        .bodies[0], .bodies[1]
+    )]
+    OverlappingSheets {
+        /// Time in s.
+        time_s: f64,
+        /// Names of the bodies.
+        bodies: [String; 2],
+        /// Depth of the overlap along the span in m.
+        depth_m: f64,
+    },
     /// No static equilibrium was found.
     #[error(
         "no equilibrium at t = {time_s} s beyond the load factor {reached:.4}, last tried {tried:.4}: {cause}; reduce \
@@ -306,6 +322,7 @@ impl PlantError {
             | Self::Surroundings { .. }
             | Self::ClosedSheets { .. }
             | Self::CrossedSheets { .. }
+            | Self::OverlappingSheets { .. }
             | Self::Equilibrium { .. }
             | Self::Flight { .. }
             | Self::OffBeam { .. }

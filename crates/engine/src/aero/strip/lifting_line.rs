@@ -7,7 +7,9 @@
 
 use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
+use crate::aero::joined_edges::{merged_share, overlap_m};
 use crate::aero::linear_system::LinearSystem;
+use crate::aero::near_sheets::CrossedSheets;
 use crate::aero::strip::section::Strip;
 use crate::load::SectionMotion;
 use crate::math::wide::wide;
@@ -107,6 +109,15 @@ fn between(edges: &[Vector3<f64>; 2], fraction: f64) -> Vector3<f64> {
     edges[0] + (edges[1] - edges[0]) * fraction
 }
 
+/// An edge that two surfaces share: the strip and its end (0: inner, 1: outer) on both sides, and the numbers of strips of the surfaces.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SharedEdge {
+    pub strips: [usize; 2],
+    pub ends: [usize; 2],
+    pub surfaces: [usize; 2],
+    pub counts: [usize; 2],
+}
+
 /// Coefficients of the equation of one strip, eq. (W11): `Γ = k (e + b w_Γ)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct StripEquation {
@@ -133,6 +144,11 @@ pub(super) struct LiftingLine {
     /// Normal velocity that the line induces at each strip in m/s.
     pub induced_m_s: Vec<f64>,
     edges: Vec<StripEdges>,
+    /// The same with shared edges in the middle, eq. (U12), where the vortices lie.
+    merged: Vec<StripEdges>,
+    shared: Vec<SharedEdge>,
+    /// Surfaces that overlap at a shared edge, as placed last.
+    pub overlap: Option<CrossedSheets>,
     nodes_m: Vec<Vector3<f64>>,
     sheets: Vec<Sheet>,
     points: Vec<Block>,
@@ -158,6 +174,9 @@ impl LiftingLine {
             right: vec![0.0; strips],
             induced_m_s: vec![0.0; strips],
             edges: Vec::with_capacity(strips),
+            merged: Vec::with_capacity(strips),
+            shared: Vec::new(),
+            overlap: None,
             nodes_m: vec![Vector3::zeros(); 6 * strips],
             sheets: Vec::with_capacity(strips),
             points: vec![Block::default(); blocks(strips)],
@@ -177,12 +196,17 @@ impl LiftingLine {
     ) {
         self.edges.clear();
         self.edges.extend(edges);
+        self.merge();
         self.lay(strips);
         for (at, (strip, edges)) in strips.iter().zip(&self.edges).enumerate() {
             let (up, aft) = edges.normals();
             let (sine, cosine) = turn(strip);
             let (block, lane) = (at / LANES, at % LANES);
-            self.points[block].set(lane, &between(&edges.middle_m(), 1.0 - edges.bound_fraction()));
+            let [own_m, merged_m] =
+                [edges, &self.merged[at]].map(|edges| between(&edges.middle_m(), 1.0 - edges.bound_fraction()));
+            // in the middle between the vortices of the strip, on its plane
+            let moved_m = merged_m - own_m;
+            self.points[block].set(lane, &(own_m + moved_m - up * up.dot(&moved_m)));
             self.normals[block].set(lane, &(up * cosine - aft * sine));
         }
         self.influence.fill(0.0);
@@ -210,10 +234,61 @@ impl LiftingLine {
         }
     }
 
+    /// Adds an edge that two surfaces share.
+    pub fn join(&mut self, shared: SharedEdge) {
+        self.shared.push(shared);
+    }
+
+    /// Places shared edges that are closer than the strips resolve in the middle between both, eq. (U12), and finds surfaces that still
+    /// overlap.
+    fn merge(&mut self) {
+        self.merged.clone_from(&self.edges);
+        self.overlap = None;
+        for shared in &self.shared {
+            let [one, two] = shared.strips;
+            let [end, other] = shared.ends;
+            for edge in 0..2 {
+                let point_m = |at: usize| self.edges[shared.strips[at]].at_m[shared.ends[at]][edge];
+                let beside_m = |at: usize| self.edges[shared.strips[at]].at_m[1 - shared.ends[at]][edge];
+                let strip_m = 0.5 * ((beside_m(0) - point_m(0)).norm() + (beside_m(1) - point_m(1)).norm());
+                let apart_m = point_m(1) - point_m(0);
+                let half = 0.5 * merged_share(apart_m.norm(), strip_m);
+                self.merged[one].at_m[end][edge] += half * apart_m;
+                self.merged[two].at_m[other][edge] -= half * apart_m;
+                if edge == usize::from(self.edges[one].bias >= 0.0) {
+                    let apart_m_s = self.edges[two].air_m_s[other] - self.edges[one].air_m_s[end];
+                    self.merged[one].air_m_s[end] += half * apart_m_s;
+                    self.merged[two].air_m_s[other] -= half * apart_m_s;
+                }
+            }
+            let mut deepest_m = 0.0_f64;
+            for (own, other) in [(0, 1), (1, 0)] {
+                let ends = |at: usize| {
+                    let edges = &self.merged[shared.strips[at]].at_m;
+                    [edges[shared.ends[at]], edges[1 - shared.ends[at]]]
+                };
+                let ([near_m, beside_m], [other_m, far_m]) = (ends(own), ends(other));
+                let chord_m = near_m[1] - near_m[0];
+                for edge in 0..2 {
+                    let depth_m = overlap_m(
+                        [near_m[edge], beside_m[edge]],
+                        &chord_m,
+                        [other_m[edge], far_m[edge]],
+                        shared.counts[own],
+                    );
+                    deepest_m = deepest_m.max(depth_m);
+                }
+            }
+            if deepest_m > 0.0 && self.overlap.is_none() {
+                self.overlap = Some(CrossedSheets { surfaces: shared.surfaces, depth_m: deepest_m });
+            }
+        }
+    }
+
     /// Sets the nodes of the horseshoes: one ring on the chord and one in the wake. Adjacent strips with the same leading edge share their
     /// legs.
     fn lay(&mut self, strips: &[Strip]) {
-        let edges = &self.edges;
+        let edges = &self.merged;
         let first_m = edges.first().map_or(Vector3::zeros(), |edges| edges.at_m[0][0]);
         let places_m = edges.iter().flat_map(|edges| edges.at_m.iter().flatten());
         let leg_m = 2.0 * LEG_DIAMETERS * places_m.map(|place_m| (place_m - first_m).norm()).fold(0.0, f64::max);

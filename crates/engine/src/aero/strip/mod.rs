@@ -19,12 +19,12 @@ mod tests;
 use crate::aero::AirLoads;
 use crate::aero::flap::HingeMoment;
 use crate::aero::flow::Flow;
-use crate::aero::surface::{Profile, Surface};
+use crate::aero::surface::{Edge, Profile, Surface};
 use crate::load::{SectionMotion, Wrench};
 use compressible::compression;
 use flap::{Controls, FlapInflow, StripFlap};
 use indicial::{Fit, Lag};
-use lifting_line::{LiftingLine, LiftingLineOptions, StripEdges, StripEquation};
+use lifting_line::{LiftingLine, LiftingLineOptions, SharedEdge, StripEdges, StripEquation};
 use nalgebra::Vector3;
 use section::{Cut, Strip, bias};
 use serde::{Deserialize, Serialize};
@@ -169,6 +169,22 @@ impl Strips {
         model.line = options.tip_loss.map(|line| LiftingLine::new(model.strips.len(), &line));
         model.inflows.reserve_exact(model.strips.len());
         model
+    }
+
+    /// Joins two surface edges where their bodies are connected: the lifting line has no gap there.
+    pub fn join(&mut self, edges: [Edge; 2]) {
+        let Some(line) = &mut self.line else { return };
+        let count = |surface: usize| {
+            let next = self.first.get(surface + 1).copied().unwrap_or(self.strips.len());
+            next - self.first[surface]
+        };
+        let strip = |edge: Edge| self.first[edge.surface] + if edge.outer { count(edge.surface) - 1 } else { 0 };
+        line.join(SharedEdge {
+            strips: edges.map(strip),
+            ends: edges.map(|edge| usize::from(edge.outer)),
+            surfaces: edges.map(|edge| edge.surface),
+            counts: edges.map(|edge| count(edge.surface)),
+        });
     }
 
     /// Returns an empty state, to be filled by [`Strips::start`].

@@ -187,7 +187,7 @@ impl System {
                 break;
             }
         }
-        if let Some(failure) = model.sonic() {
+        if let Some(failure) = model.invalid() {
             return Err(gaps::failure(machine, settings, time_s, failure));
         }
         if !found {

@@ -59,6 +59,11 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
             gap_m: closed.gap_m,
             gap_panels: closed.gap_panels,
         },
+        NoCirculation::Overlapping(crossed) => PlantError::OverlappingSheets {
+            time_s,
+            bodies: crossed.surfaces.map(|surface| machine.bodies[air.surfaces[surface].body].name.clone()),
+            depth_m: crossed.depth_m,
+        },
     }
 }
 

@@ -71,7 +71,7 @@ impl System {
         let Some(mut stack) = model.stack(gusts) else { return Ok(None) };
         let rows = stack.rows();
         model.respond(&at, &mut stack, &mut vec![0.0; rows]);
-        if let Some(failure) = model.sonic() {
+        if let Some(failure) = model.invalid() {
             return Err(gaps::failure(&self.machine, &air.settings, self.state.now.time_s, failure));
         }
         let mut motion = by.map(|matrix| DMatrix::zeros(rows, matrix.ncols()));
