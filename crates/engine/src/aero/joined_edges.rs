@@ -34,7 +34,7 @@ struct EdgePoint {
     beside_m: Vector3<f64>,
 }
 
-/// What merging adds to a point of the first edge of a pair; the opposite one is added to that of the second.
+/// Added by merging to a point of the first edge of a pair; its opposite is added to the point of the second.
 struct Shift {
     position_m: Vector3<f64>,
     velocity_m_s: Vector3<f64>,
@@ -115,7 +115,7 @@ impl VortexLattice {
         }
     }
 
-    /// Half the way between two joined edges, as far as they are merged.
+    /// Half the vector between two joined edges times the share to which they are merged.
     fn shift(&self, pair: [Edge; 2], chord_fraction: f64, motions: &[SectionMotion]) -> Shift {
         let points = pair.map(|edge| self.edge_point(edge, chord_fraction, motions));
         let strips_m = points.iter().map(|point| (point.position_m - point.beside_m).norm()).sum::<f64>();
