@@ -7,7 +7,7 @@ use foldwing::aero::AirLoads;
 use foldwing::aero::flow::{Flow, Gust, GustShape};
 use foldwing::aero::strip::StripOptions;
 use foldwing::aero::strip::lifting_line::LiftingLineOptions;
-use foldwing::aero::surface::Profile;
+use foldwing::aero::surface::{Edge, Profile};
 use foldwing::load::SectionMotion;
 use nalgebra::{Rotation3, Vector3};
 
@@ -128,6 +128,7 @@ fn w50_legs_at_a_mirror_cancel() {
     let mirror = LiftingLineOptions { mirror_normal: Some(Vector3::x()), ..LINE };
     let options = StripOptions { tip_loss: Some(mirror), ..Default::default() };
     let mut half = Line::new(&whole_places_m[8..], |_| 1.0, Profile::THIN, options);
+    half.strips.join_image(Edge { surface: 0, outer: false });
     half.start(wind(0.1), true);
     // the section at the mirror plane has the loads of one side only
     for (ours, theirs) in half.loads.circulatory[1..].iter().zip(outer) {

@@ -1,4 +1,4 @@
-//! Edges that two surfaces share at hinges, eq. (U12).
+//! Edges that two surfaces share at hinges, or that a surface shares with its image in a mirror plane, eq. (U12).
 //!
 //! Each surface has its own rings, so that a common edge has two lines of vorticity, whose sum is small and whose circulations are those of
 //! whole strips. They are treated as one line: both lie in the middle between the two edges, they do not act on each other, and with the
@@ -13,6 +13,32 @@ use crate::aero::near_sheets::{CROSSED_PANELS, CrossedSheets, ramp};
 pub use crate::aero::surface::Edge;
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
+
+/// Two edges that count as one where they are close: those of two surfaces, or one at the mirror plane and its image.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JoinedEdges {
+    /// The edges; the same twice if the second is the image of the first.
+    edges: [Edge; 2],
+    /// Unit normal of the mirror plane, if the second edge is the image of the first.
+    mirror_normal: Option<Vector3<f64>>,
+}
+
+impl JoinedEdges {
+    /// The edges of surfaces with the sign of their shifts, see [`Shift`]: both, or the first if the second is its image.
+    fn of_surfaces(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
+        [(0, 1.0), (1, -1.0)].into_iter().take(if self.mirror_normal.is_some() { 1 } else { 2 })
+    }
+
+    /// A position or velocity of one side in space, given that of its surface; or the other way round.
+    fn of_side(&self, side: usize, vector: Vector3<f64>) -> Vector3<f64> {
+        self.mirror_normal.filter(|_| side == 1).map_or(vector, |normal| reflected(&normal, &vector))
+    }
+}
+
+/// A position or velocity reflected at a plane through the origin with this unit normal.
+pub(super) fn reflected(normal: &Vector3<f64>, vector: &Vector3<f64>) -> Vector3<f64> {
+    vector - normal * (2.0 * normal.dot(vector))
+}
 
 /// One chordwise segment of an edge.
 struct Piece {
@@ -81,14 +107,22 @@ impl VortexLattice {
     pub fn join(&mut self, edges: [Edge; 2]) {
         let rows = edges.map(|edge| self.bound[edge.surface].rows);
         if rows[0] == rows[1] {
-            self.joined.push(edges);
+            self.joined.push(JoinedEdges { edges, mirror_normal: None });
+        }
+    }
+
+    /// Joins an edge that lies at the mirror plane with its image. Without a mirror plane there is none.
+    pub fn join_image(&mut self, edge: Edge) {
+        if self.kernel.mirror_normal.is_some() {
+            self.joined.push(JoinedEdges { edges: [edge; 2], mirror_normal: self.kernel.mirror_normal });
         }
     }
 
     /// Whether two surfaces are joined at the edge given by this column of the first.
     pub(super) fn is_joined(&self, own: usize, column: usize, other: usize) -> bool {
-        self.joined.iter().any(|pair| {
-            [[pair[0], pair[1]], [pair[1], pair[0]]]
+        self.joined.iter().any(|joined| {
+            let [one, two] = joined.edges;
+            [[one, two], [two, one]]
                 .iter()
                 .any(|[one, two]| one.surface == own && two.surface == other && self.column(*one) == column)
         })
@@ -116,8 +150,14 @@ impl VortexLattice {
     }
 
     /// Half the vector between two joined edges times the share to which they are merged.
-    fn shift(&self, pair: [Edge; 2], chord_fraction: f64, motions: &[SectionMotion]) -> Shift {
-        let points = pair.map(|edge| self.edge_point(edge, chord_fraction, motions));
+    fn shift(&self, joined: &JoinedEdges, chord_fraction: f64, motions: &[SectionMotion]) -> Shift {
+        let points = [0, 1].map(|side| {
+            let EdgePoint { position_m, velocity_m_s, beside_m } =
+                self.edge_point(joined.edges[side], chord_fraction, motions);
+            let [position_m, velocity_m_s, beside_m] =
+                [position_m, velocity_m_s, beside_m].map(|vector| joined.of_side(side, vector));
+            EdgePoint { position_m, velocity_m_s, beside_m }
+        });
         let strips_m = points.iter().map(|point| (point.position_m - point.beside_m).norm()).sum::<f64>();
         let apart_m = points[1].position_m - points[0].position_m;
         let share = merged_share(apart_m.norm(), 0.5 * strips_m);
@@ -130,21 +170,22 @@ impl VortexLattice {
     pub(super) fn merge_edges(&mut self, motions: &[SectionMotion], state: &mut LatticeState) {
         self.crossed_edges = None;
         for at in 0..self.joined.len() {
-            let pair = self.joined[at];
-            let rows = self.bound[pair[0].surface].rows;
+            let joined = self.joined[at];
+            let rows = self.bound[joined.edges[0].surface].rows;
             for row in 0..=rows {
-                let shift = self.shift(pair, Self::chord_fraction(rows, row), motions);
-                for (edge, sign) in pair.into_iter().zip([1.0, -1.0]) {
-                    self.shift_corners(edge, row, sign, &shift, state);
+                let shift = self.shift(&joined, Self::chord_fraction(rows, row), motions);
+                for (side, sign) in joined.of_surfaces() {
+                    self.shift_corners(joined.edges[side], row, sign, &shift, state);
                 }
             }
             for row in 0..rows {
                 let middle = (row as f64 + 0.75) / rows as f64;
-                let shift_m = self.shift(pair, middle, motions).position_m;
-                self.shift_panel(pair[0], row, &shift_m, motions, state);
-                self.shift_panel(pair[1], row, &-shift_m, motions, state);
+                let shift_m = self.shift(&joined, middle, motions).position_m;
+                for (side, sign) in joined.of_surfaces() {
+                    self.shift_panel(joined.edges[side], row, &(sign * shift_m), motions, state);
+                }
             }
-            self.crossed_edges = self.crossed_edges.or(self.overlap(pair, state));
+            self.crossed_edges = self.crossed_edges.or(self.overlap(&joined, state));
         }
     }
 
@@ -187,20 +228,22 @@ impl VortexLattice {
     }
 
     /// Whether one of two joined sheets passes through the strip of the other at their edge.
-    fn overlap(&self, pair: [Edge; 2], state: &LatticeState) -> Option<CrossedSheets> {
-        let rows = self.bound[pair[0].surface].rows;
-        let corner = |edge: Edge, row, column| state.corner_m[self.bound[edge.surface].node(row, column)];
+    fn overlap(&self, joined: &JoinedEdges, state: &LatticeState) -> Option<CrossedSheets> {
+        let sheet = |side: usize| self.bound[joined.edges[side].surface];
+        let corner = |side: usize, row, column| joined.of_side(side, state.corner_m[sheet(side).node(row, column)]);
+        let columns = joined.edges.map(|edge| [self.column(edge), self.beside(edge)]);
+        let rows = sheet(0).rows;
         let mut deepest_m = 0.0_f64;
         for row in 0..=rows {
-            let ends = |edge: Edge| [self.column(edge), self.beside(edge)].map(|column| corner(edge, row, column));
-            for [own, other] in [pair, [pair[1], pair[0]]] {
-                let chord_m = corner(own, rows, self.column(own)) - corner(own, 0, self.column(own));
-                let [edge_m, beside_m] = ends(own);
-                let depth_m = overlap_m([edge_m, beside_m], &chord_m, ends(other), self.bound[own.surface].strips);
+            let ends_m = [0, 1].map(|side| columns[side].map(|column| corner(side, row, column)));
+            for (own, _) in joined.of_surfaces() {
+                let chord_m = corner(own, rows, columns[own][0]) - corner(own, 0, columns[own][0]);
+                let depth_m = overlap_m(ends_m[own], &chord_m, ends_m[1 - own], sheet(own).strips);
                 deepest_m = deepest_m.max(depth_m);
             }
         }
-        (deepest_m > 0.0).then(|| CrossedSheets { surfaces: pair.map(|edge| edge.surface), depth_m: deepest_m })
+        let surfaces = joined.edges.map(|edge| edge.surface);
+        (deepest_m > 0.0).then_some(CrossedSheets { surfaces, depth_m: deepest_m })
     }
 
     /// Index of the first segment of a surface in the order in which the loads are summed.
@@ -247,24 +290,38 @@ impl VortexLattice {
         state: &LatticeState,
         loads: &mut AirLoads,
     ) {
-        for pair in &self.joined {
-            let rows = self.bound[pair[0].surface].rows;
+        for joined in &self.joined {
+            let edges = joined.edges;
+            let rows = self.bound[edges[0].surface].rows;
             for row in 0..rows {
                 let middle = 0.5 * (Self::chord_fraction(rows, row) + Self::chord_fraction(rows, row + 1));
-                let share = self.shift(*pair, middle, motions).share;
+                let share = self.shift(joined, middle, motions).share;
                 if share <= 0.0 {
                     continue;
                 }
-                let pieces = pair.map(|edge| self.piece(edge, row, motions, state));
+                let pieces = edges.map(|edge| self.piece(edge, row, motions, state));
                 let seen_m_s =
-                    [0, 1].map(|own| self.velocities[pieces[own].segment / LANES].get(pieces[own].segment % LANES));
-                let alone_m_s = [0, 1]
-                    .map(|own| seen_m_s[own] - self.edge_velocity_m_s(pair[1 - own], &pieces[own].middle_m, state));
+                    [0, 1].map(|side| self.velocities[pieces[side].segment / LANES].get(pieces[side].segment % LANES));
+                // induced by the line on the other side
+                let mutual_m_s = [0, 1].map(|own| {
+                    let other = 1 - own;
+                    let middle_m = joined.of_side(own, pieces[own].middle_m);
+                    let induced_m_s = self.edge_velocity_m_s(edges[other], &joined.of_side(other, middle_m), state);
+                    joined.of_side(other, induced_m_s)
+                });
+                let alone_m_s = [0, 1].map(|own| joined.of_side(own, seen_m_s[own]) - mutual_m_s[own]);
                 let mean_m_s = 0.5 * (alone_m_s[0] + alone_m_s[1]);
-                let half_n = 0.5 * density_kg_m3 * mean_m_s.cross(&(pieces[0].vortex + pieces[1].vortex));
-                for (piece, seen_m_s) in pieces.iter().zip(&seen_m_s) {
-                    let separate_n = density_kg_m3 * seen_m_s.cross(&piece.vortex);
-                    loads.circulatory[piece.section].add_force_at(&piece.arm_m, &(share * (half_n - separate_n)));
+                // the image of a vortex turns the other way
+                let turn = if joined.mirror_normal.is_some() { -1.0 } else { 1.0 };
+                let vortex = pieces[0].vortex + turn * joined.of_side(1, pieces[1].vortex);
+                let half_n = 0.5 * density_kg_m3 * mean_m_s.cross(&vortex);
+                for (side, _) in joined.of_surfaces() {
+                    let piece = &pieces[side];
+                    let separate_n = density_kg_m3 * seen_m_s[side].cross(&piece.vortex);
+                    let parted_m_s = alone_m_s[side] + (1.0 - share) * mutual_m_s[side];
+                    let parted_n = density_kg_m3 * parted_m_s.cross(&piece.vortex);
+                    let added_n = share * half_n + (1.0 - share) * parted_n - separate_n;
+                    loads.circulatory[piece.section].add_force_at(&piece.arm_m, &added_n);
                 }
             }
         }
@@ -277,6 +334,7 @@ mod tests {
     use crate::aero::lattice::{LatticeOptions, LoadRule};
     use crate::aero::surface::{Profile, Surface};
     use crate::aero::test_lattices::{chord, flow, options, section};
+    use crate::load::Wrench;
 
     /// Two adjacent wings in sideslip, whose common edges are a tenth of a strip apart. The loads do not depend on the order in which the
     /// edges or the wings are given.
@@ -355,6 +413,80 @@ mod tests {
         state.wake_rows = 1;
         lattice.place(&motions, Some((&flow(Vector3::new(0.0, -10.0, 0.0)), 0.1)), &mut state);
         (lattice, state, motions)
+    }
+
+    /// Loads by the rule of Kutta and Joukowski at an incidence of 0.1, a surface for each list of sections.
+    fn loads_of(
+        wings: &[Vec<SectionMotion>],
+        mirror_normal: Option<Vector3<f64>>,
+        join: impl Fn(&mut VortexLattice),
+    ) -> Vec<Wrench> {
+        let surfaces = (wings.iter().enumerate()).map(|(at, wing)| Surface {
+            sections: at * wing.len()..(at + 1) * wing.len(),
+            chords: vec![chord(); wing.len()],
+            chord_panels: 3,
+            profile: Profile::THIN,
+        });
+        let options = LatticeOptions {
+            wake_rows: 5,
+            core_radius_m: 1e-3,
+            load_rule: LoadRule::KuttaJoukowski,
+            mirror_normal,
+            ..options()
+        };
+        let mut lattice = VortexLattice::new(surfaces.collect(), options);
+        join(&mut lattice);
+        let motions = wings.concat();
+        let (mut state, mut loads) = (lattice.blank_state(), AirLoads::still(motions.len()));
+        lattice.start(&motions, &flow(Vector3::new(0.0, -10.0, 1.0)), None, &mut state, &mut loads).unwrap();
+        loads.circulatory
+    }
+
+    /// Largest difference of forces and moments, relative to the largest force.
+    fn largest_difference(loads: &[Wrench], expected: &[Wrench]) -> f64 {
+        let largest_n = expected.iter().map(|load| load.force_n.norm()).fold(0.0, f64::max);
+        let off = |(own, expected): (&Wrench, &Wrench)| {
+            (own.force_n - expected.force_n).norm() + (own.moment_n_m - expected.moment_n_m).norm()
+        };
+        loads.iter().zip(expected).map(off).fold(0.0, f64::max) / largest_n
+    }
+
+    /// The right wing of three sections with a dihedral angle and an incidence, whose inner edge is at a distance from the plane `x = 0`,
+    /// and its mirror image as a left wing.
+    fn halves(from_plane_m: f64) -> [Vec<SectionMotion>; 2] {
+        let section = |x: f64, side: f64| section(Vector3::new(side * (x + from_plane_m), 0.0, 0.3 * x), 0.05);
+        [[2.0, 1.0, 0.0].map(|x| section(x, -1.0)).to_vec(), [0.0, 1.0, 2.0].map(|x| section(x, 1.0)).to_vec()]
+    }
+
+    const INNER: [Edge; 2] = [Edge { surface: 0, outer: true }, Edge { surface: 1, outer: false }];
+
+    /// A half wing joined to its image has the loads of the right one of two halves, whether their edges count as one, as two, or as both to
+    /// a share.
+    #[test]
+    fn an_image_is_the_other_half() {
+        for apart_strips in [0.0, 0.3, 0.9, 1.1, 1.5] {
+            let [left, right] = halves(0.5 * apart_strips * 1.09_f64.sqrt());
+            let two = loads_of(&[left, right.clone()], None, |lattice| lattice.join(INNER));
+            let one = loads_of(&[right], Some(Vector3::x()), |lattice| {
+                lattice.join_image(Edge { surface: 0, outer: false });
+            });
+            let off = largest_difference(&one, &two[3..]);
+            assert!(off < 1e-10, "{apart_strips}: {off:e}");
+        }
+    }
+
+    /// The loads are continuous where edges begin to count as two and where they end to count as one. Between these distances the lines of
+    /// both approach each other without limit; to the share to which they are one they induce nothing on each other.
+    #[test]
+    fn loads_are_continuous_where_edges_part() {
+        let loads = |apart_strips: f64| {
+            let wings = halves(0.5 * apart_strips * 1.09_f64.sqrt());
+            loads_of(&wings, None, |lattice| lattice.join(INNER))
+        };
+        for border in MERGED_STRIPS {
+            let off = largest_difference(&loads(border - 1e-5), &loads(border + 1e-5));
+            assert!(off < 1e-4, "{border}: {off:e}");
+        }
     }
 
     /// Edges up to 0.8 strips apart lie in the middle, from 1.2 strips on each lies on its own wing; in between they move towards each other

@@ -13,13 +13,14 @@ use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, bloc
 use crate::aero::flow::Flow;
 use crate::aero::hinged_panels::LatticeFlaps;
 use crate::aero::images::{Plane, Stretch};
+use crate::aero::joined_edges::JoinedEdges;
 use crate::aero::lattice_profiles::LatticeProfiles;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::{CrossedSheets, Facing, Gap};
 use crate::aero::panel_forces::PanelForces;
 use crate::aero::rear::rear_corner_m;
-use crate::aero::surface::{Edge, Surface};
+use crate::aero::surface::Surface;
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 use pulp::Arch;
@@ -89,8 +90,8 @@ pub struct VortexLattice {
     pub(super) kernel: Kernel,
     pub(super) arch: Arch,
     pool: Option<Arc<rayon::ThreadPool>>,
-    /// Pairs of edges at which surfaces are joined.
-    pub(super) joined: Vec<[Edge; 2]>,
+    /// Edges at which surfaces are joined.
+    pub(super) joined: Vec<JoinedEdges>,
     /// Joined surfaces of which one passes through the other at their edges, as placed last.
     pub(super) crossed_edges: Option<CrossedSheets>,
     /// Points near another sheet, whose velocity is interpolated from above its control points.

@@ -362,9 +362,12 @@ mod tests {
         let mut lattice = VortexLattice::new(vec![surface(0..4), surface(4..7)], options);
         if !folded {
             lattice.join([Edge { surface: 0, outer: true }, Edge { surface: 1, outer: false }]);
+            lattice.join_image(Edge { surface: 0, outer: false });
         }
+        // 0.88 strips from the image: neither one edge nor two
+        let inner_m = if folded { 0.3 } else { 0.22 };
         let place = |section: usize| match (section, folded) {
-            (0..4, _) => Vector3::new(0.3 + 0.5 * section as f64, 0.0, 0.01 * (section * section) as f64),
+            (0..4, _) => Vector3::new(inner_m + 0.5 * section as f64, 0.0, 0.01 * (section * section) as f64),
             (_, true) => Vector3::new(1.75 - 0.5 * (section - 4) as f64, 0.02, 0.28),
             (_, false) => Vector3::new(1.8 + 0.5 * (section - 4) as f64, 0.0, 0.1 + 0.2 * (section - 4) as f64),
         };

@@ -113,6 +113,15 @@ impl AirModel {
         }
     }
 
+    /// Joins an edge that lies at the mirror plane with its image (lattice and lifting line).
+    pub fn join_image(&mut self, edge: Edge) {
+        match self {
+            Self::Lattice(lattice) => lattice.join_image(edge),
+            Self::Strips(strips) => strips.join_image(edge),
+            Self::Rotor(_) | Self::SlenderBody(_) => {}
+        }
+    }
+
     /// Adds control surfaces to the surfaces, with zero deflection and rate; to be called before any state is made. Not for rotor blades.
     pub fn add_flaps(&mut self, flaps: &[Flap]) {
         match self {

@@ -152,6 +152,15 @@ impl AirModels {
         }
     }
 
+    /// Joins a surface edge at the mirror plane with its image, in the model that has it.
+    pub fn join_image(&mut self, edge: Edge) {
+        for part in &mut self.parts {
+            if let Some(surface) = part.surfaces.iter().position(|surface| *surface == edge.surface) {
+                part.model.join_image(Edge { surface, ..edge });
+            }
+        }
+    }
+
     /// Sets the deflections of all control surfaces, as [`AirModel::deflect`].
     pub fn deflect(&mut self, deflections: &[Deflection]) {
         for Placed { model, flaps, deflections: own, .. } in &mut self.parts {

@@ -9,6 +9,10 @@ use nalgebra::{Matrix3, Vector3};
 /// Distance, relative to a body's length or to a chord, below which two positions coincide.
 const NEAR: f64 = 1e-9;
 
+/// Distance of two inner edges attached to one point, relative to the chord, up to which they are those of two halves of one wing. With a
+/// dihedral and an incidence they part by the product of both angles: 0.1 is 20 and 16 degrees.
+const HALVES: f64 = 0.1;
+
 /// Speed of an edge relative to the air, divided by the speeds of both, below which they move together.
 const REST_SHARE: f64 = 1e-9;
 
@@ -23,10 +27,10 @@ pub(crate) struct RootEdge {
 /// Whether the lattice of a body has a free edge at its inner and at its outer end.
 ///
 /// An edge is continued if a child with a surface is attached to the outer end, or if the inner end is attached to such an end. Surfaces
-/// whose inner ends are attached to one point (two halves of a wing on the root or on a keel) continue each other if their edges coincide
-/// at the start, because parts attached to one point stay together. A mirror plane through the inner end also continues it. Edges that only
-/// coincide at the start, such as those of a wing that is folded flat, are free, and so are those at a prismatic joint, whose surface can
-/// move away.
+/// whose inner ends are attached to one point (two halves of a wing on the root or on a keel) continue each other if their edges are within
+/// a tenth of a chord at the start, because parts attached to one point stay together. A mirror plane through the inner end also continues
+/// it. Edges that are only close at the start, such as those of a wing that is folded flat, are free, and so are those at a prismatic joint,
+/// whose surface can move away.
 pub(crate) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirror: Option<Vector3<f64>>) -> [bool; 2] {
     let has_surface = |body: usize| edges.iter().any(|edge| edge.body == body);
     let at_end = |parent: usize, position_m: f64| position_m >= bodies[parent].length_m * (1.0 - NEAR);
@@ -46,13 +50,17 @@ pub(crate) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirro
     [!held, !goes_on]
 }
 
-/// Body of the first other surface whose inner edge is attached to the same point and coincides at the start.
+/// Body of the other surface whose inner edge is attached to the same point and is nearest at the start, within [`HALVES`].
 pub(crate) fn other_half(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Option<usize> {
-    edges.iter().find(|edge| edge.body != body && coincide(body, edge, edges, bodies)).map(|edge| edge.body)
+    let distances = edges.iter().filter(|edge| edge.body != body).filter_map(|edge| {
+        let apart = distance_chords(body, edge, edges, bodies)?;
+        (apart <= HALVES).then_some((edge.body, apart))
+    });
+    distances.min_by(|one, two| one.1.total_cmp(&two.1)).map(|(body, _)| body)
 }
 
 /// Whether the inner end of a body lies on a plane through the origin and remains there.
-fn stands_on(normal: &Vector3<f64>, body: usize, bodies: &[Body]) -> bool {
+pub(crate) fn stands_on(normal: &Vector3<f64>, body: usize, bodies: &[Body]) -> bool {
     if slides(body, bodies) {
         return false;
     }
@@ -73,11 +81,12 @@ fn stands_on(normal: &Vector3<f64>, body: usize, bodies: &[Body]) -> bool {
     normal.dot(&position_m).abs() <= NEAR * bodies[body].length_m
 }
 
-/// Whether the inner edges of two surfaces are attached to one point and coincide at the start.
-fn coincide(body: usize, other: &RootEdge, edges: &[RootEdge], bodies: &[Body]) -> bool {
-    let Some(own) = edges.iter().find(|edge| edge.body == body) else { return false };
+/// Largest distance in chords, at the leading or the trailing edge, of the inner edges of two surfaces at the start; `None` if they are not
+/// attached to one point.
+fn distance_chords(body: usize, other: &RootEdge, edges: &[RootEdge], bodies: &[Body]) -> Option<f64> {
+    let own = edges.iter().find(|edge| edge.body == body)?;
     if slides(body, bodies) || slides(other.body, bodies) {
-        return false;
+        return None;
     }
     let ((place, attitude), (other_place, other_attitude)) = (hold(body, bodies), hold(other.body, bodies));
     let same_place = match (&place, &other_place) {
@@ -92,8 +101,8 @@ fn coincide(body: usize, other: &RootEdge, edges: &[RootEdge], bodies: &[Body]) 
     let apart_m = |point: fn(&ChordLine) -> Vector3<f64>| {
         (attitude * point(&own.chord) - other_attitude * point(&other.chord)).norm()
     };
-    let near_m = NEAR * own.chord.length_m();
-    same_place && apart_m(|chord| chord.leading_m) <= near_m && apart_m(|chord| chord.trailing_m) <= near_m
+    let chord_m = 0.5 * (own.chord.length_m() + other.chord.length_m());
+    same_place.then(|| apart_m(|chord| chord.leading_m).max(apart_m(|chord| chord.trailing_m)) / chord_m)
 }
 
 /// Point to which the inner end of a body is attached, and the body's initial attitude in the frame there. If the parent's inner end is at

@@ -408,6 +408,8 @@ pub struct LiftingSurface {
     pub body: usize,
     /// Body whose surface adjoins this one's inner edge: the other half of a wing.
     pub other_half: Option<usize>,
+    /// Whether its inner edge lies at the mirror plane and adjoins that of its image.
+    pub at_mirror: bool,
     /// Edges of its strips: distances from the body's inner end in m, ascending.
     pub positions_m: Vec<f64>,
     /// Chord at each edge.

@@ -145,15 +145,15 @@ pub enum PlantError {
     /// The lattices or lifting lines of two bodies overlap at their joint.
     #[error(
         "no aerodynamic loads at t = {time_s} s: the surfaces of {} and {} overlap by {depth_m:.1e} m where they are joined, \
-         because their edges do not lie on the axis of the joint: set the incidence of the wing by the attitude of its root \
-         instead of incidence_deg, use wider strips, or, in a vortex lattice, set flare_deg of both surfaces there to the \
-         flare of the axis",
+         because their edges do not coincide (at a hinge: do not lie on its axis): set the incidence of the wing by the \
+         attitude of its root instead of incidence_deg, use wider strips, or, at a flared hinge in a vortex lattice, set \
+         flare_deg of both surfaces there to the flare of the axis",
         .bodies[0], .bodies[1]
     )]
     OverlappingSheets {
         /// Time in s.
         time_s: f64,
-        /// Names of the bodies.
+        /// Names of the bodies; the second may be the image of the first.
         bodies: [String; 2],
         /// Depth of the overlap along the span in m.
         depth_m: f64,

@@ -7,7 +7,7 @@
 
 use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
-use crate::aero::joined_edges::{merged_share, overlap_m};
+use crate::aero::joined_edges::{merged_share, overlap_m, reflected};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::CrossedSheets;
 use crate::aero::strip::section::Strip;
@@ -109,13 +109,42 @@ fn between(edges: &[Vector3<f64>; 2], fraction: f64) -> Vector3<f64> {
     edges[0] + (edges[1] - edges[0]) * fraction
 }
 
-/// An edge that two surfaces share: the strip and its end (0: inner, 1: outer) on both sides, and the numbers of strips of the surfaces.
+/// The edge of a surface at which it is joined to another one or to its image.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SharedEdge {
-    pub strips: [usize; 2],
-    pub ends: [usize; 2],
-    pub surfaces: [usize; 2],
-    pub counts: [usize; 2],
+pub(super) struct LineEnd {
+    /// Index of the surface.
+    pub surface: usize,
+    /// Number of its strips.
+    pub strips: usize,
+    /// Index among all strips of the strip at this edge.
+    pub strip: usize,
+    /// End of that strip: 0 inner, 1 outer.
+    pub end: usize,
+}
+
+/// An edge that two surfaces share, or a surface and its image in this plane, given by its unit normal.
+#[derive(Debug, Clone, Copy)]
+struct SharedEdge {
+    sides: [LineEnd; 2],
+    mirror_normal: Option<Vector3<f64>>,
+}
+
+impl SharedEdge {
+    /// A position or velocity of one side in space, given that of its surface.
+    fn of_side(&self, side: usize, vector: Vector3<f64>) -> Vector3<f64> {
+        self.mirror_normal.filter(|_| side == 1).map_or(vector, |normal| reflected(&normal, &vector))
+    }
+
+    /// The leading or the trailing edge (0 or 1) of the strip of one side, at the shared end and at the other one, in m.
+    fn ends_m(&self, side: usize, edges: &[StripEdges], edge: usize) -> [Vector3<f64>; 2] {
+        let LineEnd { strip, end, .. } = self.sides[side];
+        [end, 1 - end].map(|end| self.of_side(side, edges[strip].at_m[end][edge]))
+    }
+
+    /// The sides that are surfaces, with the sign of their shift towards the other one.
+    fn of_surfaces(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
+        [(0, 1.0), (1, -1.0)].into_iter().take(if self.mirror_normal.is_some() { 1 } else { 2 })
+    }
 }
 
 /// Coefficients of the equation of one strip, eq. (W11): `Γ = k (e + b w_Γ)`.
@@ -147,6 +176,8 @@ pub(super) struct LiftingLine {
     /// The same with shared edges in the middle, eq. (U12), where the vortices lie.
     merged: Vec<StripEdges>,
     shared: Vec<SharedEdge>,
+    /// Share, from 0 to 1, to which the leg at each end of a strip coincides with its image.
+    imaged: Vec<[f64; 2]>,
     /// Surfaces that overlap at a shared edge, as placed last.
     pub overlap: Option<CrossedSheets>,
     nodes_m: Vec<Vector3<f64>>,
@@ -176,6 +207,7 @@ impl LiftingLine {
             edges: Vec::with_capacity(strips),
             merged: Vec::with_capacity(strips),
             shared: Vec::new(),
+            imaged: vec![[0.0; 2]; strips],
             overlap: None,
             nodes_m: vec![Vector3::zeros(); 6 * strips],
             sheets: Vec::with_capacity(strips),
@@ -235,8 +267,15 @@ impl LiftingLine {
     }
 
     /// Adds an edge that two surfaces share.
-    pub fn join(&mut self, shared: SharedEdge) {
-        self.shared.push(shared);
+    pub fn join(&mut self, sides: [LineEnd; 2]) {
+        self.shared.push(SharedEdge { sides, mirror_normal: None });
+    }
+
+    /// Adds an edge that a surface shares with its image. Without a mirror plane there is none.
+    pub fn join_image(&mut self, side: LineEnd) {
+        if self.kernel.mirror_normal.is_some() {
+            self.shared.push(SharedEdge { sides: [side; 2], mirror_normal: self.kernel.mirror_normal });
+        }
     }
 
     /// Places shared edges that are closer than the strips resolve in the middle between both, eq. (U12), and finds surfaces that still
@@ -244,45 +283,58 @@ impl LiftingLine {
     fn merge(&mut self) {
         self.merged.clone_from(&self.edges);
         self.overlap = None;
-        for shared in &self.shared {
-            let [one, two] = shared.strips;
-            let [end, other] = shared.ends;
-            for edge in 0..2 {
-                let point_m = |at: usize| self.edges[shared.strips[at]].at_m[shared.ends[at]][edge];
-                let beside_m = |at: usize| self.edges[shared.strips[at]].at_m[1 - shared.ends[at]][edge];
-                let strip_m = 0.5 * ((beside_m(0) - point_m(0)).norm() + (beside_m(1) - point_m(1)).norm());
-                let apart_m = point_m(1) - point_m(0);
-                let half = 0.5 * merged_share(apart_m.norm(), strip_m);
-                self.merged[one].at_m[end][edge] += half * apart_m;
-                self.merged[two].at_m[other][edge] -= half * apart_m;
-                if edge == usize::from(self.edges[one].bias >= 0.0) {
-                    let apart_m_s = self.edges[two].air_m_s[other] - self.edges[one].air_m_s[end];
-                    self.merged[one].air_m_s[end] += half * apart_m_s;
-                    self.merged[two].air_m_s[other] -= half * apart_m_s;
-                }
+        for at in 0..self.shared.len() {
+            let shared = self.shared[at];
+            let shares = [0, 1].map(|edge| self.merge_edge(&shared, edge));
+            if shared.mirror_normal.is_some() {
+                let LineEnd { strip, end, .. } = shared.sides[0];
+                self.imaged[strip][end] = shares[0].min(shares[1]);
             }
-            let mut deepest_m = 0.0_f64;
-            for (own, other) in [(0, 1), (1, 0)] {
-                let ends = |at: usize| {
-                    let edges = &self.merged[shared.strips[at]].at_m;
-                    [edges[shared.ends[at]], edges[1 - shared.ends[at]]]
-                };
-                let ([near_m, beside_m], [other_m, far_m]) = (ends(own), ends(other));
-                let chord_m = near_m[1] - near_m[0];
-                for edge in 0..2 {
-                    let depth_m = overlap_m(
-                        [near_m[edge], beside_m[edge]],
-                        &chord_m,
-                        [other_m[edge], far_m[edge]],
-                        shared.counts[own],
-                    );
-                    deepest_m = deepest_m.max(depth_m);
-                }
-            }
-            if deepest_m > 0.0 && self.overlap.is_none() {
-                self.overlap = Some(CrossedSheets { surfaces: shared.surfaces, depth_m: deepest_m });
+            self.overlap = self.overlap.or(self.overlap_at(&shared));
+        }
+    }
+
+    /// Merges the leading or the trailing edge (0 or 1) of both sides; returns the share to which they count as one.
+    fn merge_edge(&mut self, shared: &SharedEdge, edge: usize) -> f64 {
+        let [one_m, two_m] = [0, 1].map(|side| shared.ends_m(side, &self.edges, edge));
+        let strip_m = 0.5 * ((one_m[1] - one_m[0]).norm() + (two_m[1] - two_m[0]).norm());
+        let apart_m = two_m[0] - one_m[0];
+        let share = merged_share(apart_m.norm(), strip_m);
+        let air_m_s = |of: fn(&StripEdges) -> &[Vector3<f64>; 2]| {
+            let [one_m_s, two_m_s] = [0, 1].map(|side| {
+                let LineEnd { strip, end, .. } = shared.sides[side];
+                shared.of_side(side, of(&self.edges[strip])[end])
+            });
+            two_m_s - one_m_s
+        };
+        let [behind_m_s, leg_m_s] = [air_m_s(|edges| &edges.air_m_s), air_m_s(|edges| &edges.leg_air_m_s)];
+        for (side, sign) in shared.of_surfaces() {
+            let LineEnd { strip, end, .. } = shared.sides[side];
+            let (half, merged) = (0.5 * share * sign, &mut self.merged[strip]);
+            merged.at_m[end][edge] += half * apart_m;
+            // the velocities once: the legs leave the strips at the downstream edge
+            if edge == usize::from(self.edges[shared.sides[0].strip].bias >= 0.0) {
+                merged.air_m_s[end] += half * behind_m_s;
+                merged.leg_air_m_s[end] += half * leg_m_s;
             }
         }
+        share
+    }
+
+    /// Whether the surfaces on the two sides of a merged edge overlap there.
+    fn overlap_at(&self, shared: &SharedEdge) -> Option<CrossedSheets> {
+        let mut deepest_m = 0.0_f64;
+        for (own, _) in shared.of_surfaces() {
+            let ends_m = |side: usize, edge: usize| shared.ends_m(side, &self.merged, edge);
+            let chord_m = ends_m(own, 1)[0] - ends_m(own, 0)[0];
+            for edge in 0..2 {
+                let strips = shared.sides[own].strips;
+                let depth_m = overlap_m(ends_m(own, edge), &chord_m, ends_m(1 - own, edge), strips);
+                deepest_m = deepest_m.max(depth_m);
+            }
+        }
+        let surfaces = shared.sides.map(|side| side.surface);
+        (deepest_m > 0.0).then_some(CrossedSheets { surfaces, depth_m: deepest_m })
     }
 
     /// Sets the nodes of the horseshoes: one ring on the chord and one in the wake. Adjacent strips with the same leading edge share their
@@ -324,7 +376,7 @@ impl LiftingLine {
     }
 
     /// Forces in N on the chordwise legs of a strip of circulation `Γ`, at its inner and its outer section, and the fraction of the chord
-    /// at which they act, eq. (W16). Zero for a leg in the mirror plane, because the leg of the image cancels it.
+    /// at which they act, eq. (W16). Zero for a leg that coincides with its image, because they cancel each other.
     pub fn leg_forces_n(
         &self,
         strip: usize,
@@ -332,20 +384,13 @@ impl LiftingLine {
         gust_m_s: &Vector3<f64>,
         density_kg_m3: f64,
     ) -> ([Vector3<f64>; 2], f64) {
-        let edges = &self.edges[strip];
+        let edges = &self.merged[strip];
         let legs_m = edges.legs_m();
-        let mirrored = |end: usize| {
-            self.kernel.mirror_normal.is_some_and(|normal| {
-                edges.at_m[end].iter().all(|edge_m| normal.dot(edge_m).powi(2) <= self.kernel.core_squared_m2)
-            })
-        };
         let bound_kg_m_s = density_kg_m3 * edges.share() * circulation_m2_s;
         // the vortex runs up the inner leg and down the outer one
         let forces_n = [(0, -bound_kg_m_s), (1, bound_kg_m_s)].map(|(end, circulation)| {
-            if mirrored(end) {
-                return Vector3::zeros();
-            }
-            (edges.leg_air_m_s[end] + gust_m_s).cross(&legs_m[end]) * circulation
+            let alone = 1.0 - self.imaged[strip][end];
+            (edges.leg_air_m_s[end] + gust_m_s).cross(&legs_m[end]) * (alone * circulation)
         });
         (forces_n, leg_fraction(edges.bias))
     }
@@ -381,5 +426,48 @@ impl PartialEq for LiftingLine {
     /// Compares the settings only; everything else is scratch.
     fn eq(&self, other: &Self) -> bool {
         self.kernel == other.kernel && self.equations.len() == other.equations.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::surface::ChordLine;
+    use crate::aero::test_lattices::{chord, flow, section};
+
+    /// In a rigid motion of two joined wings, whose edges are 0.3 strips apart, the air meets the legs at their common edge with the
+    /// velocity of that motion, at the trailing edge and where their forces act.
+    #[test]
+    fn joined_legs_move_with_the_wings() {
+        let motion = [Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, -0.7, 1.1)];
+        let air_m_s = |point_m: &Vector3<f64>| -(motion[0] + motion[1].cross(point_m));
+        let motions: Vec<SectionMotion> = [(-1.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.3, 0.1), (1.0, 0.3, 0.1)]
+            .map(|(x, height_m, pitch_rad)| section(Vector3::new(x, 0.0, height_m), pitch_rad))
+            .map(|still| SectionMotion {
+                velocity_m_s: motion[0] + motion[1].cross(&still.position_m),
+                spin_rad_s: motion[1],
+                ..still
+            })
+            .to_vec();
+        let chords: [ChordLine; 2] = [chord(); 2];
+        let strips = [0, 1].map(|surface| Strip {
+            sections: [2 * surface, 2 * surface + 1],
+            chords,
+            surface,
+            lift_slope_1_rad: 2.0 * PI,
+            speed_of_sound_m_s: f64::INFINITY,
+        });
+        let options = LiftingLineOptions { core_radius_m: 1e-3, mirror_normal: None };
+        let mut line = LiftingLine::new(2, &options);
+        line.join([0, 1].map(|side| LineEnd { surface: side, strips: 1, strip: side, end: 1 - side }));
+        let edges = strips.each_ref().map(|strip| StripEdges::of(strip, &motions, &flow(Vector3::zeros()), 1.0));
+        line.look(&strips, edges.into_iter(), |_| (0.0, 1.0));
+        for (strip, end) in [(0, 1), (1, 0)] {
+            let merged = &line.merged[strip];
+            assert!((merged.at_m[end][1] - edges[strip].at_m[end][1]).norm() > 0.1, "not merged");
+            let leg_m = between(&merged.at_m[end], leg_fraction(1.0));
+            assert!((merged.leg_air_m_s[end] - air_m_s(&leg_m)).norm() < 1e-12, "{strip}");
+            assert!((merged.air_m_s[end] - air_m_s(&merged.at_m[end][1])).norm() < 1e-12, "{strip}");
+        }
     }
 }

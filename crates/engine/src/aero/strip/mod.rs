@@ -24,7 +24,7 @@ use crate::load::{SectionMotion, Wrench};
 use compressible::compression;
 use flap::{Controls, FlapInflow, StripFlap};
 use indicial::{Fit, Lag};
-use lifting_line::{LiftingLine, LiftingLineOptions, SharedEdge, StripEdges, StripEquation};
+use lifting_line::{LiftingLine, LiftingLineOptions, LineEnd, StripEdges, StripEquation};
 use nalgebra::Vector3;
 use section::{Cut, Strip, bias};
 use serde::{Deserialize, Serialize};
@@ -173,18 +173,21 @@ impl Strips {
 
     /// Joins two surface edges where their bodies are connected: the lifting line has no gap there.
     pub fn join(&mut self, edges: [Edge; 2]) {
-        let Some(line) = &mut self.line else { return };
-        let count = |surface: usize| {
-            let next = self.first.get(surface + 1).copied().unwrap_or(self.strips.len());
-            next - self.first[surface]
-        };
-        let strip = |edge: Edge| self.first[edge.surface] + if edge.outer { count(edge.surface) - 1 } else { 0 };
-        line.join(SharedEdge {
-            strips: edges.map(strip),
-            ends: edges.map(|edge| usize::from(edge.outer)),
-            surfaces: edges.map(|edge| edge.surface),
-            counts: edges.map(|edge| count(edge.surface)),
-        });
+        let sides = edges.map(|edge| self.line_end(edge));
+        self.line.iter_mut().for_each(|line| line.join(sides));
+    }
+
+    /// Joins an edge that lies at the mirror plane with its image.
+    pub fn join_image(&mut self, edge: Edge) {
+        let side = self.line_end(edge);
+        self.line.iter_mut().for_each(|line| line.join_image(side));
+    }
+
+    fn line_end(&self, edge: Edge) -> LineEnd {
+        let (first, surface) = (self.first[edge.surface], edge.surface);
+        let next = self.first.get(surface + 1).copied().unwrap_or(self.strips.len());
+        let strip = if edge.outer { next - 1 } else { first };
+        LineEnd { surface, strips: next - first, strip, end: usize::from(edge.outer) }
     }
 
     /// Returns an empty state, to be filled by [`Strips::start`].

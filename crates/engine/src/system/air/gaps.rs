@@ -59,11 +59,13 @@ pub(crate) fn failure(machine: &Machine, air: &machine::Air, time_s: f64, failur
             gap_m: closed.gap_m,
             gap_panels: closed.gap_panels,
         },
-        NoCirculation::Overlapping(crossed) => PlantError::OverlappingSheets {
-            time_s,
-            bodies: crossed.surfaces.map(|surface| machine.bodies[air.surfaces[surface].body].name.clone()),
-            depth_m: crossed.depth_m,
-        },
+        NoCirculation::Overlapping(crossed) => {
+            let mut bodies = crossed.surfaces.map(|surface| machine.bodies[air.surfaces[surface].body].name.clone());
+            if crossed.surfaces[0] == crossed.surfaces[1] {
+                bodies[1] = "its image in the mirror plane".to_owned();
+            }
+            PlantError::OverlappingSheets { time_s, bodies, depth_m: crossed.depth_m }
+        }
     }
 }
 

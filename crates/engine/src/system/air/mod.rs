@@ -101,6 +101,10 @@ impl AirCoupling {
         let sections = model.sections();
         let unknowns = 2 * ENTRIES * sections;
         joined_edges(machine, &settings.surfaces).into_iter().for_each(|edges| model.join(edges));
+        let at_mirror = |(surface, described): (usize, &machine::LiftingSurface)| {
+            described.at_mirror.then_some(Edge { surface, outer: false })
+        };
+        settings.surfaces.iter().enumerate().filter_map(at_mirror).for_each(|edge| model.join_image(edge));
         let none = vec![Wrench::default(); sections];
         let blank = AirHistory {
             start_s: 0.0,
@@ -275,7 +279,9 @@ fn joined_edges(machine: &machine::Machine, surfaces: &[machine::LiftingSurface]
         if let Some(outer) = surfaces.iter().position(follows) {
             pairs.push([Edge { surface: inner, outer: true }, Edge { surface: outer, outer: false }]);
         }
-        let half = |other: &machine::LiftingSurface| Some(other.body) == parent.other_half;
+        let half = |other: &machine::LiftingSurface| {
+            parent.other_half == Some(other.body) && other.other_half == Some(parent.body)
+        };
         if let Some(other) = surfaces.iter().position(half).filter(|&other| other > inner) {
             pairs.push([inner, other].map(|surface| Edge { surface, outer: false }));
         }
