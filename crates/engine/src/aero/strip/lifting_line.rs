@@ -7,7 +7,7 @@
 
 use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
-use crate::aero::joined_edges::{merged_share, overlap_m, reflected};
+use crate::aero::joined_edges::{Sides, merged_share, overlap_m};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::CrossedSheets;
 use crate::aero::strip::section::Strip;
@@ -122,28 +122,19 @@ pub(super) struct LineEnd {
     pub end: usize,
 }
 
-/// An edge that two surfaces share, or a surface and its image in this plane, given by its unit normal.
+/// An edge that two surfaces share, or a surface and its image.
 #[derive(Debug, Clone, Copy)]
 struct SharedEdge {
-    sides: [LineEnd; 2],
-    mirror_normal: Option<Vector3<f64>>,
+    /// The edges; the same twice if the second is the image of the first.
+    ends: [LineEnd; 2],
+    sides: Sides,
 }
 
 impl SharedEdge {
-    /// A position or velocity of one side in space, given that of its surface.
-    fn of_side(&self, side: usize, vector: Vector3<f64>) -> Vector3<f64> {
-        self.mirror_normal.filter(|_| side == 1).map_or(vector, |normal| reflected(&normal, &vector))
-    }
-
     /// The leading or the trailing edge (0 or 1) of the strip of one side, at the shared end and at the other one, in m.
     fn ends_m(&self, side: usize, edges: &[StripEdges], edge: usize) -> [Vector3<f64>; 2] {
-        let LineEnd { strip, end, .. } = self.sides[side];
-        [end, 1 - end].map(|end| self.of_side(side, edges[strip].at_m[end][edge]))
-    }
-
-    /// The sides that are surfaces, with the sign of their shift towards the other one.
-    fn of_surfaces(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
-        [(0, 1.0), (1, -1.0)].into_iter().take(if self.mirror_normal.is_some() { 1 } else { 2 })
+        let LineEnd { strip, end, .. } = self.ends[side];
+        [end, 1 - end].map(|end| self.sides.of_side(side, edges[strip].at_m[end][edge]))
     }
 }
 
@@ -267,15 +258,14 @@ impl LiftingLine {
     }
 
     /// Adds an edge that two surfaces share.
-    pub fn join(&mut self, sides: [LineEnd; 2]) {
-        self.shared.push(SharedEdge { sides, mirror_normal: None });
+    pub fn join(&mut self, ends: [LineEnd; 2]) {
+        self.shared.push(SharedEdge { ends, sides: Sides::SURFACES });
     }
 
     /// Adds an edge that a surface shares with its image. Without a mirror plane there is none.
-    pub fn join_image(&mut self, side: LineEnd) {
-        if self.kernel.mirror_normal.is_some() {
-            self.shared.push(SharedEdge { sides: [side; 2], mirror_normal: self.kernel.mirror_normal });
-        }
+    pub fn join_image(&mut self, end: LineEnd) {
+        let image = self.kernel.mirror_normal.map(Sides::image);
+        self.shared.extend(image.map(|sides| SharedEdge { ends: [end; 2], sides }));
     }
 
     /// Places shared edges that are closer than the strips resolve in the middle between both, eq. (U12), and finds surfaces that still
@@ -286,8 +276,8 @@ impl LiftingLine {
         for at in 0..self.shared.len() {
             let shared = self.shared[at];
             let shares = [0, 1].map(|edge| self.merge_edge(&shared, edge));
-            if shared.mirror_normal.is_some() {
-                let LineEnd { strip, end, .. } = shared.sides[0];
+            if shared.sides.is_image() {
+                let LineEnd { strip, end, .. } = shared.ends[0];
                 self.imaged[strip][end] = shares[0].min(shares[1]);
             }
             self.overlap = self.overlap.or(self.overlap_at(&shared));
@@ -302,18 +292,18 @@ impl LiftingLine {
         let share = merged_share(apart_m.norm(), strip_m);
         let air_m_s = |of: fn(&StripEdges) -> &[Vector3<f64>; 2]| {
             let [one_m_s, two_m_s] = [0, 1].map(|side| {
-                let LineEnd { strip, end, .. } = shared.sides[side];
-                shared.of_side(side, of(&self.edges[strip])[end])
+                let LineEnd { strip, end, .. } = shared.ends[side];
+                shared.sides.of_side(side, of(&self.edges[strip])[end])
             });
             two_m_s - one_m_s
         };
         let [behind_m_s, leg_m_s] = [air_m_s(|edges| &edges.air_m_s), air_m_s(|edges| &edges.leg_air_m_s)];
-        for (side, sign) in shared.of_surfaces() {
-            let LineEnd { strip, end, .. } = shared.sides[side];
+        for (side, sign) in shared.sides.of_surfaces() {
+            let LineEnd { strip, end, .. } = shared.ends[side];
             let (half, merged) = (0.5 * share * sign, &mut self.merged[strip]);
             merged.at_m[end][edge] += half * apart_m;
             // the velocities once: the legs leave the strips at the downstream edge
-            if edge == usize::from(self.edges[shared.sides[0].strip].bias >= 0.0) {
+            if edge == usize::from(self.edges[shared.ends[0].strip].bias >= 0.0) {
                 merged.air_m_s[end] += half * behind_m_s;
                 merged.leg_air_m_s[end] += half * leg_m_s;
             }
@@ -324,16 +314,16 @@ impl LiftingLine {
     /// Whether the surfaces on the two sides of a merged edge overlap there.
     fn overlap_at(&self, shared: &SharedEdge) -> Option<CrossedSheets> {
         let mut deepest_m = 0.0_f64;
-        for (own, _) in shared.of_surfaces() {
+        for (own, _) in shared.sides.of_surfaces() {
             let ends_m = |side: usize, edge: usize| shared.ends_m(side, &self.merged, edge);
             let chord_m = ends_m(own, 1)[0] - ends_m(own, 0)[0];
             for edge in 0..2 {
-                let strips = shared.sides[own].strips;
+                let strips = shared.ends[own].strips;
                 let depth_m = overlap_m(ends_m(own, edge), &chord_m, ends_m(1 - own, edge), strips);
                 deepest_m = deepest_m.max(depth_m);
             }
         }
-        let surfaces = shared.sides.map(|side| side.surface);
+        let surfaces = shared.ends.map(|side| side.surface);
         (deepest_m > 0.0).then_some(CrossedSheets { surfaces, depth_m: deepest_m })
     }
 

@@ -173,14 +173,14 @@ impl Strips {
 
     /// Joins two surface edges where their bodies are connected: the lifting line has no gap there.
     pub fn join(&mut self, edges: [Edge; 2]) {
-        let sides = edges.map(|edge| self.line_end(edge));
-        self.line.iter_mut().for_each(|line| line.join(sides));
+        let ends = edges.map(|edge| self.line_end(edge));
+        self.line.iter_mut().for_each(|line| line.join(ends));
     }
 
     /// Joins an edge that lies at the mirror plane with its image.
     pub fn join_image(&mut self, edge: Edge) {
-        let side = self.line_end(edge);
-        self.line.iter_mut().for_each(|line| line.join_image(side));
+        let end = self.line_end(edge);
+        self.line.iter_mut().for_each(|line| line.join_image(end));
     }
 
     fn line_end(&self, edge: Edge) -> LineEnd {
