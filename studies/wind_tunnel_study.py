@@ -352,10 +352,15 @@ def main():
     for case in CASES:
         if arguments.only in case.__name__:
             case(study)
+            store(study, arguments)  # all of them take hours
+
+
+def store(study, arguments):
+    """Writes the points and the table; points of cases that are not computed stay as they are."""
     arguments.output.mkdir(parents=True, exist_ok=True)
     path = arguments.output / "points.json"
     new = [asdict(one) | {"rms": one.rms()} for one in study.series]
-    old = json.loads(path.read_text()) if arguments.only and path.exists() else []
+    old = json.loads(path.read_text()) if path.exists() else []
     replaced = {one["case"] + one["quantity"] + one["variant"] for one in new}
     series = [one for one in old if one["case"] + one["quantity"] + one["variant"] not in replaced] + new
     path.write_text(json.dumps(series, indent=1))

@@ -335,8 +335,7 @@ mod tests {
     use crate::aero::flow::Flow;
     use crate::aero::lattice::LatticeOptions;
     use crate::aero::lattice_state::LatticeState;
-    use crate::aero::surface::Edge;
-    use crate::aero::surface::{Profile, Surface};
+    use crate::aero::surface::{Edge, Profile, Surface};
     use crate::aero::test_lattices::{chord, flow, options, section};
     use crate::load::SectionMotion;
 
