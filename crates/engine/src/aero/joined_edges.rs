@@ -11,49 +11,9 @@ use crate::aero::lattice::VortexLattice;
 use crate::aero::lattice_state::LatticeState;
 use crate::aero::near_sheets::{CROSSED_PANELS, CrossedSheets, ramp};
 pub use crate::aero::surface::Edge;
+use crate::aero::surface::{JoinedEdges, Sides};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
-
-/// The two sides of joined edges: two surfaces, or a surface and its image.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Sides {
-    /// Unit normal of the mirror plane through the origin, if the second side is the image of the first.
-    mirror_normal: Option<Vector3<f64>>,
-}
-
-impl Sides {
-    /// Two surfaces.
-    pub const SURFACES: Self = Self { mirror_normal: None };
-
-    /// A surface and its image in the plane through the origin with this unit normal.
-    pub fn image(mirror_normal: Vector3<f64>) -> Self {
-        Self { mirror_normal: Some(mirror_normal) }
-    }
-
-    /// Whether the second side is the image of the first.
-    pub fn is_image(&self) -> bool {
-        self.mirror_normal.is_some()
-    }
-
-    /// The sides that are surfaces, each with the sign of its shift towards the other one: both, or the first.
-    pub fn of_surfaces(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
-        [(0, 1.0), (1, -1.0)].into_iter().take(if self.is_image() { 1 } else { 2 })
-    }
-
-    /// A position or velocity of one side in space, given that of its surface; or the other way round.
-    pub fn of_side(&self, side: usize, vector: Vector3<f64>) -> Vector3<f64> {
-        let normal = self.mirror_normal.filter(|_| side == 1);
-        normal.map_or(vector, |normal| vector - normal * (2.0 * normal.dot(&vector)))
-    }
-}
-
-/// Two edges that count as one where they are close.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct JoinedEdges {
-    /// The edges; the same twice if the second is the image of the first.
-    edges: [Edge; 2],
-    sides: Sides,
-}
 
 /// One chordwise segment of an edge.
 struct Piece {

@@ -139,7 +139,7 @@ fn an_image_is_the_other_half() {
     }
 }
 
-/// The loads are continuous where edges begin to count as two and where they end to count as one. Between these distances the lines of
+/// The loads are continuous where edges start to count as two and where they end to count as one. Between these distances the lines of
 /// both approach each other without limit; to the share to which they are one they induce nothing on each other.
 #[test]
 fn loads_are_continuous_where_edges_part() {

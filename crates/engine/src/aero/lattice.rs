@@ -13,14 +13,13 @@ use crate::aero::biot_savart::{Arm, Block, Filaments, Kernel, LANES, Sheet, bloc
 use crate::aero::flow::Flow;
 use crate::aero::hinged_panels::LatticeFlaps;
 use crate::aero::images::{Plane, Stretch};
-use crate::aero::joined_edges::JoinedEdges;
 use crate::aero::lattice_profiles::LatticeProfiles;
 use crate::aero::lattice_state::{LatticeState, SheetKind};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::{CrossedSheets, Facing, Gap};
 use crate::aero::panel_forces::PanelForces;
 use crate::aero::rear::rear_corner_m;
-use crate::aero::surface::Surface;
+use crate::aero::surface::{JoinedEdges, Surface};
 use crate::load::SectionMotion;
 use nalgebra::Vector3;
 use pulp::Arch;

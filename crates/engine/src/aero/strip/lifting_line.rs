@@ -7,10 +7,11 @@
 
 use crate::aero::biot_savart::{Arm, Block, Kernel, LANES, Sheet, blocks};
 use crate::aero::flow::Flow;
-use crate::aero::joined_edges::{Sides, merged_share, overlap_m};
+use crate::aero::joined_edges::{merged_share, overlap_m};
 use crate::aero::linear_system::LinearSystem;
 use crate::aero::near_sheets::CrossedSheets;
 use crate::aero::strip::section::Strip;
+use crate::aero::surface::Sides;
 use crate::load::SectionMotion;
 use crate::math::wide::wide;
 use nalgebra::Vector3;
