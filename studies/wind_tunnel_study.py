@@ -349,21 +349,11 @@ def main():
     parser.add_argument("--only", default="")
     arguments = parser.parse_args()
     study = Study(arguments.foldwing.resolve())
+    series = []
     for case in CASES:
         if arguments.only in case.__name__:
             case(study)
-            store(study, arguments)  # all of them take hours
-
-
-def store(study, arguments):
-    """Writes the points and the table; points of cases that are not computed stay as they are."""
-    arguments.output.mkdir(parents=True, exist_ok=True)
-    path = arguments.output / "points.json"
-    new = [asdict(one) | {"rms": one.rms()} for one in study.series]
-    old = json.loads(path.read_text()) if path.exists() else []
-    replaced = {one["case"] + one["quantity"] + one["variant"] for one in new}
-    series = [one for one in old if one["case"] + one["quantity"] + one["variant"] not in replaced] + new
-    path.write_text(json.dumps(series, indent=1))
+            series = store(study, arguments)  # all cases take hours
     if arguments.table:
         head = [
             "# Wind tunnel: deviations and cost",
@@ -373,6 +363,18 @@ def store(study, arguments):
             "",
         ]
         arguments.table.write_text("\n".join(head + table(series) + f.table(series)) + "\n")
+
+
+def store(study, arguments):
+    """Writes the points, and returns them; those of cases that are not computed stay as they are."""
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    path = arguments.output / "points.json"
+    new = [asdict(one) | {"rms": one.rms()} for one in study.series]
+    old = json.loads(path.read_text()) if path.exists() else []
+    replaced = {one["case"] + one["quantity"] + one["variant"] for one in new}
+    series = [one for one in old if one["case"] + one["quantity"] + one["variant"] not in replaced] + new
+    path.write_text(json.dumps(series, indent=1))
+    return series
 
 
 if __name__ == "__main__":

@@ -149,6 +149,6 @@ impl Sides {
 pub(super) struct JoinedEdges {
     /// The edges; the same twice if the second is the image of the first.
     pub edges: [Edge; 2],
-    /// Whether the second is an image.
+    /// Two surfaces, or a surface and its image.
     pub sides: Sides,
 }

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 const NEAR: f64 = 1e-9;
 
 /// Distance of two inner edges attached to one point, relative to the chord, up to which they are those of two halves of one wing. With a
-/// dihedral and an incidence they part by the product of both angles: 0.1 is 20 and 16 degrees.
+/// dihedral, an incidence and the axis at half chord they part by the product of the sines of both angles: 0.1 is 20 and 17 degrees.
 const HALVES: f64 = 0.1;
 
 /// Speed of an edge relative to the air, divided by the speeds of both, below which they move together.

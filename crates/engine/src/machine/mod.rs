@@ -106,7 +106,7 @@ pub struct Body {
     pub stiffness_damping_factors: Strain,
     /// Factors of the stiffness-proportional damping in both shears of a body with shear.
     pub shear_damping_factors: [f64; 2],
-    /// Damping ratios ≥ 0 of the lowest modes of a beam clamped at its inner end with its attached masses; further modes are not damped.
+    /// Damping ratios ≥ 0 of the lowest modes of a beam clamped at its inner end with its attached masses; not of further modes.
     pub modal_damping_ratios: Vec<f64>,
     /// Distances of the load stations from the body's inner end in m, ascending.
     pub station_positions_m: Vec<f64>,
