@@ -32,31 +32,40 @@ pub use shrink::shrink;
 pub use sliding::SLIDING;
 pub use view::{Frame, View};
 
-/// Number of machines, from the environment; `make validate` uses more than `make test`.
-pub fn count(usual: u64) -> u64 {
-    std::env::var("FOLDWING_MACHINES").ok().map_or(usual, |text| text.parse().expect("FOLDWING_MACHINES is a number"))
+use std::ops::Range;
+
+/// Numbers of the machines: the first `usual` ones, or those of `FOLDWING_MACHINES`, a number of machines or a range `FIRST..END`.
+/// `make validate` draws more than `make test`.
+fn numbers(usual: u64) -> Range<u64> {
+    let Ok(text) = std::env::var("FOLDWING_MACHINES") else { return 0..usual };
+    let (first, end) = text.split_once("..").unwrap_or(("0", &text));
+    let number = |part: &str| part.parse().expect("FOLDWING_MACHINES is a number or FIRST..END");
+    number(first)..number(end)
+}
+
+/// Seeds from `start` of machines of a special kind: a third as many as others.
+fn third(start: u64, usual: u64) -> Vec<u64> {
+    if std::env::var_os("FOLDWING_SEED").is_some() {
+        return Vec::new();
+    }
+    let Range { start: first, end } = numbers(usual);
+    (start + first.div_ceil(3)..start + end.div_ceil(3)).collect()
 }
 
 /// Seeds of machines with sliding joints: a third as many as others.
 pub fn sliding_seeds(usual: u64) -> Vec<u64> {
-    match std::env::var_os("FOLDWING_SEED") {
-        Some(_) => Vec::new(),
-        None => (SLIDING..SLIDING + count(usual).div_ceil(3)).collect(),
-    }
+    third(SLIDING, usual)
 }
 
 /// Seeds of machines with rigid loops: a third as many as others.
 pub fn rigid_seeds(usual: u64) -> Vec<u64> {
-    match std::env::var_os("FOLDWING_SEED") {
-        Some(_) => Vec::new(),
-        None => (RIGID..RIGID + count(usual).div_ceil(3)).collect(),
-    }
+    third(RIGID, usual)
 }
 
 /// Seeds: only `FOLDWING_SEED`, or the first `usual` ones.
 pub fn seeds(usual: u64) -> Vec<u64> {
     match std::env::var("FOLDWING_SEED") {
         Ok(text) => vec![text.parse().expect("FOLDWING_SEED is a number")],
-        Err(_) => (0..count(usual)).collect(),
+        Err(_) => numbers(usual).collect(),
     }
 }

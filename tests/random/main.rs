@@ -1,7 +1,7 @@
 //! Invariants of random machines: properties that hold for every machine. X-xx.
 //!
 //! Each invariant is a function of a machine; the first machine that violates one is reduced to the smallest one that still does, and
-//! printed as a model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number. `make test` sets
+//! printed as a model file with its seed. `FOLDWING_SEED` repeats one machine, `FOLDWING_MACHINES` sets their number or a range. `make test` sets
 //! `FOLDWING_SHARE` to draw a share of the machines for each invariant; `make long` and `cargo test` draw all.
 
 mod dependencies;

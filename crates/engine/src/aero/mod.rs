@@ -32,6 +32,7 @@ pub mod near_sheets;
 mod panel_forces;
 pub(crate) mod parts;
 mod parts_instant;
+pub mod pieces;
 pub mod polar;
 mod profile_circulation;
 pub mod random;

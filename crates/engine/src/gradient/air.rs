@@ -34,8 +34,12 @@ impl Gradient<'_> {
                 GradientError::NotCovered { part: "strips without relative flow", place }
             }
             NoSlopes::Kink(body) => {
-                let blade = self.system.machine.bodies[body].name.clone();
-                GradientError::Polar { blade, time_s: last.end.time_s }
+                let (body, at) = (self.system.machine.bodies[body].name.clone(), "a row of its polar");
+                GradientError::Corner { body, at, time_s: last.end.time_s }
+            }
+            NoSlopes::Node(body) => {
+                let (body, at) = (self.system.machine.bodies[body].name.clone(), "a point of the turbulence grid");
+                GradientError::Corner { body, at, time_s: last.end.time_s }
             }
             NoSlopes::End(body) => {
                 let place = self.system.machine.bodies[body].name.clone();

@@ -48,14 +48,16 @@ pub enum GradientError {
         /// Time in s.
         time_s: f64,
     },
-    /// A section of a rotor blade exactly at a row of its polar.
+    /// A section of a blade or a strip at a corner of its aerodynamics.
     #[error(
-        "blade {blade}, at {time_s} s: the angle of attack of a section is exactly that of a row of its polar, where the two \
-         one-sided derivatives differ; change wind, pitch or twist by a small amount"
+        "{body}, at {time_s} s: a section is exactly at {at}, where the two one-sided derivatives differ; change wind, attitude or \
+         aerodynamic step by a small amount"
     )]
-    Polar {
-        /// Body of the blade.
-        blade: String,
+    Corner {
+        /// Body of the section.
+        body: String,
+        /// The corner, in words.
+        at: &'static str,
         /// Time in s.
         time_s: f64,
     },

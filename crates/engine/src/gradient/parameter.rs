@@ -1,6 +1,5 @@
 //! Parameters of a run: any number of a machine, by perturbed models, eq. (X9).
 
-use crate::aero::rotor::pieces::RotorPieces;
 use crate::force::drive::Pieces;
 use crate::force::joint::JointForces;
 use crate::force::set::Forces;
@@ -22,6 +21,7 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::System;
 use crate::system::air::AirHistory;
+use crate::system::air::pieces::AirPieces;
 use crate::system::equations::Equations;
 use crate::system::failure_memory::FailureMemory;
 use nalgebra::Matrix3;
@@ -164,7 +164,7 @@ pub(super) struct Neighbours {
 const NOT_ADOPTED: usize = 0;
 
 /// The unperturbed machine, and the pieces of the functions of its rotor at the start of the run.
-type Own<'a> = (&'a System, Option<&'a RotorPieces>);
+type Own<'a> = (&'a System, Option<&'a AirPieces>);
 
 /// Kind of the difference between the residuals of the machines.
 enum Difference {
@@ -247,12 +247,12 @@ impl Neighbours {
             }
             tape.inputs.set_with(plant, time_s, *offset);
             let rests = own.machine.experiment.start == StartState::Equilibrium;
-            plant.system_mut().hold_rotor(begun.filter(|_| !rests));
+            plant.system_mut().hold_air(begun.filter(|_| !rests));
             plant.initialize(time_s)?;
             let system = plant.system_mut();
-            system.hold_rotor(None);
+            system.hold_air(None);
             if rests && !system.starts_on(begun) {
-                return Err(refuse("the interval of a polar in which a section of a blade starts"));
+                return Err(refuse("the interval of a polar or the cell of the turbulence in which a section starts"));
             }
             if system.coordinates() != coordinates || system.outputs.values().len() != own.outputs.values().len() {
                 return Err(refuse("the number of coordinates or outputs"));
@@ -394,7 +394,7 @@ impl Neighbours {
     /// Slopes of an aerodynamic step from `before` to the motion `at` its end: of the memory of the air there and of the loads that act.
     pub fn air_slopes(
         &mut self,
-        (before, pieces): (&AirHistory, Option<&RotorPieces>),
+        (before, pieces): (&AirHistory, Option<&AirPieces>),
         at: &Point,
         reference: &[Matrix3<f64>],
     ) -> Result<Vec<f64>, GradientError> {
@@ -402,9 +402,9 @@ impl Neighbours {
         self.adopted = NOT_ADOPTED;
         for Perturbed { weight, plant, .. } in &mut self.plants {
             let system = plant.system_mut();
-            system.hold_rotor(pieces);
+            system.hold_air(pieces);
             let values = system.air_step_values(before, at, reference)?;
-            system.hold_rotor(None);
+            system.hold_air(None);
             slopes.resize(values.len(), 0.0);
             super::add(&mut slopes, *weight, &values);
         }

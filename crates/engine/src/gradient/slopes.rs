@@ -213,9 +213,6 @@ impl System {
         if let Some(no_slip) = machine.no_slips.first() {
             return refuse("skates and wheels", &no_slip.name);
         }
-        if let (Some((body, _)), Some(_)) = (machine.spatials().next(), &machine.air) {
-            return refuse("universal, ball and free joints in air", &machine.bodies[body].joint.name);
-        }
         if let Some((_, body)) =
             self.equations.model.bodies.iter().zip(&machine.bodies).find(|(body, _)| body.modal.is_some())
         {

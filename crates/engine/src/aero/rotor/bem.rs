@@ -13,7 +13,8 @@ use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance,
 use crate::aero::rotor::inflow_lag::{Lagging, Meeting};
 use crate::aero::rotor::loads::RotorLoads;
 pub use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
-use crate::aero::rotor::pieces::{Holding, PieceList, Pieces};
+use crate::aero::pieces::{Holding, PieceList, Pieces};
+use crate::aero::rotor::pieces::RotorPieces;
 use crate::aero::rotor::states::RotorLag;
 pub use crate::aero::rotor::states::{RotorState, SectionMemory};
 use crate::aero::surface::{ChordLine, Surface};
@@ -52,7 +53,7 @@ pub struct Rotor {
     /// State and loads of the last response at an instant.
     pub(super) instant: (RotorState, AirLoads),
     /// Use of the pieces of its functions in evaluations.
-    pub holding: Holding,
+    pub holding: Holding<RotorPieces>,
 }
 
 impl Rotor {
@@ -210,7 +211,7 @@ impl Rotor {
         past: &Past,
         first_s: f64,
         state: &mut RotorState,
-        (holding, pass): (&mut Holding, usize),
+        (holding, pass): (&mut Holding<RotorPieces>, usize),
     ) -> f64 {
         let (mut lost_m_s, mut met_m_s) = (0.0, 0.0);
         for blade in 0..self.blades.len() {

@@ -3,7 +3,7 @@
 //! Source: Øye's model as in Snel and Schepers, *Joint investigation of dynamic inflow effects and implementation of an engineering
 //! method*, ECN-C-94-107 (1995). The time constants and their limits are those of AeroDyn's `DBEMT_Mod` 2.
 
-use crate::aero::rotor::pieces::Pieces;
+use crate::aero::pieces::Pieces;
 use serde::{Deserialize, Serialize};
 
 /// Fraction `k` of changes of the quasi-steady velocity that bypasses the first lag.

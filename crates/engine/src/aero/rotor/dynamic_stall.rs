@@ -5,7 +5,7 @@
 
 use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::rotor::lag::lag;
-use crate::aero::rotor::pieces::Pieces;
+use crate::aero::pieces::Pieces;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -5,7 +5,7 @@
 //! Glauert.
 
 use crate::aero::polar::{Polar, PolarRow};
-use crate::aero::rotor::pieces::Pieces;
+use crate::aero::pieces::Pieces;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_8, PI, TAU};
 
 /// Smallest flow angle considered, in rad; at zero the momentum balance is singular.

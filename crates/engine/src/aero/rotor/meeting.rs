@@ -5,7 +5,8 @@ use crate::aero::rotor::bem::Rotor;
 use crate::aero::rotor::disc::{Cut, Disc, NO_CUT, downwind};
 use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::rotor::options::RotorOptions;
-use crate::aero::rotor::pieces::{Holding, PieceList, Pieces};
+use crate::aero::pieces::{Holding, PieceList, Pieces};
+use crate::aero::rotor::pieces::RotorPieces;
 use crate::aero::rotor::skew::Skew;
 use crate::aero::rotor::steady::induction_share_on;
 use crate::load::SectionMotion;
@@ -16,12 +17,16 @@ const LEAST_WIND: f64 = 0.01;
 
 impl Rotor {
     /// Evaluates the inflow of all sections into the scratch, and the disc.
-    pub(super) fn meet(&mut self, motions: &[SectionMotion], flow: &Flow, holding: &mut Holding) -> Disc {
+    pub(super) fn meet(&mut self, motions: &[SectionMotion], flow: &Flow, holding: &mut Holding<RotorPieces>) -> Disc {
         let hub = &motions[self.sections.len()];
         let normal = hub.rotation * self.options.shaft_axis;
+        if let Holding::Record(pieces) = holding {
+            pieces.winds = vec![PieceList::default(); self.sections.len()];
+        }
         let mut mean_m_s = Vector3::zeros();
         for (index, motion) in motions[..self.sections.len()].iter().enumerate() {
-            let (cut, met_m_s) = self.cut(index, motion, (hub, &normal), flow);
+            let wind = &mut holding.pieces(|pieces| &mut pieces.winds[index]);
+            let (cut, met_m_s) = self.cut(index, motion, (hub, &normal), flow, wind);
             mean_m_s += met_m_s;
             self.cuts[index] = cut;
         }
@@ -45,10 +50,11 @@ impl Rotor {
         motion: &SectionMotion,
         (hub, normal): (&SectionMotion, &Vector3<f64>),
         flow: &Flow,
+        pieces: &mut Pieces,
     ) -> (Cut, Vector3<f64>) {
         let arm_m = motion.rotation * self.quarter_m(index);
         let point_m = motion.position_m + arm_m;
-        let air_m_s = undisturbed_m_s(&self.options, flow, &point_m);
+        let air_m_s = undisturbed_m_s(&self.options, flow, &point_m, pieces);
         let tower = self.options.features.tower.as_ref();
         let added_m_s = tower.map_or_else(Vector3::zeros, |tower| tower.added_m_s(&point_m, &air_m_s));
         let from_apex_m = point_m - hub.position_m;
@@ -112,10 +118,15 @@ impl Rotor {
 }
 
 /// Velocity of the air, without the influence of rotor and tower, relative to the root frame, in m/s.
-fn undisturbed_m_s(options: &RotorOptions, flow: &Flow, point_m: &Vector3<f64>) -> Vector3<f64> {
+fn undisturbed_m_s(
+    options: &RotorOptions,
+    flow: &Flow,
+    point_m: &Vector3<f64>,
+    pieces: &mut Pieces,
+) -> Vector3<f64> {
     let plain_m_s = flow.velocity_m_s(point_m);
     match &options.features.field {
-        Some(field) => plain_m_s - flow.wind_m_s + field.velocity_m_s(flow.time_s, point_m, &flow.wind_m_s),
+        Some(field) => plain_m_s - flow.wind_m_s + field.velocity_m_s(flow.time_s, point_m, &flow.wind_m_s, pieces),
         None => plain_m_s,
     }
 }

@@ -1,170 +1,12 @@
-//! Smooth pieces of the functions of a blade section, NOTATION eq. (X37): intervals of polars, sides of limits and branches, and the
-//! root of the momentum balance.
+//! Smooth pieces of the functions of a rotor, NOTATION eq. (X37).
 
-use crate::aero::polar::{Polar, PolarRow};
-use std::f64::consts::TAU;
-
-/// Distance in rad from a row of a polar that is round-off of an angle of attack.
-const ROUND_OFF_RAD: f64 = 1e-11;
-
-/// Distance from a limit, relative to it, that is round-off: such a value is taken as the limit, as the outermost sections of rigid blades are
-/// at the radius of the rotor.
-const ROUND_OFF: f64 = 1e-12;
-
-/// Pieces in the order of evaluation.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct PieceList {
-    /// Intervals and sides.
-    pub choices: Vec<usize>,
-    /// Angles in rad near which the function continues: angles of attack, whose range ends at ±π, and roots of the balance.
-    values: Vec<f64>,
-    /// Whether an angle of attack is that of a row of its polar, at which both sides have other slopes.
-    pub at_kink: bool,
-}
-
-/// Evaluation of functions with several smooth pieces.
-#[derive(Debug)]
-pub enum Pieces<'a> {
-    /// On the pieces of the arguments.
-    Free,
-    /// The same, and the pieces are recorded.
-    Record(&'a mut PieceList),
-    /// On known pieces, continued beyond their ends.
-    Keep {
-        /// The pieces.
-        list: &'a PieceList,
-        /// Numbers of choices and values already used.
-        used: [usize; 2],
-    },
-}
-
-impl<'a> Pieces<'a> {
-    /// Evaluation on the pieces of a list, from its start.
-    pub fn keep(list: &'a PieceList) -> Self {
-        Self::Keep { list, used: [0; 2] }
-    }
-
-    /// The same pieces for each round of an iteration; an evaluation behind it records them.
-    pub fn of_round(&self) -> Pieces<'_> {
-        match self {
-            Self::Free | Self::Record(_) => Pieces::Free,
-            Self::Keep { list, used } => Pieces::Keep { list, used: *used },
-        }
-    }
-
-    /// The piece with a number: that of the arguments, or the known one.
-    pub fn choice(&mut self, own: usize) -> usize {
-        match self {
-            Self::Free => own,
-            Self::Record(list) => {
-                list.choices.push(own);
-                own
-            }
-            Self::Keep { list, used } => {
-                used[0] += 1;
-                list.choices.get(used[0] - 1).copied().unwrap_or(own)
-            }
-        }
-    }
-
-    /// Whether a condition holds: for the arguments, or on the known piece.
-    pub fn holds(&mut self, own: bool) -> bool {
-        self.choice(usize::from(own)) == 1
-    }
-
-    /// The smaller of two numbers.
-    pub fn least(&mut self, value: f64, limit: f64) -> f64 {
-        match self {
-            Self::Free => value.min(limit),
-            Self::Record(_) | Self::Keep { .. } => {
-                if self.holds(value < limit - ROUND_OFF * limit.abs()) {
-                    value
-                } else {
-                    limit
-                }
-            }
-        }
-    }
-
-    /// The larger of two numbers.
-    pub fn most(&mut self, value: f64, limit: f64) -> f64 {
-        match self {
-            Self::Free => value.max(limit),
-            Self::Record(_) | Self::Keep { .. } => {
-                if self.holds(value > limit + ROUND_OFF * limit.abs()) {
-                    value
-                } else {
-                    limit
-                }
-            }
-        }
-    }
-
-    /// Whether a number reaches a limit.
-    pub fn reaches(&mut self, value: f64, limit: f64) -> bool {
-        match self {
-            Self::Free => value >= limit,
-            Self::Record(_) | Self::Keep { .. } => self.holds(value >= limit - ROUND_OFF * limit.abs()),
-        }
-    }
-
-    /// A number between limits.
-    pub fn within(&mut self, value: f64, [least, most]: [f64; 2]) -> f64 {
-        match self {
-            Self::Free => value.clamp(least, most),
-            Self::Record(_) | Self::Keep { .. } => {
-                let above = self.most(value, least);
-                self.least(above, most)
-            }
-        }
-    }
-
-    /// A known value; `None` if values are recorded or not needed.
-    pub fn known(&mut self) -> Option<f64> {
-        match self {
-            Self::Free | Self::Record(_) => None,
-            Self::Keep { list, used } => {
-                used[1] += 1;
-                list.values.get(used[1] - 1).copied()
-            }
-        }
-    }
-
-    /// Records a value for [`Self::known`].
-    pub fn note(&mut self, value: f64) {
-        if let Self::Record(list) = self {
-            list.values.push(value);
-        }
-    }
-
-    /// An angle in rad that jumps by a turn at the ends of its range: on a known piece without the jump.
-    pub fn near(&mut self, angle_rad: f64) -> f64 {
-        match self.known() {
-            Some(known_rad) => angle_rad + TAU * ((known_rad - angle_rad) / TAU).round(),
-            None => {
-                self.note(angle_rad);
-                angle_rad
-            }
-        }
-    }
-
-    /// Coefficients at an angle of attack in rad.
-    pub fn row(&mut self, polar: &Polar, angle_rad: f64) -> PolarRow {
-        match self {
-            Self::Free => polar.at(angle_rad),
-            Self::Record(list) => {
-                list.choices.push(polar.interval(angle_rad));
-                list.at_kink |= polar.is_at_kink(angle_rad, ROUND_OFF_RAD);
-                polar.at(angle_rad)
-            }
-            Self::Keep { .. } => polar.in_interval(self.choice(0), angle_rad),
-        }
-    }
-}
+use crate::aero::pieces::PieceList;
 
 /// Pieces of an evaluation of a rotor.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RotorPieces {
+    /// Of the wind at the sections.
+    pub winds: Vec<PieceList>,
     /// Of the disc.
     pub disc: PieceList,
     /// Of the wake's time constant: in each pass over the sections, and behind the last.
@@ -178,43 +20,17 @@ pub struct RotorPieces {
 impl RotorPieces {
     /// Numbers of all pieces, for comparison.
     pub fn choices(&self) -> impl Iterator<Item = usize> {
-        let lists = std::iter::once(&self.disc).chain(&self.wakes).chain(self.sections.iter().flatten());
+        let lists = self.winds.iter().chain([&self.disc]).chain(&self.wakes).chain(self.sections.iter().flatten());
         lists.chain(&self.ends).flat_map(|list| list.choices.iter().copied())
+    }
+
+    /// The first section that is exactly at a point of the grid of the wind.
+    pub fn at_node(&self) -> Option<usize> {
+        self.winds.iter().position(|list| list.at_node)
     }
 
     /// The first section that is exactly at a row of its polar.
     pub fn kinked(&self) -> Option<usize> {
         self.sections.iter().find_map(|pass| pass.iter().position(|list| list.at_kink))
-    }
-}
-
-/// Use of the pieces of its functions by a rotor.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub enum Holding {
-    /// Nothing.
-    #[default]
-    Free,
-    /// The next evaluation records them.
-    Record(RotorPieces),
-    /// Evaluations keep them.
-    Keep(RotorPieces),
-}
-
-impl Holding {
-    /// Takes the pieces that the last evaluation has recorded.
-    pub fn recorded(&mut self) -> Option<RotorPieces> {
-        match std::mem::take(self) {
-            Self::Record(pieces) => Some(pieces),
-            Self::Free | Self::Keep(_) => None,
-        }
-    }
-
-    /// Pieces in one of the lists.
-    pub fn pieces(&mut self, list: impl Fn(&mut RotorPieces) -> &mut PieceList) -> Pieces<'_> {
-        match self {
-            Self::Free => Pieces::Free,
-            Self::Record(pieces) => Pieces::Record(list(pieces)),
-            Self::Keep(pieces) => Pieces::keep(list(pieces)),
-        }
     }
 }

@@ -4,7 +4,7 @@
 //! Coleman, Feingold and Stempin, NACA ARR L5E10 (1945), for the skew angle of the wake, for which Burton et al. give an approximation at
 //! small angles.
 
-use crate::aero::rotor::pieces::Pieces;
+use crate::aero::pieces::Pieces;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 

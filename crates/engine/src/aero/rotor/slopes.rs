@@ -10,7 +10,8 @@ use crate::aero::rotor::bem::{Past, Rotor, RotorState, SectionMemory};
 use crate::aero::rotor::disc::Cut;
 use crate::aero::rotor::dynamic_inflow::{InflowState, lags_on_s, time_constant_on_s};
 use crate::aero::rotor::dynamic_stall::{StallInflow, StallState};
-use crate::aero::rotor::pieces::{Holding, Pieces, RotorPieces};
+use crate::aero::pieces::Pieces;
+use crate::aero::rotor::pieces::RotorPieces;
 use crate::aero::rotor::spread::{SPREAD, Share};
 use crate::aero::strip::slopes::{MOTION, moved};
 use crate::load::SectionMotion;
@@ -79,6 +80,11 @@ pub enum NoRotorSlopes {
         /// Index of its blade.
         blade: usize,
     },
+    /// A section is exactly at a point of the grid of the wind, at which both sides have other slopes.
+    Node {
+        /// Index of its blade.
+        blade: usize,
+    },
     /// The momentum balance of a section ends beside its state.
     End {
         /// Index of its blade.
@@ -131,7 +137,7 @@ impl Variables {
 }
 
 impl Rotor {
-    /// Derivatives of the step from `from` to `motions`, and the pieces on which its functions lie.
+    /// Derivatives of the step from `from` to `motions`, on the pieces on which its functions lie.
     ///
     /// # Errors
     /// If the step has no derivatives.
@@ -141,21 +147,23 @@ impl Rotor {
         motions: &[SectionMotion],
         flow: &Flow,
         step_s: f64,
-    ) -> Result<(RotorStep, RotorPieces), NoRotorSlopes> {
+        pieces: &RotorPieces,
+    ) -> Result<RotorStep, NoRotorSlopes> {
         let (mut to, mut loads) = (self.blank_state(), AirLoads::still(motions.len()));
-        self.holding = Holding::Record(RotorPieces::default());
         self.solve(from, motions, flow, step_s, &mut to, &mut loads);
-        let pieces = self.holding.recorded().unwrap_or_default();
         let shares = self.spread_slopes();
         let hub = motions[self.sections.len()];
         let count = self.sections.len() as f64;
         let normal = hub.rotation * self.options.shaft_axis;
         let met = motions.iter().enumerate().take(self.sections.len());
-        let wind_m_s =
-            met.map(|(index, own)| self.cut(index, own, (&hub, &normal), flow).1).sum::<Vector3<f64>>() / count;
+        let met = met.map(|(index, own)| self.cut(index, own, (&hub, &normal), flow, &mut Pieces::Free).1);
+        let wind_m_s = met.sum::<Vector3<f64>>() / count;
         let radius_m = self.rotor_radius_m();
         if let Some(section) = pieces.kinked() {
             return Err(NoRotorSlopes::Kink { blade: self.blade_of(section) });
+        }
+        if let Some(section) = pieces.at_node() {
+            return Err(NoRotorSlopes::Node { blade: self.blade_of(section) });
         }
         let tip_m_s = (to.loads.speed_rad_s * radius_m).abs();
         if self.options.features.skewed_wake && wind_m_s.dot(&normal).abs() <= NO_WIND * tip_m_s {
@@ -175,7 +183,7 @@ impl Rotor {
             starts.iter().map(|root| motions[*root].rotation.column(0).into_owned()).collect();
         let passes = pieces.sections.len();
         let first = from.loads.induction;
-        let mut trial = Trial { rotor: self, pieces: &pieces, from: from.clone(), flow, step_s };
+        let mut trial = Trial { rotor: self, pieces, from: from.clone(), flow, step_s };
         let mut inductions = [first; 3];
         let mut means = [[0.0; 2]; 2];
         let variables = |index: usize, inductions: [f64; 3]| Variables {
@@ -205,7 +213,7 @@ impl Rotor {
         if let Some(section) = sections.iter().position(ends) {
             return Err(NoRotorSlopes::End { blade: blades[section] });
         }
-        Ok((RotorStep { sections, shares, roots, axes, blades, outermost, passes, means }, pieces))
+        Ok(RotorStep { sections, shares, roots, axes, blades, outermost, passes, means })
     }
 }
 
@@ -270,7 +278,8 @@ impl Trial<'_> {
     fn rows(&mut self, index: usize, at: &Variables) -> SVector<f64, ROWS> {
         let Self { rotor, pieces, from, flow, step_s } = self;
         let normal = at.hub.rotation * rotor.options.shaft_axis;
-        let (cut, air_m_s) = rotor.cut(index, &at.own, (&at.hub, &normal), flow);
+        let wind = &mut Pieces::keep(&pieces.winds[index]);
+        let (cut, air_m_s) = rotor.cut(index, &at.own, (&at.hub, &normal), flow, wind);
         let mut of_disc = Pieces::keep(&pieces.disc);
         let disc = rotor.disc((&at.hub, &normal), (&at.wind_m_s, at.radius_m), flow, &mut of_disc);
         let mut rows = SVector::<f64, ROWS>::zeros();

@@ -1,6 +1,7 @@
 //! Derivatives of a step of a rotor against differences of whole steps on the same pieces.
 
 use super::*;
+use crate::aero::pieces::Holding;
 use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
 use crate::aero::surface::{ChordLine, Profile, Surface};
@@ -101,7 +102,10 @@ fn steps_have_their_slopes() {
         }
         let largest_n = loads.circulatory.iter().fold(0.0f64, |most, load| most.max(load.force_n.amax()));
         let now = motions(0.0);
-        let (step, pieces) = rotor.step_slopes(&from, &now, &flow, STEP_S).unwrap_or_else(|error| panic!("{error:?}"));
+        rotor.holding = Holding::Record(RotorPieces::default());
+        rotor.solve(&from, &now, &flow, STEP_S, &mut rotor.blank_state(), &mut loads);
+        let pieces = rotor.holding.recorded().expect("recorded");
+        let step = rotor.step_slopes(&from, &now, &flow, STEP_S, &pieces).unwrap_or_else(|error| panic!("{error:?}"));
         rotor.holding = Holding::Keep(pieces);
         let has_inflow = rotor.options.features.dynamic_inflow || rotor.options.features.inflow_lag_s.is_some();
         let sizes: Vec<f64> = from.clone().numbers().map(|number| number.abs()).collect();

@@ -2,7 +2,7 @@
 
 use crate::aero::polar::Polar;
 use crate::aero::rotor::induction::{Annular, Annulus, Approach, EndRule, SectionState, balance};
-use crate::aero::rotor::pieces::Pieces;
+use crate::aero::pieces::Pieces;
 use std::f64::consts::PI;
 
 /// Tip-speed ratios between which the induction is blended in, eq. (B7): momentum theory does not hold for the wake of a stopped rotor.

@@ -1,5 +1,6 @@
 //! The wind as a field in space and time: shear, a table over time, and turbulence convected by the mean wind.
 
+use crate::aero::pieces::Pieces;
 use crate::aero::rotor::turbulence_box::TurbulenceBox;
 use nalgebra::Vector3;
 
@@ -104,7 +105,13 @@ pub struct WindField {
 
 impl WindField {
     /// Velocity of the air in m/s at a time and position, eqs. (B18)–(B20); `input_m_s` is the wind of the input.
-    pub fn velocity_m_s(&self, time_s: f64, point_m: &Vector3<f64>, input_m_s: &Vector3<f64>) -> Vector3<f64> {
+    pub fn velocity_m_s(
+        &self,
+        time_s: f64,
+        point_m: &Vector3<f64>,
+        input_m_s: &Vector3<f64>,
+        pieces: &mut Pieces,
+    ) -> Vector3<f64> {
         let from_m = point_m - self.ground_m;
         let height_m = from_m.dot(&self.up);
         match &self.source {
@@ -125,7 +132,7 @@ impl WindField {
             }
             Source::Box(grid) => {
                 let port = self.up.cross(&self.downwind);
-                let [u, v, w] = grid.at(time_s, from_m.dot(&self.downwind), from_m.dot(&port), height_m);
+                let [u, v, w] = grid.at(time_s, [from_m.dot(&self.downwind), from_m.dot(&port), height_m], pieces);
                 input_m_s + self.downwind * u + port * v + self.up * w
             }
         }
@@ -162,15 +169,15 @@ mod tests {
     fn profiles_are_one_at_the_reference_height_and_finite_at_the_ground() {
         let input = Vector3::new(8.0, 1.0, 0.5);
         let power = field(Source::Steady(Shear::Power { exponent: 0.2 }));
-        assert_eq!(power.velocity_m_s(3.0, &Vector3::zeros(), &input), input);
-        let high = power.velocity_m_s(0.0, &Vector3::new(5.0, 7.0, 60.0), &input);
+        assert_eq!(power.velocity_m_s(3.0, &Vector3::zeros(), &input, &mut Pieces::Free), input);
+        let high = power.velocity_m_s(0.0, &Vector3::new(5.0, 7.0, 60.0), &input, &mut Pieces::Free);
         let factor = (150.0f64 / 90.0).powf(0.2);
         approx::assert_relative_eq!(high, Vector3::new(8.0 * factor, factor, 0.5), max_relative = 1e-14);
-        let low = power.velocity_m_s(0.0, &Vector3::new(0.0, 0.0, -200.0), &input);
+        let low = power.velocity_m_s(0.0, &Vector3::new(0.0, 0.0, -200.0), &input, &mut Pieces::Free);
         assert!(low.x > 0.0 && low.x < 2.0 && low.z == 0.5);
         let log = field(Source::Steady(Shear::Logarithmic { roughness_m: 0.03 }));
-        approx::assert_relative_eq!(log.velocity_m_s(0.0, &Vector3::zeros(), &input), input, max_relative = 1e-14);
-        assert_eq!(log.velocity_m_s(0.0, &(Vector3::z() * -90.0), &input).x, 0.0);
+        approx::assert_relative_eq!(log.velocity_m_s(0.0, &Vector3::zeros(), &input, &mut Pieces::Free), input, max_relative = 1e-14);
+        assert_eq!(log.velocity_m_s(0.0, &(Vector3::z() * -90.0), &input, &mut Pieces::Free).x, 0.0);
     }
 
     /// Writes out the formula of the uniform wind files.
@@ -189,11 +196,11 @@ mod tests {
         let table = WindTable { reference_length_m: 126.0, rows: vec![row(0.0, 8.0), row(10.0, 12.0)] };
         let field = field(Source::Table(table));
         let (x, y, z) = (4.0, -30.0, 20.0);
-        let got = field.velocity_m_s(5.0, &Vector3::new(x, y, z), &Vector3::zeros());
+        let got = field.velocity_m_s(5.0, &Vector3::new(x, y, z), &Vector3::zeros(), &mut Pieces::Free);
         let (s, c) = 0.3f64.sin_cos();
         let speed = 10.0 * ((110.0f64 / 90.0).powf(0.14) + (0.1 * (y * c + x * s) + 0.05 * z) / 126.0) + 1.5;
         approx::assert_relative_eq!(got, Vector3::new(speed * c, -speed * s, 0.2), max_relative = 1e-13);
-        let late = field.velocity_m_s(99.0, &Vector3::zeros(), &Vector3::zeros());
+        let late = field.velocity_m_s(99.0, &Vector3::zeros(), &Vector3::zeros(), &mut Pieces::Free);
         approx::assert_relative_eq!(late.norm(), (13.5f64.powi(2) + 0.04).sqrt(), max_relative = 1e-13);
     }
 }

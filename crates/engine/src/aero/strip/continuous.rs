@@ -6,6 +6,7 @@
 
 use crate::aero::flap::HingeMoment;
 use crate::aero::flow::Flow;
+use crate::aero::pieces::Pieces;
 use crate::aero::strip::flap::MassRates;
 use crate::aero::strip::indicial::Lag;
 use crate::aero::strip::instant::Instant;
@@ -217,8 +218,9 @@ impl Strips {
             let profile = &self.profiles[strip.surface];
             let lags = [lag(index, now.downwash_m_s, false), lag(index, now.gust_downwash_m_s, true)];
             let effective_m_s = self.options.effective_m_s(&lags[0], &lags[1]);
-            let section =
-                now.section_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
+            let suction = self.options.leading_edge_suction;
+            let pieces = &mut Pieces::Free;
+            let section = now.section_loads(strip, profile, suction, effective_m_s, flow.density_kg_m3, pieces);
             strip.add_force(&mut loads, &now.cut, section.fraction, &(section.force_n_m * now.cut.span_m));
             strip.add_moment(&mut loads, &now.cut, section.moment_n * now.cut.span_m);
             self.add_legs(index, section.circulation_m2_s, flow.density_kg_m3, &mut loads);

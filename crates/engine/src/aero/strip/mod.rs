@@ -19,6 +19,7 @@ mod tests;
 use crate::aero::AirLoads;
 use crate::aero::flap::HingeMoment;
 use crate::aero::flow::Flow;
+use crate::aero::pieces::{Holding, PieceList, Pieces};
 use crate::aero::surface::{Edge, Profile, Surface};
 use crate::load::{SectionMotion, Wrench};
 use compressible::compression;
@@ -139,6 +140,8 @@ pub struct Strips {
     inflows: Vec<Inflow>,
     /// Scratch: loads of the sections.
     section_loads: Vec<Wrench>,
+    /// Pieces of the functions of the strips: recorded, kept or free.
+    pub holding: Holding<Vec<PieceList>>,
 }
 
 impl Strips {
@@ -153,6 +156,7 @@ impl Strips {
             controls: Controls::default(),
             inflows: Vec::new(),
             section_loads: Vec::new(),
+            holding: Holding::Free,
         };
         for (index, surface) in surfaces.into_iter().enumerate() {
             model.first.push(model.strips.len());
@@ -190,6 +194,11 @@ impl Strips {
         LineEnd { surface, strips: next - first, strip, end: usize::from(edge.outer) }
     }
 
+    /// Empty lists of pieces, one per strip.
+    pub fn no_pieces(&self) -> Vec<PieceList> {
+        vec![PieceList::default(); self.strips.len()]
+    }
+
     /// Returns an empty state, to be filled by [`Strips::start`].
     pub fn blank_state(&self) -> StripState {
         StripState {
@@ -216,11 +225,14 @@ impl Strips {
         let options = self.options;
         self.add_induced(|_, now, gust_m_s| options.effective_m_s(&lag(now.downwash_m_s), &lag(gust_m_s)));
         state.hinges.fill(HingeMoment::default());
+        let mut holding = std::mem::take(&mut self.holding);
         for (index, history) in state.strips.iter_mut().enumerate() {
             let now = &self.inflows[index];
+            let pieces = &mut holding.pieces(|strips| &mut strips[index]);
             *history = now.history(lag(now.downwash_m_s), lag(now.gust_downwash_m_s));
-            self.add_circulatory((index, now), flow, history, &mut state.hinges, loads);
+            self.add_circulatory((index, now), flow, history, &mut state.hinges, loads, pieces);
         }
+        self.holding = holding;
     }
 
     /// Prepares the state at the end of a step: a copy, because strips have no wake.
@@ -249,9 +261,12 @@ impl Strips {
             options.effective_m_s(&motion, &gust)
         });
         to.hinges.fill(HingeMoment::default());
+        let mut holding = std::mem::take(&mut self.holding);
         for (index, (before, after)) in from.strips.iter().zip(&mut to.strips).enumerate() {
-            *after = self.advance((index, &self.inflows[index]), before, (flow, step_s), &mut to.hinges, loads);
+            let pieces = &mut holding.pieces(|strips| &mut strips[index]);
+            *after = self.advance((index, &self.inflows[index]), before, (flow, step_s), &mut to.hinges, loads, pieces);
         }
+        self.holding = holding;
     }
 
     /// Evaluates the inflow of all strips, and the lifting line through them if there is one.
@@ -299,12 +314,13 @@ impl Strips {
         history: &mut StripHistory,
         hinges: &mut [HingeMoment],
         loads: &mut AirLoads,
+        pieces: &mut Pieces,
     ) {
         let strip = &self.strips[index];
         let profile = &self.profiles[strip.surface];
         let effective_m_s = self.options.effective_m_s(&history.motion, &history.gust);
-        let section =
-            now.section_loads(strip, profile, self.options.leading_edge_suction, effective_m_s, flow.density_kg_m3);
+        let suction = self.options.leading_edge_suction;
+        let section = now.section_loads(strip, profile, suction, effective_m_s, flow.density_kg_m3, pieces);
         let span_m = now.cut.span_m;
         history.circulation_m2_s = section.circulation_m2_s;
         strip.add_force(&mut loads.circulatory, &now.cut, section.fraction, &(section.force_n_m * span_m));
@@ -440,6 +456,7 @@ impl Inflow {
         suction: bool,
         effective_m_s: f64,
         density_kg_m3: f64,
+        pieces: &mut Pieces,
     ) -> InternalLoads {
         let chord_m = self.cut.chord_m;
         let curvature_n = -PI / 16.0
@@ -461,8 +478,8 @@ impl Inflow {
                 (circulation_m2_s, force_n_m + self.drag_m3_s2(fraction, profile.drag_coefficient), fraction, moment_n)
             }
             Some(polar) => {
-                let angle_rad = profile.zero_lift_angle_rad + effective_m_s.atan2(self.along_m_s);
-                let row = polar.at(angle_rad);
+                let angle_rad = pieces.near(effective_m_s.atan2(self.along_m_s));
+                let row = pieces.row(polar, profile.zero_lift_angle_rad + angle_rad);
                 let (speed_m_s, lift_m3_s2) = self.lift_m3_s2(0.25, row.lift);
                 let moment_n = 0.5 * (chord_m * speed_m_s).powi(2) * row.moment;
                 (0.5 * chord_m * speed_m_s * row.lift, lift_m3_s2 + self.drag_m3_s2(0.25, row.drag), 0.25, moment_n)

@@ -4,6 +4,7 @@
 use crate::aero::AirLoads;
 use crate::aero::flap::HingeMoment;
 use crate::aero::flow::Flow;
+use crate::aero::pieces::{PieceList, Pieces};
 use crate::aero::strip::{Inflow, StripHistory, StripState, Strips};
 use crate::load::{SectionMotion, Wrench};
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
@@ -56,12 +57,18 @@ impl StripHistory {
 }
 
 impl Strips {
+    /// Surface of a strip.
+    pub fn surface_of(&self, strip: usize) -> usize {
+        self.strips[strip].surface
+    }
+
     /// Sections of each strip, inner one first.
     pub fn strip_sections(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
         self.strips.iter().map(|strip| strip.sections)
     }
 
-    /// Derivatives of the step with respect to `motions` and state, strip by strip; without a lifting line, so that strips are independent.
+    /// Derivatives of the step with respect to `motions` and state, strip by strip, on the pieces on which its functions lie; without a lifting
+    /// line, so that strips are independent.
     ///
     /// # Errors
     /// If a strip has no relative flow.
@@ -71,9 +78,11 @@ impl Strips {
         motions: &[SectionMotion],
         flow: &Flow,
         step_s: f64,
+        pieces: &[PieceList],
     ) -> Result<Vec<StripStep>, NoFlow> {
         let mut trial = Trial {
             strips: self,
+            pieces,
             flow,
             step_s,
             motions: motions.to_vec(),
@@ -88,6 +97,7 @@ impl Strips {
 /// Evaluates a step with perturbed motions and states.
 struct Trial<'a> {
     strips: &'a Strips,
+    pieces: &'a [PieceList],
     flow: &'a Flow<'a>,
     step_s: f64,
     motions: Vec<SectionMotion>,
@@ -128,6 +138,7 @@ impl Trial<'_> {
             return Err(NoFlow { surface: strip.surface });
         }
         let length_m = now.cut.chord_m.min(now.cut.span_m);
+        let has_polar = self.strips.profiles[strip.surface].polar.is_some();
         let mut slopes = StripStep::zeros();
         for end in 0..2 {
             let section = strip.sections[end];
@@ -146,8 +157,8 @@ impl Trial<'_> {
         let entries = if self.flow.gusts.is_empty() { STATE - LAG } else { STATE };
         for entry in 0..entries {
             let step = STEP * if NORMAL.contains(&entry) { 1.0 } else { speed_m_s };
-            // loads are quadratic in the downwash of the lag states and linear in the rates of change
-            let weights: &[f64] = if entry == LAG { &SIXTH_ORDER } else { &EXACT };
+            // without a polar loads are quadratic in the downwash of the lag states and linear in the rates of change
+            let weights: &[f64] = if entry == LAG || has_polar { &SIXTH_ORDER } else { &EXACT };
             let column = differences((step, weights), |change| {
                 let mut changed = *before;
                 *changed.numbers()[entry] += change;
@@ -166,7 +177,8 @@ impl Trial<'_> {
             (self.loads.circulatory[section], self.loads.impulsive[section]) = Default::default();
         }
         let step = (self.flow, self.step_s);
-        let mut after = self.strips.advance((index, &now), before, step, &mut self.hinges, &mut self.loads);
+        let pieces = &mut Pieces::keep(&self.pieces[index]);
+        let mut after = self.strips.advance((index, &now), before, step, &mut self.hinges, &mut self.loads, pieces);
         let mut rows = SVector::<f64, ROWS>::zeros();
         for (end, section) in sections.into_iter().enumerate() {
             let parts = [&self.loads.circulatory[section], &self.loads.impulsive[section]];

@@ -3,6 +3,7 @@
 use crate::aero::AirLoads;
 use crate::aero::flap::HingeMoment;
 use crate::aero::flow::{AirPath, Flow};
+use crate::aero::pieces::Pieces;
 use crate::aero::strip::flap::MassRates;
 use crate::aero::strip::section::Strip;
 use crate::aero::strip::{Inflow, StripHistory, Strips};
@@ -17,10 +18,11 @@ impl Strips {
         (flow, step_s): (&Flow, f64),
         hinges: &mut [HingeMoment],
         loads: &mut AirLoads,
+        pieces: &mut Pieces,
     ) -> StripHistory {
         let (motion, gust) = self.options.lags(before, now, now.gust_downwash_m_s, step_s);
         let mut after = now.history(motion, gust);
-        self.add_circulatory((index, now), flow, &mut after, hinges, loads);
+        self.add_circulatory((index, now), flow, &mut after, hinges, loads, pieces);
         if self.options.apparent_mass && step_s > 0.0 {
             add_impulsive(&self.strips[index], now, flow, [before, &after], step_s, hinges, loads);
         }

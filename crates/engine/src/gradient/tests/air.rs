@@ -2,10 +2,12 @@
 
 use super::*;
 use crate::aero::flow::GustShape;
+use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::strip::indicial::Fit;
 use crate::aero::surface::Profile;
 use crate::machine::Coupling;
 use crate::machine::builder::{FlapBuilder, GustBuilder};
+use nalgebra::{Rotation3, Vector3};
 
 /// Numbers of a folding wing in wind.
 #[derive(Clone, Copy)]
@@ -36,6 +38,28 @@ struct Kind {
     gusty: bool,
     /// With a motor that loses its torque within an aerodynamic step.
     fails: bool,
+    /// With a polar that falls beyond stall.
+    stalls: bool,
+    /// In free flight.
+    flies: bool,
+}
+
+impl Kind {
+    /// A latched wing at a hinge, without lags, in an established flow.
+    const PLAIN: Self = Self {
+        latched: true,
+        rigid: false,
+        driven: false,
+        unsteady: false,
+        established: true,
+        full: false,
+        gusty: false,
+        fails: false,
+        stalls: false,
+        flies: false,
+    };
+    /// The same with lags and everything else that strips without a polar have.
+    const FULL: Self = Self { unsteady: true, full: true, ..Self::PLAIN };
 }
 
 impl InAir {
@@ -61,18 +85,35 @@ impl InAir {
             .apparent_mass(kind.full)
             .leading_edge_suction(kind.full)
             .coupling(Coupling::Iterated { tolerance: 1e-12, most_iterations: 200 });
-        let air = if kind.full { air.speed_of_sound_m_s(60.0).fit(Fit::Fine) } else { air };
+        let air = if kind.full && !kind.stalls { air.speed_of_sound_m_s(60.0).fit(Fit::Fine) } else { air };
         let surface = |body: &str| {
             let profile = Profile { drag_coefficient: 0.02, ..Profile::THIN };
             let surface = LiftingSurface::on(body, 2)
                 .chord_m(Along::constant(self.chord))
                 .elastic_axis_fraction(self.axis)
                 .incidence_deg(Along::constant(self.incidence));
-            if kind.full { surface.profile(profile) } else { surface }
+            if kind.stalls {
+                surface.profile(Profile { polar: Some(stalling()), ..Profile::THIN })
+            } else if kind.full {
+                surface.profile(profile)
+            } else {
+                surface
+            }
         };
         // the equilibrium has the stop far away
         let wing = if kind.gusty { Numbers { stop: -2.0, ..self.wing } } else { self.wing };
-        let builder = wing.builder(kind.latched).air(air).surface(surface("inner")).surface(surface("outer"));
+        let builder = if kind.flies {
+            let rate = 10.0 * self.wing.start_rate;
+            let free = Joint::free("flight")
+                .at_root([0.1, 0.2, 0.3])
+                .mount(Rotation3::new(Vector3::new(0.1, -0.2, 0.05)).into_inner())
+                .start_velocity_m_s([0.4, rate, 0.2])
+                .start_angular_velocity_rad_s([rate, 2.0, -1.5]);
+            wing.builder_on(free, kind.latched)
+        } else {
+            wing.builder(kind.latched)
+        };
+        let builder = builder.air(air).surface(surface("inner")).surface(surface("outer"));
         if !kind.gusty {
             let mut machine = builder.build().map_err(|refused| refused.to_string())?;
             if kind.driven
@@ -97,6 +138,25 @@ impl InAir {
         machine.experiment.start = StartState::Equilibrium;
         Ok(machine)
     }
+}
+
+/// A polar with a drop of the lift at 14°, with drag and moment.
+fn stalling() -> Polar {
+    let row = |angle_deg: f64, lift, drag, moment| PolarRow { angle_rad: angle_deg.to_radians(), lift, drag, moment };
+    let rows = vec![
+        row(-180.0, 0.0, 0.05, 0.0),
+        row(-90.0, -1.1, 1.8, 0.4),
+        row(-30.0, -0.8, 0.5, 0.15),
+        row(-9.0, -0.7, 0.03, -0.02),
+        row(0.7, 0.3, 0.01, -0.05),
+        row(7.3, 0.95, 0.016, -0.06),
+        row(14.0, 1.35, 0.04, -0.04),
+        row(19.0, 0.9, 0.2, -0.1),
+        row(45.0, 1.1, 0.9, -0.25),
+        row(90.0, 0.1, 1.9, -0.5),
+        row(180.0, 0.0, 0.05, 0.0),
+    ];
+    Polar { rows }
 }
 
 /// A number and its place.
@@ -128,18 +188,25 @@ fn air_size(place: AirPlace) -> f64 {
     *(place.1)(&mut { InAir::USUAL })
 }
 
-/// Results: gauge, tip, energy, angle of the fold or, where it is latched rigidly, another coordinate of the tip, the force of the air and the reaction of the root, at both times.
-fn air_results(plant: &Plant, rigid: bool) -> Vec<RunResult> {
+/// Results: gauge, tip, energy, angle of the fold or, where it is latched rigidly, another coordinate of the tip, the force of the air and, if
+/// there is one, the reaction of the root, at both times.
+fn air_results(plant: &Plant, kind: Kind) -> Vec<RunResult> {
     let layout = *plant.outputs().layout();
     let indices = [
         layout.gauges.place(0, 0),
         layout.tips.place(0, 0) + 2,
         layout.energy.place(0, 0),
-        if rigid { layout.tips.place(0, 0) } else { layout.joints.place(1, 0) },
+        if kind.rigid { layout.tips.place(0, 0) } else { layout.joints.place(fold_of(kind), 0) },
         layout.air_total.place(0, 0) + 2,
         layout.root.place(0, 0) + 3,
     ];
-    (0..2).flat_map(|time| indices.map(|index| RunResult::Output { index, time })).collect()
+    let indices = &indices[..indices.len() - usize::from(kind.flies)];
+    (0..2).flat_map(|time| indices.iter().map(move |&index| RunResult::Output { index, time })).collect()
+}
+
+/// Place of the fold among the joints with one degree of freedom.
+fn fold_of(kind: Kind) -> usize {
+    usize::from(!kind.flies)
 }
 
 /// The largest differences of forward and adjoint, and of forward and the slopes of `run`, relative to the largest entry of a result.
@@ -152,9 +219,9 @@ fn compare_in_air(
     let mut plant = started(machine(InAir::USUAL));
     let tape = plant.run_on_tape(times_s).unwrap_or_else(|error| panic!("{error}"));
     let events = tape.crossings_s().count();
-    let mut results = air_results(&plant, kind.rigid);
+    let mut results = air_results(&plant, kind);
     if events > 0 && kind.latched {
-        results.push(RunResult::LatchTime { joint: 1 });
+        results.push(RunResult::LatchTime { joint: fold_of(kind) });
     }
     let parameter = |place: &AirPlace| {
         let machine = |shift: f64| plant_of(air_beside(*place, shift).machine(kind));
@@ -168,8 +235,10 @@ fn compare_in_air(
     let own = gradient.values(&results).unwrap_or_else(|error| panic!("{error}"));
     same_values(&own, &run(&tape, machine(InAir::USUAL), &results));
     let mut known = vec![vec![0.0; places.len()]; results.len()];
+    // with a polar, small enough that no strip passes a row
+    let share = if kind.stalls { 1e-5 } else { 1e-3 };
     for (column, place) in places.iter().enumerate() {
-        let step = 1e-3 * air_size(*place);
+        let step = share * air_size(*place);
         for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
             for (row, value) in known.iter_mut().zip(run(&tape, machine(air_beside(*place, steps * step)), &results)) {
                 row[column] += weight / (12.0 * step) * value;
@@ -204,16 +273,7 @@ fn simulated(times_s: &[f64], machine: Machine, results: &[RunResult]) -> Vec<f6
 #[test]
 fn gradients_in_air_are_those_of_simulations() {
     for (unsteady, established, full) in [(false, true, false), (true, true, true), (true, false, false)] {
-        let kind = Kind {
-            latched: true,
-            rigid: false,
-            driven: false,
-            unsteady,
-            established,
-            full,
-            gusty: false,
-            fails: false,
-        };
+        let kind = Kind { unsteady, established, full, ..Kind::PLAIN };
         let times_s = [0.032, 0.064];
         let places = if full { &AIR_PLACES[..] } else { &AIR_PLACES[..4] };
         let (both, differences, events) =
@@ -228,16 +288,7 @@ fn gradients_in_air_are_those_of_simulations() {
 /// structure: both ways, and by fourth-order differences of simulations.
 #[test]
 fn gradients_in_air_by_a_prescribed_motion() {
-    let kind = Kind {
-        latched: true,
-        rigid: false,
-        driven: true,
-        unsteady: true,
-        established: true,
-        full: true,
-        gusty: false,
-        fails: false,
-    };
+    let kind = Kind { driven: true, ..Kind::FULL };
     let times_s = [0.032, 0.064];
     let knot: AirPlace = ("knot", |n| &mut n.wing.stop);
     let places = [&AIR_PLACES[..4], &AIR_PLACES[9..11], &[knot]].concat();
@@ -252,16 +303,7 @@ fn gradients_in_air_by_a_prescribed_motion() {
 /// start, which converges to 1e-9 of the loads, included.
 #[test]
 fn gradients_in_a_gust_start_in_an_equilibrium() {
-    let kind = Kind {
-        latched: false,
-        rigid: false,
-        driven: false,
-        unsteady: true,
-        established: true,
-        full: true,
-        gusty: true,
-        fails: false,
-    };
+    let kind = Kind { latched: false, gusty: true, ..Kind::FULL };
     let times_s = [0.032, 0.064];
     let own: [AirPlace; 2] = [("gust", |n| &mut n.gust), ("flap", |n| &mut n.flap)];
     let places = [&AIR_PLACES[..6], &own].concat();
@@ -277,16 +319,7 @@ fn gradients_in_a_gust_start_in_an_equilibrium() {
 #[test]
 fn gradients_in_air_pass_through_events() {
     for (latched, rigid) in [(true, false), (true, true), (false, false)] {
-        let kind = Kind {
-            latched,
-            rigid,
-            driven: rigid,
-            unsteady: true,
-            established: true,
-            full: true,
-            gusty: false,
-            fails: false,
-        };
+        let kind = Kind { latched, rigid, driven: rigid, ..Kind::FULL };
         let times_s = [0.1213, 0.159];
         let knot: AirPlace = ("knot", |n| &mut n.wing.stop);
         let mut places = [0, 2, 5, 7, 9, 11].map(|place| AIR_PLACES[place]).to_vec();
@@ -303,9 +336,7 @@ fn gradients_in_air_pass_through_events() {
 /// GR-81: the same through a failure within an aerodynamic step, by its time and numbers of air and structure.
 #[test]
 fn gradients_in_air_pass_through_a_failure() {
-    let (unsteady, established, full) = (true, true, true);
-    let kind =
-        Kind { latched: false, rigid: false, driven: false, unsteady, established, full, gusty: false, fails: true };
+    let kind = Kind { latched: false, fails: true, ..Kind::FULL };
     let times_s = [0.1213, 0.159];
     let time: AirPlace = ("fail_s", |n| &mut n.wing.fail_s);
     let places = [&[0, 2, 5, 7, 9].map(|place| AIR_PLACES[place])[..], &[time]].concat();
@@ -315,4 +346,51 @@ fn gradients_in_air_pass_through_a_failure() {
     println!("GR-81 {both:.1e} {differences:.1e}");
     assert!(both < 1e-10, "{both:.1e}");
     assert!(differences < 1e-6, "{differences:.1e}");
+}
+
+/// GR-95: of a wing whose strips have a polar, attached and stalled, quasi-steady and with lags, from a sudden and an established flow and
+/// through a latch or onto a stop: both ways, and by differences of simulations or of runs with the same steps, so small that no strip passes
+/// a row of the polar.
+#[test]
+fn gradients_in_air_with_polars() {
+    for (unsteady, established, full) in [(false, true, false), (true, true, true), (true, false, false)] {
+        let kind = Kind { unsteady, established, full, stalls: true, ..Kind::PLAIN };
+        let times_s = [0.032, 0.064];
+        let places = if full { &AIR_PLACES[..] } else { &AIR_PLACES[..5] };
+        let (both, differences, events) =
+            compare_in_air(kind, (&times_s, places), |_, machine, results| simulated(&times_s, machine, results));
+        println!("GR-95 {unsteady} {established}: {both:.1e} {differences:.1e}");
+        assert_eq!(events, 0);
+        assert!(both < 1e-10, "{unsteady} {established}: {both:.1e}");
+        assert!(differences < 1e-6, "{unsteady} {established}: {differences:.1e}");
+    }
+    for latched in [true, false] {
+        let kind = Kind { latched, stalls: true, ..Kind::FULL };
+        let times_s = [0.1213, 0.159];
+        let places = [0, 2, 4, 5, 7, 9].map(|place| AIR_PLACES[place]);
+        let (both, differences, events) = compare_in_air(kind, (&times_s, &places), |tape, machine, results| {
+            retraced_at(tape, machine, &InputRows::default(), (&times_s, results))
+        });
+        println!("GR-95 {latched}: {both:.1e} {differences:.1e}");
+        assert!(events > 0, "no event");
+        assert!(both < 1e-10, "{latched}: {both:.1e}");
+        assert!(differences < 1e-6, "{latched}: {differences:.1e}");
+    }
+}
+
+/// GR-96: of a wing in free flight in air, through a latch, both ways and by differences of runs with the same steps.
+#[test]
+fn gradients_of_free_flight_in_air() {
+    for (rigid, stalls) in [(false, false), (true, false), (false, true)] {
+        let kind = Kind { flies: true, rigid, stalls, ..Kind::FULL };
+        let times_s = [0.1213, 0.159];
+        let places = [0, 2, 4, 5, 7, 8, 9, 11].map(|place| AIR_PLACES[place]);
+        let (both, differences, events) = compare_in_air(kind, (&times_s, &places), |tape, machine, results| {
+            retraced_at(tape, machine, &InputRows::default(), (&times_s, results))
+        });
+        println!("GR-96 {rigid} {stalls}: {both:.1e} {differences:.1e}");
+        assert!(events > 0, "no event");
+        assert!(both < 1e-10, "{rigid} {stalls}: {both:.1e}");
+        assert!(differences < 1e-6, "{rigid} {stalls}: {differences:.1e}");
+    }
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::beam::profile::Profile as Along;
 use crate::beam::section::{Material, Solid};
 use crate::gradient::tape::{Ending, Step};
-use crate::machine::builder::MachineBuilder;
+use crate::machine::builder::{JointBuilder, MachineBuilder};
 use crate::machine::{
     Air, AttachedMass, Beyond, Body, Effect, EndStops, Failure, Gauge, GeneratorLaw, Joint, JointKind, JointMotion,
     Latch, LatchKind, LiftingSurface, Machine, Method, Motion, Motor, OneFreedom, Solver, Spring, StartState,
@@ -106,6 +106,13 @@ impl Numbers {
     }
 
     fn builder(self, latched: bool) -> MachineBuilder {
+        let root =
+            Joint::revolute("flap", [0.0, 1.0, 0.0]).spring(Spring { stiffness_n_m_rad: 40.0, ..Spring::default() });
+        self.builder_on(root, latched)
+    }
+
+    /// The wing on a root joint.
+    fn builder_on(self, root: JointBuilder, latched: bool) -> MachineBuilder {
         let material = |density_kg_m3| Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.2e9, density_kg_m3 };
         let section = Solid::rectangle(0.05, self.thickness, material(self.density));
         let inner = Body::beam("inner", self.length, section)
@@ -141,8 +148,6 @@ impl Numbers {
             };
             fold = fold.end_stops(stops);
         }
-        let root =
-            Joint::revolute("flap", [0.0, 1.0, 0.0]).spring(Spring { stiffness_n_m_rad: 40.0, ..Spring::default() });
         let wrench = crate::load::Wrench { force_n: [0.0, 0.0, self.load].into(), ..Default::default() };
         Machine::builder("Folding")
             .gravity_m_s2([0.0, 0.0, -9.81])

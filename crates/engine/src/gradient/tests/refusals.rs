@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::aero::flow::GustShape;
-use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::surface::Profile;
 use crate::machine::Coupling;
 use crate::machine::builder::{AirBuilder, GustBuilder};
@@ -99,13 +98,10 @@ fn air_that_is_not_covered_is_refused_by_name() {
     };
     let build = |builder: MachineBuilder| builder.build().unwrap_or_else(|error| panic!("{error}"));
     let gust = GustBuilder::new("front", GustShape::SharpEdge, [0.0, 0.0, 1.0]);
-    let row = |angle_rad: f64| PolarRow { angle_rad, lift: 5.0 * angle_rad, drag: 0.01, moment: 0.0 };
-    let polar = Profile { polar: Some(Polar { rows: vec![row(-1.0), row(1.0)] }), ..Profile::THIN };
     let cases = [
         ("the lifting line of strips", wing(Air::strips().tip_loss(true), Profile::THIN)),
         ("the staggered coupling", wing(Air::strips().coupling(Coupling::Staggered), Profile::THIN)),
         ("gusts with jumps or kinks, all but one_minus_cosine (front)", wing(Air::strips(), Profile::THIN).gust(gust)),
-        ("polars, which have kinks at their rows (wing)", wing(Air::strips(), polar)),
     ];
     for (words, builder) in cases {
         match started(build(builder)).run_on_tape(&[0.01]) {

@@ -4,6 +4,8 @@ use super::*;
 use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::rotor::bem::RotorFeatures;
 use crate::aero::rotor::options::PitchRate;
+use crate::aero::rotor::turbulence_box::TurbulenceBox;
+use crate::aero::rotor::wind::{Source, WindField};
 use crate::machine::Coupling;
 use crate::machine::builder::RotorSettings;
 use crate::machine::failure::FrictionBrake;
@@ -330,6 +332,46 @@ fn gradients_at_small_angles_of_the_flow() {
     agree("GR-93 hover", &hover, &RIGID[1..], false);
     let edgewise = Has { symmetric: true, wind: Some([0.045, 5.3]), rows_deg: 1, ..hover };
     agree("GR-93 edgewise", &edgewise, &RIGID, false);
+}
+
+/// Turbulence of ±2 m/s on a grid of 3 m and 0.03 s, whose plane is oblique to the shaft; its end comes within the run.
+fn turbulence(periodic: bool) -> WindField {
+    let mut random = fastrand::Rng::with_seed(11);
+    let (across, upward, planes) = (5, 5, 4);
+    let mut draw = || 4.0 * random.f32() - 2.0;
+    let grid = TurbulenceBox {
+        across,
+        upward,
+        planes,
+        across_m: 3.1,
+        upward_m: 2.9,
+        plane_interval_s: 0.031,
+        bottom_m: 1.3,
+        carried_m_s: 11.0,
+        periodic,
+        velocity_m_s: (0..across * upward * planes).map(|_| [draw(), draw(), draw()]).collect(),
+    };
+    WindField {
+        source: Source::Box(Box::new(grid)),
+        ground_m: Vector3::new(0.07, 0.2, -7.0),
+        up: Vector3::z(),
+        downwind: Vector3::new(0.28f64.cos(), 0.28f64.sin(), 0.0),
+        reference_height_m: 7.0,
+    }
+}
+
+/// GR-97: turbulence on a grid, periodic or held at its end, whose cells sections leave along the run and along the differences.
+#[test]
+fn gradients_in_turbulence() {
+    let places = [WIND, CHORD, PITCH, SPEED, LENGTH];
+    let has = Has { rows_deg: 4, features: Some(|features| features.field = Some(turbulence(true))), ..Has::default() };
+    agree("GR-97 rigid", &has, &places, false);
+    let features = |features: &mut RotorFeatures| {
+        with_inflow(features);
+        features.field = Some(turbulence(false));
+    };
+    let has = Has { flexible: true, features: Some(features), ..has };
+    agree("GR-97 flexible", &has, &places, false);
 }
 
 /// GR-92: through a brake that is applied within an aerodynamic step, and through a latch of a pitch bearing.

@@ -6,9 +6,7 @@
 //! states of its sections, their mean induction, and the loads.
 
 use crate::aero::flow::{Gust, GustShape};
-use crate::aero::rotor::pieces::RotorPieces;
 use crate::aero::rotor::slopes::{NoRotorSlopes, RotorStep};
-use crate::aero::rotor::wind::Source;
 use crate::aero::strip::slopes::{LOADS, MOTION, ROWS, STATE, StripStep};
 use crate::aero::{AirModel, AirOptions, AirState};
 use crate::load::Wrench;
@@ -17,6 +15,7 @@ use crate::math::so3::{hat, rotation_vector};
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::air::start::{flow, refusal};
+use crate::system::air::pieces::{self, AirPieces};
 use crate::system::air::{AirCoupling, AirHistory, ENTRIES, Sample, VELOCITY_WEIGHTS, gaps};
 use crate::system::{PlantError, System};
 use nalgebra::{Matrix3, SVector, Vector3};
@@ -30,6 +29,8 @@ pub(crate) enum NoSlopes {
     Still(usize),
     /// A section of this body is exactly at a row of its polar.
     Kink(usize),
+    /// A section of this body is exactly at a point of the grid of the wind.
+    Node(usize),
     /// The momentum balance of a section of this body ends beside its state.
     End(usize),
     /// Any small wind across the shaft would skew the wake of the rotor.
@@ -46,14 +47,16 @@ pub(crate) struct AirStepSlopes {
     /// Per section, at the end: attitude, circulatory and impulsive load in the root frame.
     ends: Vec<(Matrix3<f64>, [Wrench; 2])>,
     model: ModelSlopes,
+    /// Pieces on which the functions of the model lie.
+    pieces: Option<AirPieces>,
 }
 
 /// Derivatives of the aerodynamic model in a step.
 enum ModelSlopes {
     /// Per strip: its sections and its derivatives.
     Strips(Vec<([usize; 2], StripStep)>),
-    /// Of a rotor, and the pieces on which its functions lie.
-    Rotor(Box<(RotorStep, RotorPieces)>),
+    /// Of a rotor.
+    Rotor(Box<RotorStep>),
 }
 
 impl AirStepSlopes {
@@ -65,7 +68,7 @@ impl AirStepSlopes {
     fn first_load(&self) -> usize {
         match &self.model {
             ModelSlopes::Strips(strips) => SAMPLE * self.ends.len() + STATE * strips.len(),
-            ModelSlopes::Rotor(rotor) => rotor.0.state_entries(),
+            ModelSlopes::Rotor(rotor) => rotor.state_entries(),
         }
     }
 
@@ -77,12 +80,9 @@ impl AirStepSlopes {
         }
     }
 
-    /// Pieces on which the functions of a rotor lie.
-    pub fn pieces(&self) -> Option<&RotorPieces> {
-        match &self.model {
-            ModelSlopes::Strips(_) => None,
-            ModelSlopes::Rotor(rotor) => Some(&rotor.1),
-        }
+    /// Pieces on which the functions of the model lie.
+    pub fn pieces(&self) -> Option<&AirPieces> {
+        self.pieces.as_ref()
     }
 
     /// Variation of the memory at the end, followed by that of the effective loads, due to variations of the memory at the start and of the
@@ -95,7 +95,7 @@ impl AirStepSlopes {
         match &self.model {
             ModelSlopes::Strips(strips) => self.strips_forward(strips, [memory, poses], &mut out, &mut forces),
             ModelSlopes::Rotor(rotor) => {
-                let (after, loads) = rotor.0.forward(&memory[..first_load], poses);
+                let (after, loads) = rotor.forward(&memory[..first_load], poses);
                 out[..first_load].copy_from_slice(&after);
                 for (own, loads) in forces.iter_mut().zip(loads.chunks_exact(ENTRIES)) {
                     own[..ENTRIES].copy_from_slice(loads);
@@ -180,7 +180,7 @@ impl AirStepSlopes {
             ModelSlopes::Strips(strips) => self.strips_reverse(strips, on, (&forces, &turned), &mut memory),
             ModelSlopes::Rotor(rotor) => {
                 let loads: Vec<f64> = forces.iter().flat_map(|own| own[..ENTRIES].iter().copied()).collect();
-                let (state, mut motions) = rotor.0.reverse(&on[..first_load], &loads);
+                let (state, mut motions) = rotor.reverse(&on[..first_load], &loads);
                 memory[..first_load].copy_from_slice(&state);
                 for (motion, turn) in motions.chunks_exact_mut(MOTION).zip(&turned) {
                     motion[3..ENTRIES].iter_mut().zip(turn).for_each(|(sum, turn)| *sum += turn);
@@ -244,9 +244,6 @@ impl System {
                 if features.tower.is_some() {
                     return Some(("rotors whose tower disturbs the wind", "tower"));
                 }
-                if features.field.as_ref().is_some_and(|field| matches!(field.source, Source::Box(_))) {
-                    return Some(("turbulence on a grid", "wind"));
-                }
                 None
             }
             Some(AirOptions::Lattice(_)) => return Some(("the vortex lattice", "aerodynamics")),
@@ -263,8 +260,7 @@ impl System {
         if let Some(gust) = air.gusts.iter().find(|gust| !smooth(gust)) {
             return Some(("gusts with jumps or kinks, all but one_minus_cosine", &gust.name));
         }
-        let surface = air.surfaces.iter().find(|surface| strips.is_some() && surface.profile.polar.is_some())?;
-        Some(("polars, which have kinks at their rows", &self.machine.bodies[surface.body].name))
+        None
     }
 
     /// Whether the loads of the air depend on velocities at the instant.
@@ -299,17 +295,25 @@ impl System {
         let flow = flow(settings, state, before.loads.end_s);
         let step_s = settings.step_s;
         let mut after = before.after.clone();
+        if let Some(model) = model.only_mut() {
+            pieces::record(model);
+        }
         let solved = model.solve(&before.before, motions, &flow, step_s, &mut after, loads);
+        let met = model.only_mut().and_then(pieces::recorded);
         solved.map_err(|error| NoSlopes::Step(gaps::failure(&self.machine, settings, before.loads.end_s, error)))?;
-        let model = match (model.only_mut(), before.before.only()) {
-            (Some(AirModel::Strips(strips)), Some(AirState::Strips(from))) => {
-                let slopes = strips.step_slopes(from, motions, &flow, step_s);
+        let model = match (model.only_mut(), before.before.only(), &met) {
+            (Some(AirModel::Strips(strips)), Some(AirState::Strips(from)), Some(AirPieces::Strips(met))) => {
+                if let Some(strip) = met.iter().position(|list| list.at_kink) {
+                    return Err(NoSlopes::Kink(settings.surfaces[strips.surface_of(strip)].body));
+                }
+                let slopes = strips.step_slopes(from, motions, &flow, step_s, met);
                 let slopes = slopes.map_err(|still| NoSlopes::Still(settings.surfaces[still.surface].body))?;
                 ModelSlopes::Strips(strips.strip_sections().zip(slopes).collect())
             }
-            (Some(AirModel::Rotor(rotor)), Some(AirState::Rotor(from))) => {
-                let slopes = rotor.step_slopes(from, motions, &flow, step_s).map_err(|refused| match refused {
+            (Some(AirModel::Rotor(rotor)), Some(AirState::Rotor(from)), Some(AirPieces::Rotor(met))) => {
+                let slopes = rotor.step_slopes(from, motions, &flow, step_s, met).map_err(|refused| match refused {
                     NoRotorSlopes::Kink { blade } => NoSlopes::Kink(settings.surfaces[blade].body),
+                    NoRotorSlopes::Node { blade } => NoSlopes::Node(settings.surfaces[blade].body),
                     NoRotorSlopes::End { blade } => NoSlopes::End(settings.surfaces[blade].body),
                     NoRotorSlopes::NoWind => NoSlopes::NoWind,
                 })?;
@@ -317,6 +321,7 @@ impl System {
             }
             (
                 Some(AirModel::Lattice(_) | AirModel::Strips(_) | AirModel::Rotor(_) | AirModel::SlenderBody(_)) | None,
+                _,
                 _,
             ) => return Err(no_air()),
         };
@@ -332,6 +337,7 @@ impl System {
             turns: turns.collect(),
             ends: ends.map(|(motion, (a, b))| (motion.rotation, [*a, *b])).collect(),
             model,
+            pieces: met,
         })
     }
 
