@@ -23,17 +23,6 @@ const SAME: f64 = 2e-6;
 /// Derivatives below this fraction of the result are round-off: those of outputs that a parameter does not affect.
 const ROUND_OFF: f64 = 1e-11;
 
-/// Keys of a joint that are valid for a clamped joint too.
-const OF_CLAMPED: [&str; 7] = [
-    "parent",
-    "child",
-    "root_position_m",
-    "parent_position_m",
-    "parent_frame",
-    "parent_offset_m",
-    "mount_rotation_deg",
-];
-
 /// Tables that exist only in machines with aerodynamics.
 const OF_AIR: [&str; 4] = ["aerodynamics", "wind", "gust", "polar"];
 
@@ -121,13 +110,11 @@ pub fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     match part {
         "the vortex lattice" => Some(still(model)),
         "rotors whose tower disturbs the wind" => remove("tower"),
-        "turbulence on a grid" => remove("wind.turbulence"),
         "the lifting line of strips" => {
             key_removed(model, "aerodynamics", &["tip_loss", "core_radius_m", "mirror_normal"])
         }
         "the staggered coupling of aerodynamics and structure" => key_removed(model, "aerodynamics", &["coupling"]),
         part if part.starts_with("gusts") => remove("gust"),
-        part if part.starts_with("polars") => key_removed(model, "surface.", &["polar"]),
         "bodies with shear in air"
         | "loads inside elements with shear"
         | "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
@@ -136,7 +123,6 @@ pub fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         "currents of DC motors" => of_joint("dc_motor"),
         "rigid loops" => remove(&format!("loop.{place}")),
         part if part.starts_with("failures") => remove(&format!("failure.{place}")),
-        "universal, ball and free joints in air" => Some(clamped(model, place)),
         "generators whose torque jumps at the first row of the table" => of_joint("generator"),
         "rotors of geared motors that turn with their carrier" => of_joint("motor"),
         "the methods generalized_alpha and rk4" => remove("solver"),
@@ -201,18 +187,6 @@ fn still(model: &Model) -> Model {
     let of_air = |name: &str| OF_AIR.iter().any(|table| name == *table || name.starts_with(&format!("{table}.")));
     while let Some(index) = model.tables.iter().position(|table| of_air(&table.name)) {
         model = model.without(index);
-    }
-    model
-}
-
-/// The machine with a joint of several degrees of freedom replaced by a clamped one.
-fn clamped(model: &Model, joint: &str) -> Model {
-    let mut model = model.clone();
-    let name = format!("joint.{joint}");
-    model.tables.retain(|table| !table.name.starts_with(&format!("{name}.")));
-    for table in model.tables.iter_mut().filter(|table| table.name == name) {
-        table.keys.retain(|(key, _)| OF_CLAMPED.contains(key));
-        table.set("type", "clamped");
     }
     model
 }

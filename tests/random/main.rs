@@ -440,7 +440,7 @@ fn x16_skates_and_wheels_do_not_slip() {
 
 /// Machines with several aerodynamic models: they run, all but a few; rotated and mirrored as a whole they have the same motion; their
 /// energy accounts close; states are whole; communication steps do not matter; file and tables give the same machine; every row of the
-/// linear model is that of the machine; Model Exchange has the motion of the co-simulation.
+/// linear model is that of the machine; Model Exchange has the motion of the co-simulation; gradients are the same both ways.
 #[test]
 fn x17_machines_with_several_airs() {
     let seeds = || AIRS..AIRS + 30_u64.div_ceil(share() as u64);
@@ -480,6 +480,7 @@ fn x17_machines_with_several_airs() {
     hold_for("X-17 states", seeds(), invariants::states);
     hold_for("X-17 communication", seeds(), invariants::communication);
     hold_for("X-17 files", seeds(), invariants::files);
+    hold_for("X-17 gradients", seeds(), gradients::both_ways);
 }
 
 /// Machines with DC motors, in any combination with joints, loops, latches, stops, air and events: they run, all but a few, and

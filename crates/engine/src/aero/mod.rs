@@ -41,6 +41,7 @@ pub mod rotor;
 mod sheet;
 pub mod slender;
 mod slender_instant;
+pub mod slender_slopes;
 pub mod strip;
 pub mod surface;
 mod vortex_segments;

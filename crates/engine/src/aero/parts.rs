@@ -142,6 +142,11 @@ impl AirModels {
         self.parts.iter().map(|part| (&part.model, &part.sections[..]))
     }
 
+    /// The models of the last [`Self::solve`] with their sections, the motions of these, and their surfaces.
+    pub fn each_mut(&mut self) -> impl Iterator<Item = (&mut AirModel, &[usize], &[SectionMotion], &[usize])> {
+        self.parts.iter_mut().map(|part| (&mut part.model, &part.sections[..], &part.motions[..], &part.surfaces[..]))
+    }
+
     /// Joins two surface edges where their bodies are connected, if one model has both (lattice and lifting line).
     pub fn join(&mut self, edges: [Edge; 2]) {
         for part in &mut self.parts {

@@ -7,7 +7,7 @@
 
 use crate::aero::AirLoads;
 use crate::aero::flow::{AirPath, Flow};
-use crate::load::SectionMotion;
+use crate::load::{SectionMotion, Wrench};
 use nalgebra::{Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -208,15 +208,26 @@ impl SlenderBody {
         if !(self.options.apparent_mass && step_s > 0.0) {
             return;
         }
-        // mean rate over the step of the momentum, whose direction is fixed in the air: eq. (W18)
-        let path = AirPath::new(flow, step_s);
-        for (section, (before, after)) in from.momenta_m4_s.iter().zip(&to.momenta_m4_s).enumerate() {
-            let force_n = (path.turned(before) - after) * (flow.density_kg_m3 / step_s);
-            // the load turns with the section during the step, so that it has this direction in the middle
-            let half_turn = (motions[section].spin_rad_s + flow.spin_rad_s) * (0.5 * step_s);
-            let force_n = Rotation3::new(half_turn) * force_n;
-            loads.impulsive[section].add_force_at(&self.arm_m(section, motions), &force_n);
+        for (section, momenta) in from.momenta_m4_s.iter().zip(&to.momenta_m4_s).enumerate() {
+            self.add_impulse(section, momenta, motions, (flow, step_s), &mut loads.impulsive[section]);
         }
+    }
+
+    /// Adds the load of the mean rate over a step of a section's momentum, whose direction is fixed in the air: eq. (W18).
+    pub(super) fn add_impulse(
+        &self,
+        section: usize,
+        (before, after): (&Vector3<f64>, &Vector3<f64>),
+        motions: &[SectionMotion],
+        (flow, step_s): (&Flow, f64),
+        load: &mut Wrench,
+    ) {
+        let path = AirPath::new(flow, step_s);
+        let force_n = (path.turned(before) - after) * (flow.density_kg_m3 / step_s);
+        // the load turns with the section during the step, so that it has this direction in the middle
+        let half_turn = (motions[section].spin_rad_s + flow.spin_rad_s) * (0.5 * step_s);
+        let force_n = Rotation3::new(half_turn) * force_n;
+        load.add_force_at(&self.arm_m(section, motions), &force_n);
     }
 
     /// Vector from the reference point of a section to its centre, root frame, m.
@@ -260,41 +271,65 @@ impl SlenderBody {
         state: &mut SlenderBodyState,
         loads: &mut AirLoads,
     ) {
-        let density_kg_m3 = flow.density_kg_m3;
         state.momenta_m4_s.fill(Vector3::zeros());
-        for (inner, (frustum, rest_m)) in self.frustums.iter().zip(&self.lengths_m).enumerate() {
-            let sections = [inner, inner + 1];
-            let arms_m = sections.map(|section| self.arm_m(section, motions));
-            let (_, along, length_m) = self.axis(inner, motions);
-            let meetings = sections.map(|section| self.meet(section, &along, motions, flow));
-            let [inner_m3, both_m3, outer_m3] = frustum.volumes_m3;
-            let [first, second] = meetings.map(|meeting| meeting.across_m_s);
-            let momenta_m4_s = [first * inner_m3 + second * both_m3, first * both_m3 + second * outer_m3];
-            // the momentum that drifts along the body: a couple of forces across it
-            let drift_n = (momenta_m4_s[0] * meetings[0].along_m_s + momenta_m4_s[1] * meetings[1].along_m_s)
-                * (density_kg_m3 / length_m);
-            let mean_m_s = 0.5 * (meetings[0].along_m_s + meetings[1].along_m_s);
-            let widening_m2 = frustum.widening_m2(*rest_m);
-            for (end, meeting) in meetings.iter().enumerate() {
-                state.momenta_m4_s[sections[end]] += momenta_m4_s[end];
-                let drift_n = if end == 0 { -drift_n } else { drift_n };
-                let gust_n = meeting.gust_m_s * (density_kg_m3 * mean_m_s * widening_m2[end]);
-                let about = about.get(inner).map(|ends| &ends[end]);
-                let drag_n = self.drag_n(meeting, about, &along, frustum.sides_m2[end], density_kg_m3);
-                let force_n = drift_n + gust_n + drag_n;
-                loads.circulatory[sections[end]].add_force_at(&arms_m[end], &force_n);
-            }
+        for inner in 0..self.frustums.len() {
+            self.add_frustum(inner, motions, flow, about.get(inner), state, loads);
         }
-        for (section, outward, area_m2) in self.ends() {
-            let along = motions[section].rotation.column(0).into_owned();
-            let meeting = self.meet(section, &along, motions, flow);
-            let force_n = end_force_n(&meeting, &along, outward, area_m2) * density_kg_m3;
-            loads.circulatory[section].add_force_at(&self.arm_m(section, motions), &force_n);
+        for end in self.ends() {
+            self.add_end(end, motions, flow, loads);
         }
     }
 
+    /// Adds loads and momenta of a frustum to its sections.
+    pub(super) fn add_frustum(
+        &self,
+        inner: usize,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        about: Option<&[DragPoint; 2]>,
+        state: &mut SlenderBodyState,
+        loads: &mut AirLoads,
+    ) {
+        let (frustum, density_kg_m3) = (&self.frustums[inner], flow.density_kg_m3);
+        let sections = [inner, inner + 1];
+        let arms_m = sections.map(|section| self.arm_m(section, motions));
+        let (_, along, length_m) = self.axis(inner, motions);
+        let meetings = sections.map(|section| self.meet(section, &along, motions, flow));
+        let [inner_m3, both_m3, outer_m3] = frustum.volumes_m3;
+        let [first, second] = meetings.map(|meeting| meeting.across_m_s);
+        let momenta_m4_s = [first * inner_m3 + second * both_m3, first * both_m3 + second * outer_m3];
+        // the momentum that drifts along the body: a couple of forces across it
+        let drift_n = (momenta_m4_s[0] * meetings[0].along_m_s + momenta_m4_s[1] * meetings[1].along_m_s)
+            * (density_kg_m3 / length_m);
+        let mean_m_s = 0.5 * (meetings[0].along_m_s + meetings[1].along_m_s);
+        let widening_m2 = frustum.widening_m2(self.lengths_m[inner]);
+        for (end, meeting) in meetings.iter().enumerate() {
+            state.momenta_m4_s[sections[end]] += momenta_m4_s[end];
+            let drift_n = if end == 0 { -drift_n } else { drift_n };
+            let gust_n = meeting.gust_m_s * (density_kg_m3 * mean_m_s * widening_m2[end]);
+            let about = about.map(|ends| &ends[end]);
+            let drag_n = self.drag_n(meeting, about, &along, frustum.sides_m2[end], density_kg_m3);
+            let force_n = drift_n + gust_n + drag_n;
+            loads.circulatory[sections[end]].add_force_at(&arms_m[end], &force_n);
+        }
+    }
+
+    /// Adds the load of an end: section, direction out of the body along the axis, and cross-section.
+    pub(super) fn add_end(
+        &self,
+        (section, outward, area_m2): (usize, f64, f64),
+        motions: &[SectionMotion],
+        flow: &Flow,
+        loads: &mut AirLoads,
+    ) {
+        let along = motions[section].rotation.column(0).into_owned();
+        let meeting = self.meet(section, &along, motions, flow);
+        let force_n = end_force_n(&meeting, &along, outward, area_m2) * flow.density_kg_m3;
+        loads.circulatory[section].add_force_at(&self.arm_m(section, motions), &force_n);
+    }
+
     /// Section, direction out of the body along the axis, and cross-section of both ends.
-    fn ends(&self) -> [(usize, f64, f64); 2] {
+    pub(super) fn ends(&self) -> [(usize, f64, f64); 2] {
         let last = self.frustums.len() - 1;
         [(0, -1.0, self.frustums[0].areas_m2[0]), (last + 1, 1.0, self.frustums[last].areas_m2[1])]
     }

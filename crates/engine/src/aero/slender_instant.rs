@@ -8,6 +8,7 @@ use crate::aero::flow::Flow;
 use crate::aero::slender::{DragPoint, SlenderBody, SlenderBodyState};
 use crate::aero::strip::continuous::{Answer, LOAD_ROWS, Variable, displace, kinds_of_loads};
 use crate::aero::strip::instant::Instant;
+use crate::load::SectionMotion;
 use crate::math::corners::slope_off_corners;
 use nalgebra::Vector3;
 use std::borrow::Cow;
@@ -120,9 +121,14 @@ impl SlenderBody {
     fn drag_points(&self, at: &Instant) -> Vec<[DragPoint; 2]> {
         let gusts = at.gusts();
         let flow = Flow { gusts: &gusts, ..at.flow };
+        self.drag_points_in(&at.motions, &flow)
+    }
+
+    /// The same in a flow.
+    pub(super) fn drag_points_in(&self, motions: &[SectionMotion], flow: &Flow) -> Vec<[DragPoint; 2]> {
         let of = |inner: usize| {
-            let (_, along, _) = self.axis(inner, &at.motions);
-            [inner, inner + 1].map(|section| self.meet(section, &along, &at.motions, &flow).drag_point())
+            let (_, along, _) = self.axis(inner, motions);
+            [inner, inner + 1].map(|section| self.meet(section, &along, motions, flow).drag_point())
         };
         (0..self.frustums.len()).map(of).collect()
     }

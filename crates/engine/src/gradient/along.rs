@@ -89,7 +89,7 @@ impl Plant {
         for step in tape.spans().into_iter().filter_map(|span| tape.steps.get(span.end - 1)) {
             let Some(air) = step.air.as_deref() else { continue };
             crate::gradient::parameter::adopt(&mut self.system, step, &tape.inputs);
-            if let Ok(Some(pieces)) = self.system.step_pieces(air, &step.end) {
+            if let Ok(pieces) = self.system.step_pieces(air, &step.end) {
                 of_air.extend(pieces.choices());
             }
         }

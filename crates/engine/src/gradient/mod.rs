@@ -101,11 +101,11 @@ impl<'a> Gradient<'a> {
         if let Some(first) = tape.steps.first() {
             parameter::adopt(system, first, &tape.inputs);
         }
-        let begun = tape.steps.first().and_then(|first| system.start_pieces(&first.start));
+        let begun = tape.steps.first().map(|first| system.start_pieces(&first.start)).unwrap_or_default();
         let neighbours = parameters
             .into_iter()
             .flat_map(|parameter| parameter.apart(system, tape))
-            .map(|parameter| Neighbours::new(parameter, (system, begun.as_ref()), tape))
+            .map(|parameter| Neighbours::new(parameter, (system, &begun), tape))
             .collect::<Result<Vec<_>, GradientError>>()?;
         let of = |(beside, neighbours): (usize, &Neighbours)| -> Vec<Entry> {
             match &neighbours.rows {

@@ -164,7 +164,7 @@ pub(super) struct Neighbours {
 const NOT_ADOPTED: usize = 0;
 
 /// The unperturbed machine, and the pieces of the functions of its rotor at the start of the run.
-type Own<'a> = (&'a System, Option<&'a AirPieces>);
+type Own<'a> = (&'a System, &'a AirPieces);
 
 /// Kind of the difference between the residuals of the machines.
 enum Difference {
@@ -247,7 +247,7 @@ impl Neighbours {
             }
             tape.inputs.set_with(plant, time_s, *offset);
             let rests = own.machine.experiment.start == StartState::Equilibrium;
-            plant.system_mut().hold_air(begun.filter(|_| !rests));
+            plant.system_mut().hold_air((!rests).then_some(begun));
             plant.initialize(time_s)?;
             let system = plant.system_mut();
             system.hold_air(None);
@@ -394,7 +394,7 @@ impl Neighbours {
     /// Slopes of an aerodynamic step from `before` to the motion `at` its end: of the memory of the air there and of the loads that act.
     pub fn air_slopes(
         &mut self,
-        (before, pieces): (&AirHistory, Option<&AirPieces>),
+        (before, pieces): (&AirHistory, &AirPieces),
         at: &Point,
         reference: &[Matrix3<f64>],
     ) -> Result<Vec<f64>, GradientError> {
@@ -402,7 +402,7 @@ impl Neighbours {
         self.adopted = NOT_ADOPTED;
         for Perturbed { weight, plant, .. } in &mut self.plants {
             let system = plant.system_mut();
-            system.hold_air(pieces);
+            system.hold_air(Some(pieces));
             let values = system.air_step_values(before, at, reference)?;
             system.hold_air(None);
             slopes.resize(values.len(), 0.0);

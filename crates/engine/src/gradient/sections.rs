@@ -2,6 +2,8 @@
 
 use crate::load::Wrench;
 use crate::math::difference::SIXTH_ORDER;
+use crate::multibody::derivative::{to_freedoms, to_multipliers, to_turning};
+use crate::multibody::joint::{Joint, RedundantWork};
 use crate::multibody::kinematics::{Motion, sweep_motion, sweep_poses};
 use crate::multibody::{Workspace, dynamics, station};
 use crate::system::equations::Equations;
@@ -22,6 +24,8 @@ pub(super) struct Sections {
     work: Workspace,
     loads: Vec<Wrench>,
     zeros: Vec<f64>,
+    /// Rows of loads.
+    rows: Vec<f64>,
 }
 
 impl Sections {
@@ -31,6 +35,7 @@ impl Sections {
             work: Workspace::new(&equations.model),
             loads: vec![Wrench::default(); equations.stations.len()],
             zeros: vec![0.0; equations.model.coordinates],
+            rows: vec![0.0; equations.model.coordinates],
         }
     }
 
@@ -44,14 +49,15 @@ impl Sections {
         sweep_poses(&equations.model, &mut self.work, q);
     }
 
-    /// Attitude, displacement and rotation of each section by a change of the coordinates, root frame.
+    /// Attitude, displacement and rotation of each section by a change of the degrees of freedom, root frame.
     fn moved<'s>(
         &'s mut self,
         equations: &'s Equations,
         q: &'s [f64],
-        change: &'s [f64],
+        change: &'s mut [f64],
     ) -> impl Iterator<Item = (Matrix3<f64>, [Vector3<f64>; 2])> + 's {
         let model = &equations.model;
+        self.convert(equations, to_turning, change);
         // velocities are linear in the rates by the same columns
         let motion = Motion { q, v: change, a: &self.zeros };
         sweep_motion(model, &mut self.work, motion);
@@ -62,9 +68,22 @@ impl Sections {
         })
     }
 
+    /// Converts the entries of joints with redundant parameters, at the poses of the last sweep. Loads have rows by the degrees of freedom,
+    /// eq. (J5), so that displacements and their transpose use these too.
+    fn convert(&self, equations: &Equations, by: impl Fn(&Joint, &RedundantWork, &mut [f64]), entries: &mut [f64]) {
+        for (body, joint) in equations.model.bodies.iter().zip(&self.work.joints) {
+            if let Some(redundant) = joint.redundant() {
+                by(&body.joint, redundant, entries);
+            }
+        }
+    }
+
     /// Displacements and rotations of the sections by a change of the coordinates, root frame.
     fn displacements(&mut self, equations: &Equations, q: &[f64], change: &[f64]) -> Vec<f64> {
-        let moved = self.moved(equations, q, change);
+        let mut change = change.to_vec();
+        self.place(equations, q);
+        self.convert(equations, to_freedoms, &mut change);
+        let moved = self.moved(equations, q, &mut change);
         moved.flat_map(|(_, parts)| parts.into_iter().flat_map(<[f64; 3]>::from)).collect()
     }
 
@@ -122,7 +141,9 @@ impl Sections {
 
     /// Adds the multipliers of the loads, in the frames of the sections, by those of the residual: `−r_ℓᵀ w`.
     pub fn add_on_loads(&mut self, equations: &Equations, q: &[f64], w: &[f64], sum: &mut [f64]) {
-        for ((rotation, parts), sum) in self.moved(equations, q, w).zip(sum.chunks_exact_mut(ENTRIES)) {
+        self.place(equations, q);
+        let mut change = w.to_vec();
+        for ((rotation, parts), sum) in self.moved(equations, q, &mut change).zip(sum.chunks_exact_mut(ENTRIES)) {
             for (part, sum) in parts.iter().zip(sum.chunks_exact_mut(3)) {
                 sum.iter_mut().zip(&rotation.tr_mul(part)).for_each(|(sum, part)| *sum += part);
             }
@@ -131,19 +152,27 @@ impl Sections {
 
     /// Adds the rows of loads, in the frames of the sections, in the residual; the nodes are in their places.
     pub fn add_rows(&mut self, equations: &Equations, q: &[f64], loads: &[f64], rows: &mut [f64]) {
+        self.find_rows(equations, q, loads);
+        rows.iter_mut().zip(&self.rows).for_each(|(row, own)| *row += own);
+    }
+
+    /// Computes the rows of loads; the nodes are in their places.
+    fn find_rows(&mut self, equations: &Equations, q: &[f64], loads: &[f64]) {
         let own = &mut self.loads[equations.load_stations..];
         for (load, entries) in own.iter_mut().zip(loads.chunks_exact(ENTRIES)) {
             load.force_n.copy_from_slice(&entries[..3]);
             load.moment_n_m.copy_from_slice(&entries[3..]);
         }
-        dynamics::project_loads(&equations.model, &mut self.work, q, &self.loads, rows);
+        self.rows.fill(0.0);
+        dynamics::project_loads(&equations.model, &mut self.work, q, &self.loads, &mut self.rows);
     }
 
     /// Multipliers of the coordinates by those of displacements and rotations of the sections.
     fn on_coordinates(&mut self, equations: &Equations, q: &[f64], on: &[f64]) -> Vec<f64> {
         let rotations: Vec<Matrix3<f64>> = {
-            let zeros = self.zeros.clone();
-            self.moved(equations, q, &zeros).map(|(rotation, _)| rotation).collect()
+            self.place(equations, q);
+            let mut zeros = self.zeros.clone();
+            self.moved(equations, q, &mut zeros).map(|(rotation, _)| rotation).collect()
         };
         let local: Vec<f64> = rotations
             .iter()
@@ -153,10 +182,12 @@ impl Sections {
                 [local(&on[..3]), local(&on[3..])].concat()
             })
             .collect();
-        let mut rows = self.zeros.clone();
-        self.add_rows(equations, q, &local, &mut rows);
-        rows.iter_mut().for_each(|row| *row = -*row);
-        rows
+        self.find_rows(equations, q, &local);
+        let mut rows = std::mem::take(&mut self.rows);
+        self.convert(equations, to_multipliers, &mut rows);
+        let on = rows.iter().map(|row| -row).collect();
+        self.rows = rows;
+        on
     }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
+use crate::aero::pieces::{Holding, PieceList, Pieces};
 use crate::aero::rotor::disc::{Cut, Disc, NO_CUT, downwind};
 use crate::aero::rotor::dynamic_inflow::{InflowState, lags_on_s, time_constant_on_s};
 use crate::aero::rotor::dynamic_stall::{SplitPolar, StallInflow, StallState};
@@ -13,7 +14,6 @@ use crate::aero::rotor::induction::{Annulus, Approach, EndRule, aerodyn_balance,
 use crate::aero::rotor::inflow_lag::{Lagging, Meeting};
 use crate::aero::rotor::loads::RotorLoads;
 pub use crate::aero::rotor::options::{PitchRate, RotorFeatures, RotorOptions, Spread};
-use crate::aero::pieces::{Holding, PieceList, Pieces};
 use crate::aero::rotor::pieces::RotorPieces;
 use crate::aero::rotor::states::RotorLag;
 pub use crate::aero::rotor::states::{RotorState, SectionMemory};

@@ -3,9 +3,9 @@
 //! Source: Hansen, Gaunaa and Madsen, *A Beddoes–Leishman type dynamic stall model in state-space and indicial formulations*, Risø-R-1354
 //! (2004); `UA_Mod` 4 in AeroDyn. The model has no leading-edge vortex.
 
+use crate::aero::pieces::Pieces;
 use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::rotor::lag::lag;
-use crate::aero::pieces::Pieces;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -4,8 +4,8 @@
 //! Energy 17 (2014); Buhl, NREL/TP-500-36834 (2005), for the thrust of heavily loaded annuli; Prandtl's losses as in
 //! Glauert.
 
-use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::pieces::Pieces;
+use crate::aero::polar::{Polar, PolarRow};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_8, PI, TAU};
 
 /// Smallest flow angle considered, in rad; at zero the momentum balance is singular.

@@ -3,11 +3,11 @@
 //! Momentum theory for the current load, with Glauert's linear relation for heavily loaded annuli, and one time constant; without tip and
 //! hub losses and without swirl.
 
+use crate::aero::pieces::Pieces;
 use crate::aero::polar::Polar;
 use crate::aero::rotor::dynamic_inflow::InflowState;
 use crate::aero::rotor::induction::{Approach, SectionState};
 use crate::aero::rotor::lag::lag;
-use crate::aero::pieces::Pieces;
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Thrust coefficient and induction factor at the start of Glauert's straight line.
@@ -159,8 +159,8 @@ impl Lagging<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aero::polar::PolarRow;
     use crate::aero::pieces::PieceList;
+    use crate::aero::polar::PolarRow;
 
     /// Momentum theory `4a(1 − a)` up to 0.96, the line through (0.96, 0.4) and (2, 0.92), hover in still air; continuous, and mirrored.
     #[test]

@@ -1,11 +1,11 @@
 //! Evaluation of the inflow of the sections of a rotor and of the state of its disc, before induction.
 
 use crate::aero::flow::Flow;
+use crate::aero::pieces::{Holding, PieceList, Pieces};
 use crate::aero::rotor::bem::Rotor;
 use crate::aero::rotor::disc::{Cut, Disc, NO_CUT, downwind};
 use crate::aero::rotor::loads::RotorLoads;
 use crate::aero::rotor::options::RotorOptions;
-use crate::aero::pieces::{Holding, PieceList, Pieces};
 use crate::aero::rotor::pieces::RotorPieces;
 use crate::aero::rotor::skew::Skew;
 use crate::aero::rotor::steady::induction_share_on;
@@ -118,12 +118,7 @@ impl Rotor {
 }
 
 /// Velocity of the air, without the influence of rotor and tower, relative to the root frame, in m/s.
-fn undisturbed_m_s(
-    options: &RotorOptions,
-    flow: &Flow,
-    point_m: &Vector3<f64>,
-    pieces: &mut Pieces,
-) -> Vector3<f64> {
+fn undisturbed_m_s(options: &RotorOptions, flow: &Flow, point_m: &Vector3<f64>, pieces: &mut Pieces) -> Vector3<f64> {
     let plain_m_s = flow.velocity_m_s(point_m);
     match &options.features.field {
         Some(field) => plain_m_s - flow.wind_m_s + field.velocity_m_s(flow.time_s, point_m, &flow.wind_m_s, pieces),

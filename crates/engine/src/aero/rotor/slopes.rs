@@ -6,11 +6,11 @@
 
 use crate::aero::AirLoads;
 use crate::aero::flow::Flow;
+use crate::aero::pieces::Pieces;
 use crate::aero::rotor::bem::{Past, Rotor, RotorState, SectionMemory};
 use crate::aero::rotor::disc::Cut;
 use crate::aero::rotor::dynamic_inflow::{InflowState, lags_on_s, time_constant_on_s};
 use crate::aero::rotor::dynamic_stall::{StallInflow, StallState};
-use crate::aero::pieces::Pieces;
 use crate::aero::rotor::pieces::RotorPieces;
 use crate::aero::rotor::spread::{SPREAD, Share};
 use crate::aero::strip::slopes::{MOTION, moved};

@@ -1,8 +1,8 @@
 //! Rigid rotor at constant speed in uniform axial wind: loads of the rotor and of its blades.
 
+use crate::aero::pieces::Pieces;
 use crate::aero::polar::Polar;
 use crate::aero::rotor::induction::{Annular, Annulus, Approach, EndRule, SectionState, balance};
-use crate::aero::pieces::Pieces;
 use std::f64::consts::PI;
 
 /// Tip-speed ratios between which the induction is blended in, eq. (B7): momentum theory does not hold for the wake of a stopped rotor.

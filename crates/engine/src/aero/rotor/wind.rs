@@ -176,7 +176,11 @@ mod tests {
         let low = power.velocity_m_s(0.0, &Vector3::new(0.0, 0.0, -200.0), &input, &mut Pieces::Free);
         assert!(low.x > 0.0 && low.x < 2.0 && low.z == 0.5);
         let log = field(Source::Steady(Shear::Logarithmic { roughness_m: 0.03 }));
-        approx::assert_relative_eq!(log.velocity_m_s(0.0, &Vector3::zeros(), &input, &mut Pieces::Free), input, max_relative = 1e-14);
+        approx::assert_relative_eq!(
+            log.velocity_m_s(0.0, &Vector3::zeros(), &input, &mut Pieces::Free),
+            input,
+            max_relative = 1e-14
+        );
         assert_eq!(log.velocity_m_s(0.0, &(Vector3::z() * -90.0), &input, &mut Pieces::Free).x, 0.0);
     }
 

@@ -6,8 +6,8 @@ use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::strip::indicial::Fit;
 use crate::aero::surface::Profile;
 use crate::machine::Coupling;
-use crate::machine::builder::{FlapBuilder, GustBuilder};
-use nalgebra::{Rotation3, Vector3};
+use crate::machine::builder::{FlapBuilder, GustBuilder, RotorSettings, SlenderBodySettings};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Numbers of a folding wing in wind.
 #[derive(Clone, Copy)]
@@ -20,6 +20,16 @@ struct InAir {
     incidence: f64,
     gust: f64,
     flap: f64,
+    radius: f64,
+}
+
+/// Joint of the inner wing.
+#[derive(Clone, Copy, PartialEq)]
+enum Root {
+    Hinge,
+    Free,
+    Ball,
+    Universal,
 }
 
 /// Kind of the run.
@@ -40,8 +50,9 @@ struct Kind {
     fails: bool,
     /// With a polar that falls beyond stall.
     stalls: bool,
-    /// In free flight.
-    flies: bool,
+    root: Root,
+    /// With a slender boom and a propeller.
+    several: bool,
 }
 
 impl Kind {
@@ -56,7 +67,8 @@ impl Kind {
         gusty: false,
         fails: false,
         stalls: false,
-        flies: false,
+        root: Root::Hinge,
+        several: false,
     };
     /// The same with lags and everything else that strips without a polar have.
     const FULL: Self = Self { unsteady: true, full: true, ..Self::PLAIN };
@@ -73,19 +85,27 @@ impl InAir {
         incidence: 4.0,
         gust: 0.8,
         flap: 0.1,
+        radius: 0.03,
     };
 
     fn machine(self, kind: Kind) -> Result<Machine, String> {
-        let air = Air::strips()
+        let strips = Air::strips().unsteady(kind.unsteady).apparent_mass(kind.full).leading_edge_suction(kind.full);
+        let strips = if kind.full && !kind.stalls { strips.speed_of_sound_m_s(60.0).fit(Fit::Fine) } else { strips };
+        let air = if kind.several {
+            let boom = Air::slender_body(self.boom()).apparent_mass(kind.full);
+            let mut propeller = RotorSettings::on("spinner", 0.02);
+            propeller.polars = vec![("foil".to_owned(), stalling())];
+            propeller.features.dynamic_inflow = kind.full;
+            Air::parts().part("boom", boom).part("lift", strips).part("propeller", Air::rotor(propeller))
+        } else {
+            strips
+        };
+        let air = air
             .density_kg_m3(self.density)
             .wind_m_s([0.6, -self.wind, 0.3])
             .step_s(8e-3)
-            .unsteady(kind.unsteady)
             .established(kind.established)
-            .apparent_mass(kind.full)
-            .leading_edge_suction(kind.full)
             .coupling(Coupling::Iterated { tolerance: 1e-12, most_iterations: 200 });
-        let air = if kind.full && !kind.stalls { air.speed_of_sound_m_s(60.0).fit(Fit::Fine) } else { air };
         let surface = |body: &str| {
             let profile = Profile { drag_coefficient: 0.02, ..Profile::THIN };
             let surface = LiftingSurface::on(body, 2)
@@ -102,18 +122,29 @@ impl InAir {
         };
         // the equilibrium has the stop far away
         let wing = if kind.gusty { Numbers { stop: -2.0, ..self.wing } } else { self.wing };
-        let builder = if kind.flies {
-            let rate = 10.0 * self.wing.start_rate;
-            let free = Joint::free("flight")
-                .at_root([0.1, 0.2, 0.3])
-                .mount(Rotation3::new(Vector3::new(0.1, -0.2, 0.05)).into_inner())
-                .start_velocity_m_s([0.4, rate, 0.2])
-                .start_angular_velocity_rad_s([rate, 2.0, -1.5]);
-            wing.builder_on(free, kind.latched)
-        } else {
-            wing.builder(kind.latched)
+        let root = match kind.root {
+            Root::Hinge => None,
+            Root::Free => Some(Joint::free("flight").start_velocity_m_s([0.4, -3.0, 0.2])),
+            Root::Ball => Some(Joint::ball("hook")),
+            // axes that are not at right angles
+            Root::Universal => Some(Joint::universal("cardan", [0.0, 1.0, 0.2], [0.1, 0.3, 1.0])),
+        };
+        let builder = match root {
+            None => wing.builder(kind.latched),
+            Some(root) => {
+                let rate = 10.0 * self.wing.start_rate;
+                let mount = Rotation3::new(Vector3::new(0.1, -0.2, 0.05)).into_inner();
+                let root = root.at_root([0.1, 0.2, 0.3]).mount(mount);
+                let root = match kind.root {
+                    Root::Universal => root,
+                    Root::Hinge | Root::Free | Root::Ball => root.start_angular_velocity_rad_s([rate, 2.0, -1.5]),
+                };
+                // a remainder of the iteration moves what nothing holds
+                wing.builder_on(root, kind.latched).solver(Solver { tolerance: 1e-12, ..solver() })
+            }
         };
         let builder = builder.air(air).surface(surface("inner")).surface(surface("outer"));
+        let builder = if kind.several { self.with_boom_and_propeller(builder) } else { builder };
         if !kind.gusty {
             let mut machine = builder.build().map_err(|refused| refused.to_string())?;
             if kind.driven
@@ -137,6 +168,51 @@ impl InAir {
         let mut machine = builder.gust(gust).flap(flap).build().map_err(|refused| refused.to_string())?;
         machine.experiment.start = StartState::Equilibrium;
         Ok(machine)
+    }
+}
+
+impl InAir {
+    fn boom(self) -> SlenderBodySettings {
+        let radius_m = vec![[0.0, 0.01], [0.12, self.radius], [0.3, 0.5 * self.radius]];
+        SlenderBodySettings {
+            segments: Some(3),
+            cross_flow_drag_coefficient: 1.1,
+            axial_drag_coefficient: 0.3,
+            ..SlenderBodySettings::on("boom", radius_m)
+        }
+    }
+
+    /// Adds a flexible boom behind the inner wing, and a propeller of two blades on a stand, in oblique wind.
+    fn with_boom_and_propeller(self, builder: MachineBuilder) -> MachineBuilder {
+        let material = Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.2e9, density_kg_m3: 1400.0 };
+        let boom =
+            Body::beam("boom", 0.3, Solid::rectangle(0.02, 0.02, material)).elements(2).stiffness_damping_s(1e-3);
+        let behind = Matrix3::from_columns(&[-Vector3::y(), Vector3::x(), Vector3::z()]);
+        let boom_joint = Joint::clamped("tail").on("inner").mount(behind);
+        let drag = Motor { damping_n_m_s_rad: 1e-3, ..Motor::default() };
+        let spinner = Body::rigid("spinner").inertia(0.02, [0.0; 3], Matrix3::identity() * 4e-5);
+        let shaft = Joint::revolute("shaft", [1.0, 0.0, 0.0])
+            .at_root([2.0, 0.0, 0.0])
+            .mount(behind)
+            .motor(drag)
+            .start_rate_rad_s(30.0);
+        let mut builder = builder.body(boom, boom_joint).body(spinner, shaft);
+        for (name, side) in [("blade0", 1.0), ("blade1", -1.0)] {
+            let along = Vector3::z() * side;
+            let ahead = Vector3::x().cross(&along);
+            let mount = Matrix3::from_columns(&[along, ahead, along.cross(&ahead)]);
+            let blade =
+                Body::rigid(name).inertia(0.01, [0.05, 0.0, 0.0], Matrix3::from_diagonal(&[1e-6, 4e-5, 4e-5].into()));
+            let surface = LiftingSurface::on(name, 3)
+                .blade([0.0, 0.03, 0.07, 0.1].to_vec(), vec!["foil".to_owned(); 4])
+                .chord_m(Along::constant(0.02))
+                .elastic_axis_fraction(0.3)
+                .incidence_deg(Along::constant(-12.0))
+                .length_m(0.1);
+            let root = Joint::clamped(format!("root_{name}")).on("spinner").offset_m(along * 0.02).mount(mount);
+            builder = builder.body(blade, root).surface(surface);
+        }
+        builder
     }
 }
 
@@ -200,13 +276,13 @@ fn air_results(plant: &Plant, kind: Kind) -> Vec<RunResult> {
         layout.air_total.place(0, 0) + 2,
         layout.root.place(0, 0) + 3,
     ];
-    let indices = &indices[..indices.len() - usize::from(kind.flies)];
+    let indices = &indices[..indices.len() - usize::from(kind.root == Root::Free)];
     (0..2).flat_map(|time| indices.iter().map(move |&index| RunResult::Output { index, time })).collect()
 }
 
 /// Place of the fold among the joints with one degree of freedom.
 fn fold_of(kind: Kind) -> usize {
-    usize::from(!kind.flies)
+    usize::from(kind.root == Root::Hinge)
 }
 
 /// The largest differences of forward and adjoint, and of forward and the slopes of `run`, relative to the largest entry of a result.
@@ -235,8 +311,8 @@ fn compare_in_air(
     let own = gradient.values(&results).unwrap_or_else(|error| panic!("{error}"));
     same_values(&own, &run(&tape, machine(InAir::USUAL), &results));
     let mut known = vec![vec![0.0; places.len()]; results.len()];
-    // with a polar, small enough that no strip passes a row
-    let share = if kind.stalls { 1e-5 } else { 1e-3 };
+    // with a polar, small enough that no section passes a row
+    let share = if kind.stalls || kind.several { 1e-5 } else { 1e-3 };
     for (column, place) in places.iter().enumerate() {
         let step = share * air_size(*place);
         for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
@@ -378,13 +454,21 @@ fn gradients_in_air_with_polars() {
     }
 }
 
-/// GR-96: of a wing in free flight in air, through a latch, both ways and by differences of runs with the same steps.
+/// GR-96: of a wing in free flight in air, and on a ball and a universal joint, through a latch, both ways and by differences of runs with the
+/// same steps.
 #[test]
 fn gradients_of_free_flight_in_air() {
-    for (rigid, stalls) in [(false, false), (true, false), (false, true)] {
-        let kind = Kind { flies: true, rigid, stalls, ..Kind::FULL };
+    let cases = [
+        (Root::Free, false, false),
+        (Root::Free, true, true),
+        (Root::Ball, true, false),
+        (Root::Universal, false, false),
+    ];
+    for (root, rigid, stalls) in cases {
+        let kind = Kind { root, rigid, stalls, ..Kind::FULL };
         let times_s = [0.1213, 0.159];
-        let places = [0, 2, 4, 5, 7, 8, 9, 11].map(|place| AIR_PLACES[place]);
+        let rate = if root == Root::Universal { 5 } else { 8 };
+        let places = [0, 2, 4, 7, rate, 9, 11].map(|place| AIR_PLACES[place]);
         let (both, differences, events) = compare_in_air(kind, (&times_s, &places), |tape, machine, results| {
             retraced_at(tape, machine, &InputRows::default(), (&times_s, results))
         });
@@ -392,5 +476,24 @@ fn gradients_of_free_flight_in_air() {
         assert!(events > 0, "no event");
         assert!(both < 1e-10, "{rigid} {stalls}: {both:.1e}");
         assert!(differences < 1e-6, "{rigid} {stalls}: {differences:.1e}");
+    }
+}
+
+/// GR-98: of a wing on strips with a slender boom and beside a propeller, without apparent mass and lags and with all of them, by numbers of
+/// air, surfaces, boom and structure, through the latch: both ways, and by differences of runs with the same steps.
+#[test]
+fn gradients_with_several_airs() {
+    let radius: AirPlace = ("radius", |n| &mut n.radius);
+    for full in [false, true] {
+        let kind = Kind { several: true, full, unsteady: full, ..Kind::PLAIN };
+        let times_s = [0.0583, 0.1213];
+        let places = [&[0, 1, 2, 5, 7, 9].map(|place| AIR_PLACES[place])[..], &[radius]].concat();
+        let (both, differences, events) = compare_in_air(kind, (&times_s, &places), |tape, machine, results| {
+            retraced_at(tape, machine, &InputRows::default(), (&times_s, results))
+        });
+        println!("GR-98 {full}: {both:.1e} {differences:.1e}");
+        assert!(events > 0, "no event");
+        assert!(both < 1e-10, "{full}: {both:.1e}");
+        assert!(differences < 1e-6, "{full}: {differences:.1e}");
     }
 }

@@ -26,6 +26,7 @@ pub use elastic::elastic_products;
 pub use exact::Sweep;
 pub use lanes::Lanes;
 use lanes::{Linear, Product};
+pub(crate) use spatial::{to_freedoms, to_multipliers, to_turning};
 
 use crate::math::strain::{SHEARED, STRAINS, Strain, strains_at};
 use crate::math::wide::{Fours, WithFours, with_fours};

@@ -340,6 +340,43 @@ fn constraint_slopes(kind: &JointKind, at: &RedundantWork, rates: &[f64], second
     own
 }
 
+/// Converts forces on the degrees of freedom of a joint with redundant parameters, which come first among its entries of `on`, to
+/// multipliers of its parameters, `D⁻ᵀ` of eq. (X26), in place: the transpose of [`to_freedoms`]. `at` is the joint at its pose.
+pub fn to_multipliers(joint: &Joint, at: &RedundantWork, on: &mut [f64]) {
+    let [_, back] = maps(&joint.kind, at);
+    let own = &mut on[joint.range()];
+    own[joint.kind.freedoms()..].fill(0.0);
+    let mut forces = Parameters::zeros();
+    forces.as_mut_slice()[..own.len()].copy_from_slice(own);
+    own.iter_mut().zip(&back.tr_mul(&forces)).for_each(|(own, new)| *own = *new);
+}
+
+/// Converts changes of the parameters of a joint to changes of its degrees of freedom, `D⁻¹` of eq. (X26), in place; the constraints have zeros.
+pub fn to_freedoms(joint: &Joint, at: &RedundantWork, change: &mut [f64]) {
+    let [_, back] = maps(&joint.kind, at);
+    let own = &mut change[joint.range()];
+    let mut parameters = Parameters::zeros();
+    parameters.as_mut_slice()[..own.len()].copy_from_slice(own);
+    own.iter_mut().zip(&(back * parameters)).for_each(|(own, new)| *own = *new);
+    own[joint.kind.freedoms()..].fill(0.0);
+}
+
+/// Converts changes of the degrees of freedom of a joint to changes of its parameters that turn its body by them, in place, for parameters that
+/// do not fulfil the constraints either.
+pub fn to_turning(joint: &Joint, at: &RedundantWork, change: &mut [f64]) {
+    let shift = joint.kind.translations();
+    let own = &mut change[joint.range()];
+    let mut turn = Vector3::zeros();
+    for k in 0..joint.kind.freedoms() - shift {
+        let axis = if shift == 3 { Vector3::ith(k, 1.0) } else { at.axes.column(k).into_owned() };
+        turn += axis * own[shift + k];
+    }
+    let map = &at.pose.spin_map;
+    // three rotations are independent
+    let within = (map * map.transpose()).try_inverse().unwrap_or_else(Matrix3::identity) * at.parent.tr_mul(&turn);
+    own[shift..].iter_mut().zip(map.tr_mul(&within).iter().skip(shift)).for_each(|(own, new)| *own = *new);
+}
+
 /// `D` of eq. (X26) and its inverse.
 fn maps(kind: &JointKind, at: &RedundantWork) -> [Square; 2] {
     let (freedoms, count) = (kind.freedoms(), kind.coordinates());

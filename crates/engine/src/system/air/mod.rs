@@ -8,6 +8,7 @@ mod instant;
 pub(crate) mod instant_workspace;
 mod lattice_slopes;
 pub(crate) mod memory;
+mod model_slopes;
 pub(crate) mod pieces;
 pub(crate) mod sections;
 pub(crate) mod slopes;
