@@ -43,7 +43,7 @@ WHEELS         := $(TARGET)/wheels
 # what `make dist` ships; `make fmu-all dist DIST_FMUS=target/fmu-all` for FMUs that run on Linux and Windows
 DIST_FMUS   ?= $(TARGET)/fmu
 
-.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random validate-random-1 validate-random-2 validate-pytest validate-figures validate-clients validate-pages validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu shear-cost gradient-cost bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
+.PHONY: audit all build check package dist venv test-venv runner deploy test long assertions format lint unit documents pytest validate validate-tests validate-random-1 validate-random-2 validate-pytest validate-figures validate-clients validate-pages validate-mutants reference differential tunnel turbine wind-tunnel notebook aircraft bench bench-own bench-sweep bench-latency bench-python bench-viewer bench-live bench-peers profile instructions linear-cost importers wasm-fmu shear-cost gradient-cost bless licenses msrv robust valgrind mutants python-lock site live-site platforms fmu-all test-platforms wheel wheels python package-venv release-check clean help toolchain
 .DEFAULT_GOAL := all
 
 all: deploy ## Build, package, unfold the wing through FMPy
@@ -243,8 +243,6 @@ validate-tests: package
 	FOLDWING_WHOLE=1 FOLDWING_AGREEMENT=$(abspath $(TARGET))/agreement.csv $(CARGO) test --locked --release --test verification --test command -- --nocapture --include-ignored
 	@$(PYTHON) studies/agreement.py --rows $(TARGET)/agreement.csv --table docs/tables/agreement.md
 	@$(PYTHON) studies/structure.py --table docs/tables/structure.md
-
-validate-random: validate-random-1 validate-random-2
 
 validate-random-1: toolchain
 	FOLDWING_MACHINES=1000 $(CARGO) test --locked --release --test random -- --nocapture

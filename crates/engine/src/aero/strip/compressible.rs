@@ -1,13 +1,9 @@
-//! Prandtl-Glauert rule for strips, NOTATION eq. (U22).
+//! Validity of strips: subsonic flow, eq. (U22), and surfaces that do not overlap.
 
 use crate::aero::near_sheets::{NoCirculation, Sonic};
+use crate::aero::strip::Strips;
+use crate::aero::strip::inflow::Inflow;
 use crate::aero::strip::section::Strip;
-use crate::aero::strip::{Inflow, Strips};
-
-/// Prandtl-Glauert factor on pressures at a Mach number, eq. (U22); kept finite from Mach 1 on, which [`Strips::sonic`] reports.
-pub(super) fn compression(mach: f64) -> f64 {
-    1.0 / (1.0 - mach * mach).max(1e-6).sqrt()
-}
 
 impl Strips {
     /// Whether the model holds for the last evaluation.

@@ -5,6 +5,7 @@ use crate::aero::strip::continuous::Variable;
 use crate::aero::strip::instant::Instant;
 use crate::aero::surface::ChordLine;
 use nalgebra::Rotation3;
+use std::f64::consts::PI;
 
 /// Two strips with sweep, taper and twist on three sections that translate and rotate.
 fn wing(profile: Profile) -> Vec<Surface> {

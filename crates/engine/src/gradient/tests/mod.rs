@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 mod accounts;
 mod air;
+mod airs;
 mod chains;
 mod failures;
 mod folding;

@@ -374,6 +374,25 @@ fn gradients_in_turbulence() {
     agree("GR-97 flexible", &has, &places, false);
 }
 
+/// GR-97: planes of turbulence that arrive at the ends of aerodynamic steps everywhere are an error by name.
+#[test]
+fn a_section_at_a_point_of_the_grid_is_an_error() {
+    let features = |features: &mut RotorFeatures| {
+        let mut field = turbulence(true);
+        if let Source::Box(grid) = &mut field.source {
+            (grid.carried_m_s, grid.plane_interval_s) = (1e15, 8e-3);
+        }
+        features.field = Some(field);
+    };
+    let has = Has { rows_deg: 4, features: Some(features), ..Has::default() };
+    let mut plant = started(Turning::USUAL.machine(&has).unwrap_or_else(|error| panic!("{error}")));
+    let tape = plant.run_on_tape(&[0.03]).unwrap_or_else(|error| panic!("{error}"));
+    let results = turning_results(&plant, &has)[..1].to_vec();
+    let mut gradient = Gradient::new(&mut plant, &tape, Vec::new()).unwrap_or_else(|error| panic!("{error}"));
+    let text = gradient.forward(&results).expect_err("at a plane").to_string();
+    assert!(text.starts_with("blade0, at 0.008 s: a section is exactly at a point of the turbulence grid"), "{text}");
+}
+
 /// GR-92: through a brake that is applied within an aerodynamic step, and through a latch of a pitch bearing.
 #[test]
 fn gradients_of_rotors_pass_through_events() {

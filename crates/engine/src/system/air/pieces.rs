@@ -84,7 +84,7 @@ impl System {
         let established = settings.established.then_some(Established { step_s: settings.step_s, turning: false });
         let mut loads = AirLoads::still(motions.len());
         AirPieces::record(model);
-        // strips with a lifting line beyond its range are refused elsewhere
+        // a flow without a solution is an error of the run
         let _ = model.start(motions, &flow, established, &mut blank.after.clone(), &mut loads);
         AirPieces::recorded(model)
     }
