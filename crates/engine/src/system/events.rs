@@ -219,11 +219,7 @@ impl System {
         self.equations.prescribe(time_s, &mut start.q, &mut start.v, &mut start.a);
         self.equations.residual(time_s, &start.q, &start.v, &start.a, new_residual);
         let after = self.equations.potentials(time_s, &start.q).total();
-        // the end of a step leaves the rest of Newton's iteration in the equations, and with redundant parameters that of their projection,
-        // (J6): without that rest accelerations would not be those of the equations
-        if self.equations.spatial.is_empty() {
-            new_residual.iter_mut().zip(old.iter()).for_each(|(new, old)| *new -= old);
-        }
+        subtract_rest(&self.equations, new_residual, old);
         if failed {
             // a failure does no work: the energy stored in springs and loops is dissipated
             dissipated_j += (before - after - dissipated_j).max(0.0);
@@ -294,6 +290,14 @@ pub(crate) struct Jump {
     pub(crate) norm_1_s2: f64,
     /// Whether a moving joint was stopped, which changed the rates too.
     pub(crate) by_impulse: bool,
+}
+
+/// Subtracts the residual before an event from that behind it: the rest of Newton's iteration does not change accelerations. With redundant
+/// parameters it is the rest of their projection, (J6), and the accelerations behind an event are those of the equations.
+pub(crate) fn subtract_rest(equations: &Equations, new: &mut [f64], old: &[f64]) {
+    if equations.spatial.is_empty() {
+        new.iter_mut().zip(old).for_each(|(new, old)| *new -= old);
+    }
 }
 
 /// Subtracts the solution of the mass matrix for `residual` from the accelerations of `point`; returns the kinematic norm of the jump in

@@ -5,7 +5,7 @@
 
 use crate::solve::EquationsOfMotion;
 use crate::system::System;
-use crate::system::events::settle;
+use crate::system::events::{settle, subtract_rest};
 use crate::system::magnitude::inputs_are_moderate;
 use crate::system::outputs::OutputSet;
 use crate::system::state::State;
@@ -28,7 +28,7 @@ impl System {
         let ([old, new], now) = (&mut self.scratch, &mut self.state.now);
         self.equations.residual(time_s, &now.q, &now.v, &now.a, new);
         let after = self.equations.potentials(time_s, &now.q);
-        new.iter_mut().zip(old.iter()).for_each(|(new, old)| *new -= old);
+        subtract_rest(&self.equations, new, old);
         let settled = matches!(settle(&mut self.equations, new, now), Ok(jump) if jump.is_finite());
         if settled {
             // a jump of a potential is booked as work of the input
