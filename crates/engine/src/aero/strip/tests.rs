@@ -228,3 +228,36 @@ fn circulation_and_singularity_of_a_moving_control_surface() {
         near(from_kutta_m_s - flap.edge_m_s(chord_m, along_m_s), singularity_m_s);
     }
 }
+
+/// (X37). Derivatives of a step lie on the interval of the polar in which each strip is, although their differences pass its rows: they are those
+/// of a polar that continues the line of this interval.
+#[test]
+fn derivatives_stay_on_the_interval_of_the_polar() {
+    let row = |angle_rad: f64| PolarRow {
+        angle_rad,
+        lift: 1.1 * (2.0 * angle_rad).sin() + 0.2 * (40.0 * angle_rad).sin(),
+        drag: 0.01 + angle_rad.sin().powi(2),
+        moment: -0.05 * angle_rad.cos(),
+    };
+    let kinked = Polar { rows: (-180..=180).map(|angle_deg| row(f64::from(angle_deg).to_radians())).collect() };
+    let slopes = |polar: Polar| {
+        let mut strips = Strips::new(wing(Profile { polar: Some(polar), ..cambered() }), StripOptions::default());
+        let (mut from, mut to) = (strips.blank_state(), strips.blank_state());
+        let mut loads = AirLoads::still(3);
+        strips.start(&motions(), &flow(), true, &mut from, &mut loads);
+        strips.holding = Holding::Record(strips.no_pieces());
+        strips.solve(&from, &motions(), &flow(), 0.01, &mut to, &mut loads);
+        let pieces = strips.holding.recorded().expect("recorded");
+        let slopes = strips.step_slopes(&from, &motions(), &flow(), 0.01, &pieces).expect("a flow");
+        (slopes, pieces)
+    };
+    let (found, pieces) = slopes(kinked.clone());
+    for (strip, (found, list)) in found.iter().zip(&pieces).enumerate() {
+        let end = |angle_rad| kinked.in_interval(list.choices[0], angle_rad);
+        let (known, _) = slopes(Polar { rows: vec![end(-PI), end(PI)] });
+        let apart = (found - known[strip]).amax() / known[strip].amax();
+        println!("strip {strip}: {apart:.1e}");
+        // round-off of the differences
+        assert!(apart < 1e-9, "strip {strip}: {apart:.1e}");
+    }
+}
