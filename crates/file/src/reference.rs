@@ -1,7 +1,7 @@
 //! `docs/MODEL_FILE.md`: the reference of all keys, generated from the schema.
 
 use crate::json::Json;
-use crate::schema::{Node, allowed, is_required, properties, shortest, tagged, tree};
+use crate::schema::{Node, allowed, is_required, properties, shortest, tagged};
 use foldwing_engine::machine::validate::joint::RESERVED;
 use foldwing_engine::math::strain::{NAMES, STRAINS};
 use std::fmt::Write;
@@ -87,8 +87,7 @@ pub fn reference() -> String {
         .replace("SYMBOLS", &symbols.join(", "))
         .replace("MEANINGS", &meanings.join(", "));
     page += &format!("\n{START}");
-    let tree = tree();
-    let top = Node::root(&tree);
+    let top = Node::root();
     let mut seen = Vec::new();
     table(&mut page, "Top level", top);
     for (key, property) in properties(top) {
@@ -108,10 +107,10 @@ pub fn reference() -> String {
 }
 
 /// The page, and the definitions of inner tables that it has.
-type Page<'p, 's> = (&'p mut String, &'p mut Vec<&'s str>);
+type Page<'p> = (&'p mut String, &'p mut Vec<&'static str>);
 
 /// Writes a table of the model file with its variants and the tables inside it.
-fn group<'s>((page, seen): Page<'_, 's>, title: &str, schema: Node<'s>) {
+fn group((page, seen): Page, title: &str, schema: Node) {
     match tagged(schema) {
         Some((tag, variants)) => {
             for (name, variant) in variants {
@@ -124,7 +123,7 @@ fn group<'s>((page, seen): Page<'_, 's>, title: &str, schema: Node<'s>) {
     inner_tables((page, seen), title, schema);
 }
 
-fn inner_tables<'s>((page, seen): Page<'_, 's>, title: &str, schema: Node<'s>) {
+fn inner_tables((page, seen): Page, title: &str, schema: Node) {
     for (key, property) in properties(schema) {
         let inner = property.resolve();
         let items = inner.child("additionalProperties");

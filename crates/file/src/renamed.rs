@@ -70,12 +70,11 @@ pub(super) fn value(key: &str, text: &str) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schema::{Node, options, properties, tree};
+    use crate::schema::{Node, options, properties};
     use std::collections::BTreeSet;
 
     /// All keys and enumerated values of the schema.
     fn words() -> (BTreeSet<String>, BTreeSet<String>) {
-        let tree = tree();
         let (mut keys, mut values) = (BTreeSet::new(), BTreeSet::new());
         let mut add = |schema: Node| {
             for (key, property) in properties(schema) {
@@ -83,8 +82,8 @@ mod tests {
                 values.extend(options(property.resolve()).unwrap_or_default().iter().map(|word| (*word).to_owned()));
             }
         };
-        add(Node::root(&tree));
-        let definitions = Node::root(&tree).child("$defs");
+        add(Node::root());
+        let definitions = Node::root().child("$defs");
         for (name, _) in definitions.entries() {
             let definition = definitions.child(name);
             add(definition);

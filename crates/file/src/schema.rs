@@ -6,7 +6,6 @@ use foldwing_engine::machine::UNLIMITED;
 use foldwing_engine::machine::units::finite;
 pub(super) use foldwing_engine::machine::units::{quoted, shortest};
 use foldwing_engine::machine::validate::IDENTIFIER_ALLOWED;
-use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::ops::Deref;
 
@@ -26,15 +25,8 @@ pub fn schema() -> String {
     text
 }
 
-/// Stored result of [`schema`]: reading it takes a sixth of the time of deriving it.
-const WRITTEN: &str = include_str!("../shipped/foldwing.schema.json");
-
-/// Returns the schema as a tree. Every check of a file creates and drops a tree, so that none remains when the library
-/// is unloaded.
-pub(super) fn tree() -> Json<'static> {
-    let derive = |_| Json::deserialize(derived()).expect("JSON is JSON");
-    serde_json::from_str(WRITTEN).unwrap_or_else(derive)
-}
+/// Result of [`schema`] as a constant: nothing is parsed for a model file, and nothing remains when the library is unloaded.
+pub(super) static TREE: Json = include!(concat!(env!("OUT_DIR"), "/schema_tree.rs"));
 
 /// Derives the schema from the structs.
 fn derived() -> Value {
@@ -43,56 +35,43 @@ fn derived() -> Value {
     tree
 }
 
-/// Node of the schema, with the whole tree for references to `$defs`.
+/// Node of the schema.
 #[derive(Clone, Copy)]
-pub(super) struct Node<'s> {
-    tree: &'s Json<'s>,
-    here: &'s Json<'s>,
-}
+pub(super) struct Node(&'static Json);
 
-impl<'s> Node<'s> {
-    /// Root of a tree.
-    pub fn root(tree: &'s Json<'s>) -> Self {
-        Self { tree, here: tree }
-    }
-
-    /// Root of this node's tree.
-    pub fn top(self) -> Self {
-        Self::root(self.tree)
-    }
-
-    /// Another node of this tree.
-    fn at(self, here: &'s Json<'s>) -> Self {
-        Self { here, ..self }
+impl Node {
+    /// Root of the schema.
+    pub fn root() -> Self {
+        Self(&TREE)
     }
 
     /// Node of a key; null if there is none.
     pub fn child(self, key: &str) -> Self {
-        self.at(&self.here[key])
+        Self(&self.0[key])
     }
 
     /// Nodes of an array under a key.
-    pub fn children(self, key: &str) -> Option<impl Iterator<Item = Self> + use<'s>> {
-        Some(self.here[key].as_list()?.iter().map(move |here| self.at(here)))
+    pub fn children(self, key: &str) -> Option<impl Iterator<Item = Self> + use<>> {
+        Some(self.0[key].as_list()?.iter().map(Self))
     }
 
     /// Definition to which the node refers, if it does.
-    pub fn reference(self) -> Option<&'s str> {
-        self.here["$ref"].as_str()
+    pub fn reference(self) -> Option<&'static str> {
+        self.0["$ref"].as_str()
     }
 
     /// Follows a `$ref` into `$defs`.
     pub fn resolve(self) -> Self {
-        let target = self.here["$ref"].as_str().and_then(|path| path.strip_prefix("#/$defs/"));
-        target.map_or(self, |name| self.at(&self.tree["$defs"][name]))
+        let target = self.0["$ref"].as_str().and_then(|path| path.strip_prefix("#/$defs/"));
+        target.map_or(self, |name| Self(&TREE["$defs"][name]))
     }
 }
 
-impl<'s> Deref for Node<'s> {
-    type Target = Json<'s>;
+impl Deref for Node {
+    type Target = Json;
 
-    fn deref(&self) -> &Json<'s> {
-        self.here
+    fn deref(&self) -> &Json {
+        self.0
     }
 }
 
@@ -141,9 +120,8 @@ fn tidy_object(map: &mut Map<String, Value>) {
 }
 
 /// Keys of a table's schema, with their nodes.
-pub(super) fn properties<'s>(schema: Node<'s>) -> impl Iterator<Item = (&'s str, Node<'s>)> {
-    let keys = schema.here["properties"].entries().iter();
-    keys.map(move |(key, value)| (key.as_ref(), schema.at(value)))
+pub(super) fn properties(schema: Node) -> impl Iterator<Item = (&'static str, Node)> {
+    schema["properties"].entries().iter().map(|(key, value)| (*key, Node(value)))
 }
 
 /// Returns whether a table must contain the key.
@@ -152,20 +130,20 @@ pub(super) fn is_required(schema: &Json, key: &str) -> bool {
 }
 
 /// Key that distinguishes the variants of a table, such as `shape` of a section, with their schemas.
-pub(super) fn tagged<'s>(schema: Node<'s>) -> Option<(&'s str, Vec<(&'s str, Node<'s>)>)> {
+pub(super) fn tagged(schema: Node) -> Option<(&'static str, Vec<(&'static str, Node)>)> {
     let variants: Vec<Node> = schema.children("oneOf")?.collect();
     let tag = properties(*variants.first()?).find(|(_, value)| value.get("const").is_some())?.0;
     let named =
-        variants.iter().map(|variant| variant.here["properties"][tag]["const"].as_str().map(|name| (name, *variant)));
+        variants.iter().map(|variant| variant.0["properties"][tag]["const"].as_str().map(|name| (name, *variant)));
     Some((tag, named.collect::<Option<_>>()?))
 }
 
 /// Allowed texts of a key, if they are listed.
-pub(super) fn options<'s>(schema: Node<'s>) -> Option<Vec<&'s str>> {
-    if let Some(list) = schema.here["enum"].as_list() {
+pub(super) fn options(schema: Node) -> Option<Vec<&'static str>> {
+    if let Some(list) = schema.0["enum"].as_list() {
         return list.iter().map(Json::as_str).collect();
     }
-    schema.children("oneOf")?.map(|option| option.here["const"].as_str()).collect()
+    schema.children("oneOf")?.map(|option| option.0["const"].as_str()).collect()
 }
 
 /// Allowed values of a key as text, with quantity, range and unit, such as `a finite length > 0 m`.
@@ -232,13 +210,14 @@ pub(super) fn in_range(value: f64, schema: &Json) -> bool {
 }
 
 /// Tables that have a key, in the notation of the file, such as `[joint.<name>.motor]`; empty if there are none or many.
-pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
+pub(super) fn homes(key: &str) -> Vec<String> {
+    let top = Node::root();
     let mut found: Vec<String> = Vec::new();
     let mut seen: Vec<usize> = Vec::new();
     let mut look = |title: String, schema: Node| {
         // a definition that several tables have is named once, and a table in one that has the key is not named
         let inner = found.iter().any(|home| title.starts_with(&format!("{}.", home.trim_end_matches(']'))));
-        let definition = std::ptr::from_ref(schema.here).addr();
+        let definition = std::ptr::from_ref(schema.0).addr();
         let again = seen.contains(&definition);
         seen.push(definition);
         if !inner && !again && properties(schema).any(|(known, _)| known == key) {
@@ -263,7 +242,7 @@ pub(super) fn homes(top: Node, key: &str) -> Vec<String> {
 }
 
 /// Calls `look` for a table, its variants and the tables inside it.
-fn visit<'s>(title: &str, schema: Node<'s>, look: &mut impl FnMut(String, Node<'s>)) {
+fn visit(title: &str, schema: Node, look: &mut impl FnMut(String, Node)) {
     match tagged(schema) {
         Some((tag, variants)) => {
             variants.into_iter().for_each(|(name, variant)| look(format!("{title} with {tag} = {name:?}"), variant));
@@ -279,24 +258,36 @@ fn visit<'s>(title: &str, schema: Node<'s>, look: &mut impl FnMut(String, Node<'
 mod tests {
     use super::*;
 
-    /// The stored schema is identical to that of the structs, also in its order; `make bless` writes it. Prints the
-    /// times for reading and deriving it.
+    /// The stored schema is identical to that of the structs, also in its order; `make bless` writes it. The constant is the stored one.
     #[test]
     fn the_written_schema_is_current() {
-        let begin = std::time::Instant::now();
-        let written = tree();
-        let reading = begin.elapsed();
         let derived = derived();
-        println!("schema read in {reading:?}, derived in {:?}", begin.elapsed() - reading);
-        let text: Value = serde_json::from_str(WRITTEN).expect("JSON; take either side of a conflict and `make bless`");
-        assert_eq!(text.to_string(), derived.to_string(), "`make bless`");
-        assert_eq!(written, Json::deserialize(derived).unwrap());
+        let written: Value = serde_json::from_str(include_str!("../shipped/foldwing.schema.json")).expect("JSON");
+        assert_eq!(written.to_string(), derived.to_string(), "`make bless`");
+        assert!(same(&TREE, &derived));
+    }
+
+    /// Whether a constant tree has the entries of a value, in the same order.
+    fn same(tree: &Json, value: &Value) -> bool {
+        match (tree, value) {
+            (Json::Null, Value::Null) => true,
+            (Json::Flag(flag), Value::Bool(own)) => flag == own,
+            (Json::Number(number), Value::Number(own)) => own.as_f64() == Some(*number),
+            (Json::Text(text), Value::String(own)) => text == own,
+            (Json::List(items), Value::Array(own)) => {
+                items.len() == own.len() && items.iter().zip(own).all(|(item, own)| same(item, own))
+            }
+            (Json::Table(entries), Value::Object(own)) => {
+                let pairs = entries.iter().zip(own);
+                entries.len() == own.len()
+                    && pairs.into_iter().all(|(entry, own)| entry.0 == own.0 && same(&entry.1, own.1))
+            }
+            _ => false,
+        }
     }
 
     #[test]
     fn keys_have_homes() {
-        let tree = tree();
-        let homes = |key: &str| homes(Node::root(&tree), key);
         assert_eq!(homes("capture_deg"), ["[joint.<name>.latch]"]);
         assert_eq!(homes("latch"), ["[joint.<name>]"]);
         assert_eq!(homes("gravity_m_s2"), ["the top of the file, before the first table"]);

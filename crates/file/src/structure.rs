@@ -4,7 +4,7 @@ use crate::document::{Document, key_text};
 use crate::error::{Fault, Problem};
 use crate::meant::{did_you_mean, nearest};
 use crate::renamed;
-use crate::schema::{IDENTIFIER, Node, allowed, homes, in_range, is_required, options, properties, tagged, tree};
+use crate::schema::{IDENTIFIER, Node, allowed, homes, in_range, is_required, options, properties, tagged};
 use foldwing_engine::machine::UNLIMITED;
 use foldwing_engine::machine::units::same_quantity;
 use foldwing_engine::machine::validate::{IDENTIFIER_ALLOWED, is_identifier};
@@ -24,8 +24,7 @@ const LONGEST_NAME: usize = 80;
 /// All problems, in the order of the file.
 pub(super) fn check(document: &Document) -> Result<(), Vec<Problem>> {
     let mut check = Check { document, path: Vec::new(), problems: Vec::new(), further: 0 };
-    let tree = tree();
-    check.table(Node::root(&tree), document.root(), 0);
+    check.table(Node::root(), document.root(), 0);
     let Check { mut problems, further: count, .. } = check;
     problems.sort_by_key(|problem| problem.line);
     if let Some(line) = problems.last().map(|problem| problem.line).filter(|_| count > 0) {
@@ -161,14 +160,14 @@ impl<'a> Check<'_, 'a> {
 
     /// Returns the key that is probably meant. For a key of another table, that table is suggested; for a table, similar tables have
     /// priority.
-    fn unknown<'s>(&mut self, schema: Node<'s>, name: &str, is_table: bool, offset: usize) -> Option<&'s str> {
+    fn unknown(&mut self, schema: Node, name: &str, is_table: bool, offset: usize) -> Option<&'static str> {
         if self.is_full() {
             self.further += 1; // without further suggestions
             return None;
         }
         let known = || properties(schema).map(|(key, _)| key);
         let near = || nearest(name, known());
-        let homes = homes(schema.top(), name);
+        let homes = homes(name);
         let (meant, suggestion) = match same_quantity(name, known()) {
             Some((key, unit)) => (Some(key), Some(format!("write {key} ({})", unit.symbol))),
             None if homes.is_empty() || is_table && near().is_some() => {
@@ -219,13 +218,13 @@ impl<'a> Check<'_, 'a> {
 }
 
 /// Present name of the key at the end of a path that has the old name of version 0.1.0, with its schema.
-fn renamed<'s>(schema: Node<'s>, path: &[String]) -> Option<(&'s str, Node<'s>)> {
+fn renamed(schema: Node, path: &[String]) -> Option<(&'static str, Node)> {
     let new = renamed::key(path)?;
     properties(schema).find(|(known, _)| *known == new)
 }
 
 /// For a schema with alternatives, one of them a table, the alternative that fits the type of `value`.
-fn alternative<'s>(schema: Node<'s>, value: &DeValue) -> Node<'s> {
+fn alternative(schema: Node, value: &DeValue) -> Node {
     let Some(choices) = schema.children("anyOf") else { return schema };
     let fits = |choice: &Node| is_table(*choice) == matches!(value, DeValue::Table(_));
     choices.map(Node::resolve).find(fits).unwrap_or(schema)
