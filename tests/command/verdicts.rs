@@ -260,6 +260,34 @@ fn check_warns_of_wind_from_behind_and_excludes_the_air() {
     assert!(text.contains("do not include the wind of the model") && !text.contains("; reaches"), "{text}");
 }
 
+/// Half a wing that overlaps with its image: `check` used to find nothing, and a run ended at its start.
+#[test]
+fn check_warns_of_a_run_that_does_not_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string("examples/tutorial/sketch.toml").unwrap();
+    let section = text.split("[section.").nth(1).and_then(|part| part.split("\n[").next()).unwrap();
+    let name = section.split(']').next().unwrap();
+    let warnings = |incidence_deg: f64| {
+        let model = format!(
+            "name = \"Half\"\n[section.{section}\n[body.right]\nlength_m = 1.0\nsection = \"{name}\"\n[joint.right]\n\
+             type = \"clamped\"\nparent = \"root\"\nchild = \"right\"\nmount_rotation_deg = [0.0, 60.0, 0.0]\n\
+             [aerodynamics]\nmodel = \"strip\"\ntip_loss = \"lifting_line\"\nwind_m_s = [0.0, -15.0, 0.0]\n\
+             mirror_normal = [1.0, 0.0, 0.0]\n[surface.right]\nbody = \"right\"\nchord_m = 0.2\nstrips = 48\n\
+             incidence_deg = {incidence_deg:?}\n"
+        );
+        let answer = foldwing(&["check", &file(&folder, "half.toml", &model)]);
+        succeeds(&answer);
+        String::from_utf8_lossy(&answer.stderr).into_owned()
+    };
+    let overlapping = warnings(15.0);
+    assert!(overlapping.contains("simulations of this model do not start"), "{overlapping}");
+    assert!(
+        overlapping.contains("the surfaces of right and its image in the mirror plane overlap by"),
+        "{overlapping}"
+    );
+    assert!(!warnings(0.0).contains("do not start"));
+}
+
 /// The name of a vector selects its components; it used to be rejected with a suggestion of one of them.
 #[test]
 fn outputs_take_vectors() {

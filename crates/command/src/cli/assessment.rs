@@ -100,6 +100,13 @@ fn blown(machine: &Machine) -> bool {
         || Plant::new(Arc::new(machine.clone())).inputs().wind_m_s().norm() > 0.0
 }
 
+/// Reason for which runs of a model with aerodynamics do not start, such as lifting surfaces that overlap.
+fn no_start(machine: &Machine) -> Option<String> {
+    machine.air.as_ref()?;
+    let error = Plant::new(Arc::new(machine.clone())).initialize(machine.experiment.start_time_s).err()?;
+    Some(format!("simulations of this model do not start: {error}"))
+}
+
 impl Assessment {
     /// Assesses a model with the start values of its inputs.
     pub fn new(machine: &Machine) -> Self {
@@ -137,6 +144,7 @@ impl Assessment {
             });
         }
         answer.warnings = implausible::model(&answer, machine);
+        answer.warnings.extend(no_start(machine));
         answer
     }
 
