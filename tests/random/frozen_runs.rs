@@ -400,9 +400,6 @@ fn covered(model: &mut Model, found: &mut Found) -> Option<(Recorded, InputRows,
         };
         *found.refused.entry(reason(&error)).or_default() += 1;
         *model = match error {
-            GradientsError::Gradient(GradientError::NotCovered { part, .. }) if part.starts_with("inputs") => {
-                Model { actions: Vec::new(), ..model.clone() }
-            }
             GradientsError::Gradient(GradientError::NotCovered { part, place }) => without(model, part, &place)?,
             _ => return None,
         };
@@ -410,9 +407,11 @@ fn covered(model: &mut Model, found: &mut Found) -> Option<(Recorded, InputRows,
     None
 }
 
-/// The actions of a model as inputs over time: jumps, and ramps of real inputs in every second machine.
+/// The actions of a model as inputs over time: jumps, and ramps of real inputs in every second machine. In air they are at the ends of
+/// aerodynamic steps.
 fn rows(model: &Model, plant: &Plant) -> InputRows {
     let (start_s, step_s) = (plant.machine().experiment.start_time_s, step_s(plant));
+    let air_step_s = plant.machine().air.as_ref().map(|air| air.step_s);
     let mut scratch = Plant::new(Arc::new(plant.machine().clone()));
     let first = scratch.inputs().values().to_vec();
     let mut rows: Vec<(f64, Vec<f64>)> = vec![(start_s - step_s, first.clone())];
@@ -439,12 +438,20 @@ fn rows(model: &Model, plant: &Plant) -> InputRows {
         if after == before {
             continue;
         }
-        let time_s = start_s + step_s * step as f64;
+        let since_s = step_s * step as f64;
+        let mut end = air_step_s.map_or(0.0, |air_step_s| (since_s / air_step_s).round());
+        let mut time_s = air_step_s.map_or(start_s + since_s, |air_step_s| start_s + air_step_s * end);
+        // behind the last row
+        while let Some(air_step_s) = air_step_s.filter(|_| step > 0 && rows[rows.len() - 1].0 >= time_s) {
+            end += 1.0;
+            time_s = start_s + air_step_s * end;
+        }
         if step > 0 {
             rows.push((time_s, before));
         }
         let ramps = model.seed % 2 == 1 && !switched && step > 0;
-        rows.push((if ramps { time_s + 0.7 * step_s } else { time_s }, after));
+        let ramp_end_s = air_step_s.map_or(time_s + 0.7 * step_s, |air_step_s| start_s + air_step_s * (end + 1.0));
+        rows.push((if ramps { ramp_end_s } else { time_s }, after));
     }
     if rows.len() == 1 {
         return InputRows::default();

@@ -112,21 +112,15 @@ pub fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     match part {
         "the vortex lattice" => Some(still(model)),
         "rotors whose tower disturbs the wind" => remove("tower"),
-        "the lifting line of strips" => {
-            key_removed(model, "aerodynamics", &["tip_loss", "core_radius_m", "mirror_normal"])
-        }
         "the staggered coupling of aerodynamics and structure" => key_removed(model, "aerodynamics", &["coupling"]),
         part if part.starts_with("gusts") => remove("gust"),
         "bodies with shear in air"
         | "loads inside elements with shear"
         | "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
         "bodies with mode shapes" => Some(beamed(model, place)),
-        "damping by ratios of modes" => key_removed(model, "body.", &["modal_damping_ratios"]),
-        "currents of DC motors" => of_joint("dc_motor"),
         "rigid loops" => remove(&format!("loop.{place}")),
         part if part.starts_with("failures") => remove(&format!("failure.{place}")),
         "generators whose torque jumps at the first row of the table" => of_joint("generator"),
-        "rotors of geared motors that turn with their carrier" => of_joint("motor"),
         "the methods generalized_alpha and rk4" => remove("solver"),
         part if part.starts_with("real-time mode") => remove("solver"),
         _ => None,

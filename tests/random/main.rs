@@ -486,7 +486,7 @@ fn x17_machines_with_several_airs() {
 
 /// Machines with DC motors, in any combination with joints, loops, latches, stops, air and events: they run, all but a few, and
 /// currents flow; rotated and mirrored as a whole they have the same motion; their energy accounts close; states are whole; communication
-/// steps do not matter; file and tables give the same machine; gradients and rotor analyses are refused by name.
+/// steps do not matter; file and tables give the same machine; gradients are the same both ways.
 #[test]
 fn x18_machines_with_electrical_motors() {
     let seeds = || DC_MOTORS..DC_MOTORS + 40_u64.div_ceil(share() as u64);
@@ -523,6 +523,7 @@ fn x18_machines_with_electrical_motors() {
     hold_for("X-18 states", seeds(), invariants::states);
     hold_for("X-18 communication", seeds(), invariants::communication);
     hold_for("X-18 files", seeds(), invariants::files);
+    hold_for("X-18 gradients", DC_MOTORS..DC_MOTORS + 20_u64.div_ceil(share() as u64), gradients::both_ways);
 }
 
 /// Machines with cylindrical joints, whose degrees of freedom have every kind of force, latch, stop and motion, in trees and in air: they

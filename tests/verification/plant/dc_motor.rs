@@ -474,8 +474,6 @@ fn dc11_what_is_not_covered_is_refused_by_name() {
     hinge_of(&mut own, 0).dc_motor.as_mut().expect("a motor").inductance_h = 0.0;
     let faults = own.validate().iter().map(ToString::to_string).collect::<String>();
     assert!(faults.contains("without inductance the motor is a damper"), "{faults}");
-    let refused = plant.run_on_tape(&[0.01]).expect_err("no gradient").to_string();
-    assert!(refused.contains("currents of DC motors (hinge)"), "{refused}");
     let refused = plant.study().rotor(0.0, None).expect_err("no rotor analysis").to_string();
     assert!(
         refused.contains("joint \"hinge\"") && refused.contains("omit the table [joint.hinge.dc_motor]"),

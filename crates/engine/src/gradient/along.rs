@@ -51,7 +51,7 @@ impl Plant {
         let mut copy = Tape::with_inputs(inputs.clone());
         copy.along_s = tape.ends_s();
         match tape.steps.first().and_then(|step| step.air.as_deref()) {
-            Some(first) => self.run_along_in_air(tape, first, &mut copy)?,
+            Some(first) => self.run_along_in_air((tape, inputs), first, &mut copy)?,
             None => {
                 let mut piece = None;
                 for index in 0..tape.steps.len() {
@@ -128,7 +128,12 @@ impl Plant {
     }
 
     /// The same in air: in every aerodynamic step the loads are those of the motion at its end, to round-off.
-    fn run_along_in_air(&mut self, tape: &Tape, first: &AirHistory, whole: &mut Tape) -> Result<(), GradientError> {
+    fn run_along_in_air(
+        &mut self,
+        (tape, inputs): (&Tape, &InputRows),
+        first: &AirHistory,
+        whole: &mut Tape,
+    ) -> Result<(), GradientError> {
         let Some(own) = self.system.state.air.clone() else {
             return Err(GradientError::Apart { time_s: tape.steps[0].start.time_s, what: "it has no air" });
         };
@@ -140,7 +145,16 @@ impl Plant {
             loads: StepLoads { end_s: first.loads.end_s, from: own.loads.to.clone(), ..own.loads.clone() },
             ..own
         };
+        let mut piece = None;
         for span in tape.spans() {
+            let next = tape.steps[span.start].piece;
+            if piece.replace(next) != Some(next) {
+                // rows are at ends of aerodynamic steps
+                if let Some(last) = whole.steps.len().checked_sub(1) {
+                    self.end_piece(whole, whole.steps[last].end.time_s)?;
+                }
+                self.begin_piece(inputs, next)?;
+            }
             let found = self.air_step_along((tape, span), &mut before, whole)?;
             before = AirHistory {
                 before: found.after.clone(),
@@ -162,7 +176,7 @@ impl Plant {
         let Some(air) = tape.steps[span.start].air.as_deref() else {
             return Err(GradientError::Apart { time_s: tape.steps[span.start].start.time_s, what: "it has air" });
         };
-        before.loads.end_s = air.loads.end_s;
+        (before.loads.begin_s, before.loads.end_s) = (air.loads.begin_s, air.loads.end_s);
         let begin = self.system.state.clone();
         let taped = whole.clone();
         let mut loads = vec![Wrench::default(); before.begin.len()];

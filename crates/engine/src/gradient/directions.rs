@@ -51,6 +51,9 @@ impl Directions {
             scales_m[element.range()].fill(element.length_m);
             scales_m[element.curvatures()].fill(element.length_m * reach_m);
         }
+        for circuit in &model.circuits {
+            scales_m[circuit.coordinate] = circuit.displacement_m(reach_m);
+        }
         // a machine without extent: its rotations count as they are
         scales_m.iter_mut().filter(|scale| **scale <= 0.0).for_each(|scale| *scale = 1.0);
         let ones = vec![1.0; scales_m.len()];

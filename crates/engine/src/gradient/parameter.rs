@@ -107,21 +107,18 @@ impl Parameter {
         Ok(Self { name: name.into(), perturbed, rows: Some(rows) })
     }
 
-    /// The parameter, or one for each of its rows: a motor with a rate limit remembers earlier rows of its command, so that a row has no
-    /// fixed share in the neutral angle.
+    /// The parameter, or one for each of its rows, where a row has no fixed share in an effect: a motor with a rate limit remembers earlier
+    /// rows of its command, and the air follows the rate of the wind, eq. (Q4).
     pub(super) fn apart(self, own: &System, tape: &Tape) -> Vec<Self> {
-        let slewed = |offset: Offset| {
-            let layout = own.state.inputs.layout().joints;
-            let column = tape.inputs.columns().get(offset.column)?;
-            let command = |joint: usize| layout.place(joint, offset_of!(JointInputs, command_rad)) == column.index;
-            own.state
-                .joints
-                .iter()
-                .enumerate()
-                .find(|(joint, memory)| command(*joint) && !memory.slew.follows_at_once())
+        let layout = own.state.inputs.layout();
+        let slewed = |index: usize| {
+            let command = |joint: usize| layout.joints.place(joint, offset_of!(JointInputs, command_rad)) == index;
+            own.state.joints.iter().enumerate().any(|(joint, memory)| command(joint) && !memory.slew.follows_at_once())
         };
-        let offset = self.perturbed.first().and_then(|perturbed| perturbed.offset);
-        let (Some(rows), Some(_)) = (&self.rows, offset.and_then(slewed)) else { return vec![self] };
+        let is_wind = |index: usize| own.state.air.is_some() && layout.wind_m_s.range().contains(&index);
+        let column = self.perturbed.first().and_then(|perturbed| tape.inputs.columns().get(perturbed.offset?.column));
+        let has_no_share = column.is_some_and(|column| slewed(column.index) || is_wind(column.index));
+        let (Some(rows), true) = (&self.rows, has_no_share) else { return vec![self] };
         let of_row = |row: &usize| {
             let perturbed = |from: &Perturbed| {
                 let system = &from.plant.system;
@@ -197,7 +194,9 @@ impl Difference {
         let weakened = plants.iter_mut().any(|Perturbed { plant, .. }| {
             plant.system_mut().machine.failures.iter().any(|failure| weakens(&failure.effect))
         });
-        if !same_loads || weakened {
+        // voltages are not forces on joints, and the damping of modes is not linear in the blocks
+        let has_others = !own.model.circuits.is_empty() || !own.model.damped_modes.is_empty();
+        if !same_loads || weakened || has_others {
             return Self::Any;
         }
         let others = plants.iter_mut().map(|perturbed| (perturbed.weight, &perturbed.plant.system_mut().equations));

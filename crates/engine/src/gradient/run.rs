@@ -43,6 +43,7 @@ impl Plant {
             }
             from_s = time_s;
         }
+        self.refuse_rows_within_air_steps(inputs, [start_s, from_s])?;
         let mut piece = inputs.piece_at(start_s);
         inputs.write_next(piece, &mut self.system.state);
         if self.system.state.inputs != self.system.state.applied_inputs {
@@ -51,12 +52,6 @@ impl Plant {
         }
         let mut next = self.begin_piece(inputs, piece)?;
         let mut tape = Tape::with_inputs(inputs.clone());
-        if self.system.state.air.is_some() && !inputs.columns().is_empty() {
-            return Err(GradientError::NotCovered {
-                part: "inputs over time of a model with aerodynamics",
-                place: "aerodynamics".into(),
-            });
-        }
         let last_s = from_s;
         if last_s == start_s {
             return Err(GradientError::Times { from_s, time_s: last_s });
@@ -140,6 +135,35 @@ impl Plant {
             .map_err(|_| GradientError::NotSolved { time_s, left: f64::INFINITY })?;
         self.keep_last_stage(&mut branch)?;
         Ok(branch)
+    }
+
+    /// Returns an error for rows of the inputs within an aerodynamic step of a run: its loads up to the row follow from a motion behind it
+    /// under the earlier inputs, which the run does not take.
+    fn refuse_rows_within_air_steps(
+        &self,
+        inputs: &InputRows,
+        [start_s, last_s]: [f64; 2],
+    ) -> Result<(), GradientError> {
+        let Some(air) = self.system.machine.air.as_ref().filter(|_| !inputs.columns().is_empty()) else {
+            return Ok(());
+        };
+        let steps = |time_s: f64| (time_s - start_s) / air.step_s;
+        // the last aerodynamic step is taken to its end
+        let last = (steps(last_s) - AT_END).ceil();
+        let is_within = |row_s: &&f64| {
+            let at = steps(**row_s);
+            at > 0.0 && at < last && (at - at.round()).abs() > AT_END
+        };
+        match inputs.times_s().iter().find(is_within) {
+            Some(row_s) => Err(GradientError::OtherChoice {
+                part: "rows of the inputs within aerodynamic steps",
+                remedy: format!(
+                    "move the row at {row_s} s to a multiple of aerodynamics.step_s = {} s after the start",
+                    air.step_s
+                ),
+            }),
+            None => Ok(()),
+        }
     }
 
     /// Gives the last step the end at a row of the inputs.

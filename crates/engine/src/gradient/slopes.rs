@@ -51,11 +51,18 @@ impl Equations {
         parameters.fold(size, |size, entry| size.max(entry.abs()))
     }
 
-    /// Solution of the transposed equations by the factors, which are symmetric in the degrees of freedom: `D⁻¹ N⁻¹ Dᵀ` of eq. (X26).
+    /// Solution of the transposed equations by the factors, which are symmetric in the degrees of freedom but for circuits: `D⁻¹ N⁻¹ Dᵀ` of eq. (X26).
     pub(super) fn solve_transposed(&mut self, derivative: &Derivative, x: &mut [f64]) {
         derivative.to_rows(x);
+        self.transpose_circuits();
         self.solve(x);
+        self.transpose_circuits();
         derivative.to_freedoms(x);
+    }
+
+    /// Replaces each circuit by its transpose, and a transpose by the circuit.
+    fn transpose_circuits(&mut self) {
+        self.model.circuits.iter_mut().for_each(|circuit| *circuit = circuit.transposed());
     }
 
     /// Factors of `M + g C + g² K` at the linearised point, with all terms of the tree; `None` if a pivot is not positive.
@@ -83,6 +90,8 @@ impl Equations {
                 out[row] += force + viscous
             });
         }
+        self.model.damped_modes.iter().for_each(|mode| mode.add_forces(along.v, out));
+        self.model.circuits.iter().for_each(|circuit| circuit.add_along(along.v, along.a, out));
         for joint in self.forces.joints() {
             let (c, tangent) = (joint.coordinate, self.tangents[joint.body]);
             let inertia = self.model.bodies[joint.body].joint.drive_inertia;
@@ -118,6 +127,8 @@ impl Equations {
             by_q[row] += force;
             by_v[row] += viscous;
         });
+        self.model.damped_modes.iter().for_each(|mode| mode.add_forces(w, by_v));
+        self.model.circuits.iter().for_each(|circuit| circuit.add_transposed(w, by_v, by_a));
         for joint in self.forces.joints() {
             let (c, tangent) = (joint.coordinate, self.tangents[joint.body]);
             by_q[c] += tangent.stiffness * w[c];
@@ -204,9 +215,6 @@ impl System {
         if let Some(joint) = machine.sliding_joint() {
             return refuse("sliding joints", joint);
         }
-        if let Some((joint, _)) = machine.dc_motors().next() {
-            return refuse("currents of DC motors", self.joint_name(joint));
-        }
         if let Some(closure) = machine.closures.iter().find(|closure| closure.rigid) {
             return refuse("rigid loops", &closure.name);
         }
@@ -217,9 +225,6 @@ impl System {
             self.equations.model.bodies.iter().zip(&machine.bodies).find(|(body, _)| body.modal.is_some())
         {
             return refuse("bodies with mode shapes", &body.name);
-        }
-        if let Some(mode) = self.equations.model.damped_modes.first() {
-            return refuse("damping by ratios of modes", &machine.bodies[mode.body].name);
         }
         if let Some((part, body)) = self.shear_without_slopes() {
             return refuse(part, &machine.bodies[body].name);
@@ -232,13 +237,6 @@ impl System {
         }
         if self.state.statistics.steps != 0 {
             return other("runs that continue an earlier run", "initialise the model first");
-        }
-        for joint in self.equations.forces.joints() {
-            let name = &machine.bodies[joint.body].joint.name;
-            let law = |part| refuse(part, name);
-            if self.equations.model.bodies[joint.body].joint.drive_carried != 0.0 {
-                return law("rotors of geared motors that turn with their carrier");
-            }
         }
         Ok(())
     }

@@ -30,7 +30,7 @@ pub(crate) struct BlockSlopes {
 enum Sweep {
     /// By an inward sweep alone.
     Inward(Inward),
-    /// By the whole residual, for machines with closed loops, shear, or damping relative to a carrier.
+    /// By the whole residual, for machines with closed loops, shear, damping relative to a carrier, or rotors that turn with one.
     Whole(Box<Workspace>),
 }
 
@@ -44,7 +44,8 @@ struct Inward {
 
 impl Sweep {
     fn of(model: &Model) -> Self {
-        if model.sheared || !model.closures.is_empty() || model.bodies.iter().any(|body| body.carrier.is_some()) {
+        let carried = |body: &Body| body.carrier.is_some() || body.joint.drive_carried != 0.0;
+        if model.sheared || !model.closures.is_empty() || model.bodies.iter().any(carried) {
             return Self::Whole(Box::new(Workspace::new(model)));
         }
         let nodes = model.nodes.len();

@@ -42,6 +42,31 @@ impl Circuit {
             - voltage_v
     }
 
+    /// Adds the changes of the residuals of joint and circuit by changes of rates and accelerations, eqs. (A12) and (A13).
+    #[inline]
+    pub fn add_along(&self, v: &[f64], a: &[f64], residual: &mut [f64]) {
+        residual[self.joint] -= self.torque_n_m(v);
+        residual[self.coordinate] += self.residual_v(v, a, 0.0);
+    }
+
+    /// The transpose of [`Self::add_along`]: adds multipliers of rates and accelerations, from those of the residuals.
+    #[inline]
+    pub fn add_transposed(&self, w: &[f64], by_v: &mut [f64], by_a: &mut [f64]) {
+        by_v[self.joint] += self.constant_n_m_a * w[self.coordinate];
+        by_v[self.coordinate] += self.resistance_ohm * w[self.coordinate] - self.constant_n_m_a * w[self.joint];
+        by_a[self.coordinate] += self.inductance_h * w[self.coordinate];
+    }
+
+    /// The circuit whose rows are the columns of this one, in Newton's matrix.
+    pub fn transposed(&self) -> Self {
+        Self { constant_n_m_a: -self.constant_n_m_a, ..*self }
+    }
+
+    /// Displacement in m that counts as much as a unit of charge, for a machine of this size, as in [`Self::include`].
+    pub fn displacement_m(&self, reach_m: f64) -> f64 {
+        (self.resistance_ohm * reach_m / (self.constant_n_m_a * self.scale_m)).abs()
+    }
+
     /// Magnetic energy in J.
     pub fn energy_j(&self, v: &[f64]) -> f64 {
         0.5 * self.inductance_h * v[self.coordinate].powi(2)

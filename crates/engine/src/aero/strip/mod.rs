@@ -11,6 +11,7 @@ pub mod indicial;
 mod inflow;
 pub mod instant;
 pub mod lifting_line;
+mod line_slopes;
 pub mod section;
 pub mod slopes;
 mod step;
@@ -27,6 +28,7 @@ use flap::Controls;
 use indicial::{Fit, Lag};
 use inflow::Inflow;
 use lifting_line::{LiftingLine, LiftingLineOptions, LineEnd, StripEdges, StripEquation};
+pub use line_slopes::LineStep;
 use nalgebra::Vector3;
 use section::Strip;
 use serde::{Deserialize, Serialize};
@@ -253,8 +255,13 @@ impl Strips {
         to: &mut StripState,
         loads: &mut AirLoads,
     ) {
-        loads.clear();
         self.meet(motions, flow);
+        self.solve_met(from, flow, step_s, to, loads);
+    }
+
+    /// [`Self::solve`] for the inflow of the last [`Self::meet_with`], to which the velocities induced by the lifting line are added.
+    fn solve_met(&mut self, from: &StripState, flow: &Flow, step_s: f64, to: &mut StripState, loads: &mut AirLoads) {
+        loads.clear();
         let options = self.options;
         self.add_induced(|strip, now, gust_m_s| {
             let (motion, gust) = options.lags(&from.strips[strip], now, gust_m_s, step_s);
@@ -271,10 +278,21 @@ impl Strips {
 
     /// Evaluates the inflow of all strips, and the lifting line through them if there is one.
     fn meet(&mut self, motions: &[SectionMotion], flow: &Flow) {
+        self.meet_with(motions, flow, |_, place_m| flow.velocity_m_s(place_m) - flow.convection_m_s(place_m));
+    }
+
+    /// The same with the gust velocity that `gust_m_s` gives for a strip and a position.
+    fn meet_with(
+        &mut self,
+        motions: &[SectionMotion],
+        flow: &Flow,
+        gust_m_s: impl Fn(usize, &Vector3<f64>) -> Vector3<f64>,
+    ) {
         let Self { strips, profiles, inflows, line, controls, .. } = self;
         inflows.clear();
         let meet = |(index, strip): (usize, &Strip)| {
-            Inflow::of(strip, &profiles[strip.surface], controls.on(index), motions, flow)
+            let own = (strip, &profiles[strip.surface], controls.on(index));
+            Inflow::with_gusts(own, motions, flow, |place_m| gust_m_s(index, place_m))
         };
         inflows.extend(strips.iter().enumerate().map(meet));
         if let Some(line) = line {

@@ -29,9 +29,9 @@ pub const ROWS: usize = 2 * LOADS + STATE;
 pub type StripStep = SMatrix<f64, ROWS, COLUMNS>;
 
 /// Difference step relative to chord or span, a radian, and the relative speed; with sixth order, truncation and round-off are 1e-13.
-const STEP: f64 = 3e-3;
+pub(super) const STEP: f64 = 3e-3;
 /// Weights of sixth-order central differences, to be divided by 60 steps.
-const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
+pub(super) const SIXTH_ORDER: [f64; 3] = [45.0, -9.0, 1.0];
 /// Weights for functions of second degree, for which they are exact, also divided by 60 steps.
 const EXACT: [f64; 1] = [30.0];
 
@@ -67,6 +67,20 @@ impl Strips {
         self.strips.iter().map(|strip| strip.sections)
     }
 
+    /// Linearises the gusts at the position of a strip.
+    pub(super) fn gust_slope(&self, index: usize, motions: &[SectionMotion], flow: &Flow) -> GustSlope {
+        let strip = &self.strips[index];
+        let own = (strip, &self.profiles[strip.surface], self.controls.on(index));
+        let mut gust = GustSlope::default();
+        Inflow::with_gusts(own, motions, flow, |at_m| {
+            let slopes = flow.gusts.iter().filter_map(|gust| gust.slope_1_s(flow.time_s, at_m));
+            let velocity_m_s = flow.velocity_m_s(at_m) - flow.convection_m_s(at_m);
+            gust = GustSlope { place_m: *at_m, velocity_m_s, slope_1_s: slopes.sum() };
+            velocity_m_s
+        });
+        gust
+    }
+
     /// Derivatives of the step with respect to `motions` and state, strip by strip, on the pieces on which its functions lie; without a lifting
     /// line, so that strips are independent.
     ///
@@ -88,7 +102,7 @@ impl Strips {
             motions: motions.to_vec(),
             loads: AirLoads::still(motions.len()),
             hinges: from.hinges.clone(),
-            gust: (Vector3::zeros(), Vector3::zeros(), Matrix3::zeros()),
+            gust: GustSlope::default(),
         };
         (0..self.strips.len()).map(|index| trial.slopes(index, &from.strips[index])).collect()
     }
@@ -103,35 +117,43 @@ struct Trial<'a> {
     motions: Vec<SectionMotion>,
     loads: AirLoads,
     hinges: Vec<HingeMoment>,
-    /// Gusts at the strip: position, velocity there, and its gradient.
-    gust: (Vector3<f64>, Vector3<f64>, Matrix3<f64>),
+    gust: GustSlope,
+}
+
+/// Gusts at a strip, linearised about its position: the second derivative of their shape may jump.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct GustSlope {
+    /// Position in m, root frame.
+    place_m: Vector3<f64>,
+    /// Velocity there in m/s.
+    velocity_m_s: Vector3<f64>,
+    /// Its gradient in 1/s.
+    slope_1_s: Matrix3<f64>,
+}
+
+impl GustSlope {
+    /// Velocity at a position in m/s.
+    pub fn at_m_s(&self, place_m: &Vector3<f64>) -> Vector3<f64> {
+        self.velocity_m_s + self.slope_1_s * (place_m - self.place_m)
+    }
+}
+
+/// Whether an entry of a strip's state is a component of its normal.
+pub(super) fn normal_in_state(entry: usize) -> bool {
+    NORMAL.contains(&entry)
 }
 
 impl Trial<'_> {
-    /// Inflow with the gusts linearised about the position: the second derivative of their shape may jump.
+    /// Inflow with the gusts linearised about the position.
     fn inflow(&self, index: usize) -> Inflow {
         let strip = &self.strips.strips[index];
         let own = (strip, &self.strips.profiles[strip.surface], self.strips.controls.on(index));
-        let (place_m, velocity_m_s, slope_1_s) = &self.gust;
-        Inflow::with_gusts(own, &self.motions, self.flow, |at_m| velocity_m_s + slope_1_s * (at_m - place_m))
-    }
-
-    /// Linearises the gusts at the position of a strip.
-    fn meet_gusts(&mut self, index: usize) {
-        let strip = &self.strips.strips[index];
-        let own = (strip, &self.strips.profiles[strip.surface], self.strips.controls.on(index));
-        let flow = self.flow;
-        let gust = &mut self.gust;
-        Inflow::with_gusts(own, &self.motions, flow, |at_m| {
-            let slopes = flow.gusts.iter().filter_map(|gust| gust.slope_1_s(flow.time_s, at_m));
-            *gust = (*at_m, flow.velocity_m_s(at_m) - flow.convection_m_s(at_m), slopes.sum());
-            gust.1
-        });
+        Inflow::with_gusts(own, &self.motions, self.flow, |at_m| self.gust.at_m_s(at_m))
     }
 
     /// Jacobian of one strip.
     fn slopes(&mut self, index: usize, before: &StripHistory) -> Result<StripStep, NoFlow> {
-        self.meet_gusts(index);
+        self.gust = self.strips.gust_slope(index, &self.motions, self.flow);
         let (strip, now) = (&self.strips.strips[index], self.inflow(index));
         let speed_m_s = now.speed_m_s.hypot(now.difference_m_s);
         if speed_m_s <= 0.0 {

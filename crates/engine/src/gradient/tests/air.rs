@@ -53,6 +53,8 @@ pub(super) struct Kind {
     pub(super) root: Root,
     /// With a slender boom and a propeller.
     pub(super) several: bool,
+    /// With a lifting line.
+    pub(super) line: bool,
 }
 
 impl Kind {
@@ -69,6 +71,7 @@ impl Kind {
         stalls: false,
         root: Root::Hinge,
         several: false,
+        line: false,
     };
     /// The same with lags and everything else that strips without a polar have.
     pub(super) const FULL: Self = Self { unsteady: true, full: true, ..Self::PLAIN };
@@ -90,6 +93,7 @@ impl InAir {
 
     pub(super) fn machine(self, kind: Kind) -> Result<Machine, String> {
         let strips = Air::strips().unsteady(kind.unsteady).apparent_mass(kind.full).leading_edge_suction(kind.full);
+        let strips = strips.tip_loss(kind.line);
         let strips = if kind.full && !kind.stalls { strips.speed_of_sound_m_s(60.0).fit(Fit::Fine) } else { strips };
         let air = if kind.several {
             let boom = Air::slender_body(self.boom()).apparent_mass(kind.full);

@@ -230,3 +230,30 @@ fn sections_and_their_loads_are_transposes() {
         assert!(worst[0].max(worst[1]) < 1e-12, "{}: {worst:?}", root as usize);
     }
 }
+
+/// GR-103: of a wing with a lifting line, whose folding joint is bent, quasi-steady and with lags, from a sudden and an established flow, in a
+/// gust with a control surface, and through a latch: both ways, and by differences of simulations or of runs with the same steps.
+#[test]
+fn gradients_in_air_with_a_lifting_line() {
+    let line = Kind { line: true, ..Kind::PLAIN };
+    let full = Kind { line: true, ..Kind::FULL };
+    let gusty = Kind { latched: false, gusty: true, ..full };
+    for kind in [line, full, Kind { established: false, unsteady: true, ..line }, gusty] {
+        let times_s = [0.032, 0.064];
+        let places = &AIR_PLACES[..if kind.full { 6 } else { 4 }];
+        let (both, differences, _) =
+            compare_in_air(kind, (&times_s, places), |_, machine, results| simulated(&times_s, machine, results));
+        println!("GR-103 {both:.1e} {differences:.1e}");
+        assert!(both < 1e-10, "{both:.1e}");
+        assert!(differences < 1e-6, "{differences:.1e}");
+    }
+    let places = [0, 2, 5, 9].map(|place| AIR_PLACES[place]);
+    let times_s = [0.1213, 0.159];
+    let (both, differences, events) = compare_in_air(full, (&times_s, &places), |tape, machine, results| {
+        retraced_at(tape, machine, &InputRows::default(), (&times_s, results))
+    });
+    println!("GR-103 latch {both:.1e} {differences:.1e}");
+    assert!(events > 0, "no event");
+    assert!(both < 1e-10, "{both:.1e}");
+    assert!(differences < 1e-6, "{differences:.1e}");
+}

@@ -24,7 +24,7 @@ fn rows(machine: &Machine) -> InputRows {
 }
 
 /// One value of a column changed.
-fn changed(rows: &InputRows, (column, row): (usize, usize), shift: f64) -> InputRows {
+pub(super) fn changed(rows: &InputRows, (column, row): (usize, usize), shift: f64) -> InputRows {
     let mut columns = rows.columns().to_vec();
     columns[column].values[row] += shift;
     InputRows::new(rows.times_s().to_vec(), columns).unwrap_or_else(|error| panic!("{error}"))

@@ -16,6 +16,7 @@ mod accounts;
 mod air;
 mod airs;
 mod chains;
+mod electric;
 mod failures;
 mod folding;
 mod generators;
@@ -28,6 +29,7 @@ mod refusals;
 mod rigid;
 mod rotor;
 mod rows;
+mod rows_in_air;
 mod shear;
 mod spatial;
 mod starts;
@@ -68,6 +70,13 @@ struct Numbers {
     row: f64,
     row_torque: f64,
     gain: f64,
+    resistance: f64,
+    inductance: f64,
+    torque_constant: f64,
+    voltage: f64,
+    current: f64,
+    rotor: f64,
+    ratio: f64,
 }
 
 impl Numbers {
@@ -100,6 +109,13 @@ impl Numbers {
         row: 15.0,
         row_torque: 0.004,
         gain: 2e-5,
+        resistance: 2.0,
+        inductance: 4e-3,
+        torque_constant: 0.01,
+        voltage: 3.0,
+        current: 0.2,
+        rotor: 3e-4,
+        ratio: 0.02,
     };
 
     fn machine(self, latched: bool) -> Result<Machine, String> {
@@ -277,6 +293,17 @@ fn compare_results(
     places: &[Place],
     results: impl Fn(&Plant) -> Vec<RunResult>,
 ) -> Compared {
+    compare_over(DIFFERENCE, machine, inputs, places, results)
+}
+
+/// The same with another step of the differences, as a share of a number.
+fn compare_over(
+    difference: f64,
+    machine: impl Fn(Numbers) -> Result<Machine, String>,
+    inputs: &InputRows,
+    places: &[Place],
+    results: impl Fn(&Plant) -> Vec<RunResult>,
+) -> Compared {
     let mut plant = Plant::new(Arc::new(machine(Numbers::USUAL).unwrap_or_else(|error| panic!("{error}"))));
     inputs.set(&mut plant, 0.0);
     plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
@@ -299,7 +326,7 @@ fn compare_results(
     same_values(&own, &retraced(&tape, same, &results));
     let mut known = vec![vec![0.0; places.len()]; results.len()];
     for (column, place) in places.iter().enumerate() {
-        let step = DIFFERENCE * size(*place);
+        let step = difference * size(*place);
         for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {
             let there = machine(beside(*place, steps * step)).unwrap_or_else(|error| panic!("{error}"));
             for (row, value) in known.iter_mut().zip(retraced(&tape, there, &results)) {

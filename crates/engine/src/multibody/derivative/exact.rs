@@ -77,9 +77,12 @@ pub(super) fn covers(model: &Model) -> bool {
             JointKind::Clamped | JointKind::Revolute { .. } | JointKind::Prismatic { .. } => true,
             JointKind::Sliding | JointKind::Universal { .. } | JointKind::Ball | JointKind::Free => false,
         };
-        joint && body.modal.is_none() && !body.sheared && body.carrier.is_none()
+        joint && body.modal.is_none() && !body.sheared && body.carrier.is_none() && body.joint.drive_carried == 0.0
     };
-    model.closures.is_empty() && model.damped_modes.is_empty() && model.bodies.iter().all(covered)
+    model.closures.is_empty()
+        && model.damped_modes.is_empty()
+        && model.circuits.is_empty()
+        && model.bodies.iter().all(covered)
 }
 
 impl Exact {

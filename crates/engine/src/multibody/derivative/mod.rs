@@ -17,6 +17,7 @@ mod lanes;
 mod link;
 mod loads;
 mod loop_force;
+mod rotor;
 mod shear;
 mod solution;
 mod spatial;
@@ -42,6 +43,7 @@ use link::Link;
 use loads::LoadedSection;
 use loop_force::LoopForce;
 use nalgebra::{Matrix3, Vector3};
+use rotor::Rotor;
 use shear::ShearedElement;
 use spatial::SpatialBlock;
 use spot::Spot;
@@ -59,6 +61,7 @@ pub struct Derivative {
     inertia: Inertia,
     loads: Vec<LoadedSection>,
     loops: Vec<LoopForce>,
+    rotors: Vec<Rotor>,
     exact: Exact,
     /// Elements with shear.
     sheared: Vec<ShearedElement>,
@@ -110,6 +113,7 @@ impl Derivative {
             inertia: Inertia::new(model),
             loads: Vec::with_capacity(model.stations.len()),
             loops: vec![LoopForce::ZERO; model.closures.len()],
+            rotors: Rotor::of_model(model),
             exact: Exact::new(model),
             shifts: vec![Shift::ZERO; nodes],
             wrenches: vec![[Vector3::zeros(); 2]; nodes],
@@ -131,6 +135,7 @@ impl Derivative {
         for (own, closure) in self.loops.iter_mut().zip(&model.closures) {
             *own = LoopForce::new(closure, work);
         }
+        self.rotors.iter_mut().for_each(|rotor| rotor.prepare(work, motion, environment.root));
     }
 
     /// Adds torques on the degrees of freedom of a body's universal or ball joint: their slopes by its rotation and its angular velocity, in
@@ -240,6 +245,9 @@ impl Derivative {
         for own in &self.loops {
             own.forward(shifts, wrenches);
         }
+        for rotor in &self.rotors {
+            rotor.forward(shifts, along, wrenches, sum);
+        }
         for (n, link) in links.iter().enumerate().rev() {
             let [force, moment] = wrenches[n];
             let turn = link.carrier.map_or(Vector3::zeros(), |carrier| shifts[carrier].angular[0]);
@@ -309,6 +317,9 @@ impl Derivative {
         for own in &self.loops {
             own.reverse(wrenches, shifts);
         }
+        for rotor in &self.rotors {
+            rotor.reverse(wrenches, w, shifts, by_a);
+        }
         for (n, link) in links.iter().enumerate().rev() {
             let on = shifts[n];
             for i in link.range() {
@@ -366,7 +377,7 @@ impl WithFours for Preparation<'_> {
 /// Linear systems with `M + g C + g² K` of the tree, eqs. (X30)–(X33).
 impl Derivative {
     /// Whether [`Self::factorize`] covers a model: not with closed loops, joints with several degrees of freedom, sliding joints, modal
-    /// bodies, damping of modes and shear.
+    /// bodies, damping of modes, circuits, rotors that turn with their carrier and shear.
     pub fn has_factors(model: &Model) -> bool {
         exact::covers(model)
     }

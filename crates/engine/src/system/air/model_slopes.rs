@@ -4,7 +4,8 @@
 use crate::aero::flow::Flow;
 use crate::aero::rotor::slopes::{NoRotorSlopes, RotorStep};
 use crate::aero::slender_slopes::SlenderStep;
-use crate::aero::strip::slopes::{LOADS, MOTION, ROWS, STATE, StripStep};
+use crate::aero::strip::LineStep;
+use crate::aero::strip::slopes::{LOADS, MOTION, NoFlow, ROWS, STATE, StripStep};
 use crate::aero::{AirModel, AirState};
 use crate::load::SectionMotion;
 use crate::system::air::pieces::ModelPieces;
@@ -30,6 +31,8 @@ pub(super) enum NoModelSlopes {
 pub(super) enum ModelSlopes {
     /// Per strip: its sections and its derivatives.
     Strips(Vec<([usize; 2], StripStep)>),
+    /// Of strips with a lifting line.
+    Line(LineStep),
     /// Of a rotor.
     Rotor(Box<RotorStep>),
     /// Of a slender body.
@@ -46,11 +49,15 @@ impl ModelSlopes {
     ) -> Result<Self, NoModelSlopes> {
         match (model, from, pieces) {
             (AirModel::Strips(strips), AirState::Strips(from), ModelPieces::Strips(pieces)) => {
+                let still = |still: NoFlow| NoModelSlopes::Still(still.surface);
+                if strips.has_line() {
+                    // a lifting line has no polars
+                    return Ok(Self::Line(strips.line_step_slopes(from, motions, flow, step_s).map_err(still)?));
+                }
                 if let Some(strip) = pieces.iter().position(|list| list.at_kink) {
                     return Err(NoModelSlopes::Kink(strips.surface_of(strip)));
                 }
-                let slopes = strips.step_slopes(from, motions, flow, step_s, pieces);
-                let slopes = slopes.map_err(|still| NoModelSlopes::Still(still.surface))?;
+                let slopes = strips.step_slopes(from, motions, flow, step_s, pieces).map_err(still)?;
                 Ok(Self::Strips(strips.strip_sections().zip(slopes).collect()))
             }
             (AirModel::Rotor(rotor), AirState::Rotor(from), ModelPieces::Rotor(pieces)) => {
@@ -77,6 +84,7 @@ impl ModelSlopes {
     pub fn forward(&self, state: &[f64], motions: &[f64]) -> (Vec<f64>, Vec<[f64; LOADS]>) {
         match self {
             Self::Strips(strips) => strips_forward(strips, state, motions),
+            Self::Line(line) => line.forward(state, motions),
             Self::Rotor(rotor) => {
                 let (after, loads) = rotor.forward(state, motions);
                 let wide = |own: &[f64]| std::array::from_fn(|entry| own.get(entry).copied().unwrap_or(0.0));
@@ -90,6 +98,7 @@ impl ModelSlopes {
     pub fn reverse(&self, state: &[f64], loads: &[[f64; LOADS]]) -> (Vec<f64>, Vec<f64>) {
         match self {
             Self::Strips(strips) => strips_reverse(strips, state, loads),
+            Self::Line(line) => line.reverse(state, loads),
             Self::Rotor(rotor) => {
                 let loads: Vec<f64> = loads.iter().flat_map(|own| own[..LOADS / 2].iter().copied()).collect();
                 rotor.reverse(state, &loads)

@@ -16,7 +16,7 @@ use crate::solve::point::Point;
 use crate::system::air::model_slopes::{ModelSlopes, NoModelSlopes};
 use crate::system::air::pieces::AirPieces;
 use crate::system::air::start::{flow, refusal};
-use crate::system::air::{AirCoupling, AirHistory, ENTRIES, Sample, VELOCITY_WEIGHTS, gaps};
+use crate::system::air::{AirCoupling, AirHistory, ENTRIES, Sample, StepLoads, VELOCITY_WEIGHTS, gaps};
 use crate::system::{PlantError, System};
 use nalgebra::{Matrix3, Vector3};
 
@@ -166,18 +166,15 @@ impl AirStepSlopes {
 }
 
 impl System {
-    /// First aerodynamic feature whose steps have no derivatives, and its name; smooth strips, rotors in smooth wind and slender bodies have them.
+    /// First aerodynamic feature whose steps have no derivatives, and its name; strips, rotors without a tower and slender bodies have them.
     pub(crate) fn air_without_slopes(&self) -> Option<(&'static str, &str)> {
         let air = self.machine.air.as_ref()?;
         let of_part = |part: &AirPart| match &part.options {
-            AirOptions::Strips(strips) => {
-                strips.tip_loss.is_some().then_some(("the lifting line of strips", "aerodynamics.tip_loss"))
-            }
             AirOptions::Rotor(rotor) => {
                 rotor.features.tower.is_some().then_some(("rotors whose tower disturbs the wind", "tower"))
             }
             AirOptions::Lattice(_) => Some(("the vortex lattice", "aerodynamics")),
-            AirOptions::SlenderBody(_) => None,
+            AirOptions::Strips(_) | AirOptions::SlenderBody(_) => None,
         };
         if let Some(found) = air.parts.iter().find_map(of_part) {
             return Some(found);
@@ -203,9 +200,11 @@ impl System {
         air.observe(equations, at);
         air.deflect(state, before.loads.end_s)?;
         let step_s = air.settings.step_s;
+        let StepLoads { begin_s, end_s, .. } = before.loads;
+        let gain = before.gain.after(end_s - begin_s, state.applied_rates.wind_m_s());
         let begins = before.begin.iter().zip(air.model.instants());
         let samples = air.motions.iter_mut().zip(begins).map(|(motion, (begin, &instant))| {
-            let end = if instant { Sample::steady(motion) } else { begin.next(motion, step_s, &before.gain) };
+            let end = if instant { Sample::steady(motion) } else { begin.next(motion, step_s, &gain) };
             *motion = end.motion;
             end
         });
