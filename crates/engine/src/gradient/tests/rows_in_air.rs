@@ -1,4 +1,4 @@
-//! Gradients of runs in air by rows of inputs over time.
+//! Gradients by rows of inputs over time, of machines with aerodynamics.
 
 use super::air::{AIR_PLACES, InAir, Kind, Root};
 use super::inputs::changed;
