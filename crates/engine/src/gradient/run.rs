@@ -1,16 +1,18 @@
 //! Runs whose steps are kept for their derivatives.
 
 use crate::force::set::Indicator;
-use crate::gradient::inputs::{InputRows, Piece};
+use crate::gradient::inputs::{InputColumn, InputRows, Piece};
 use crate::gradient::tape::{AT_END, Ending, Mark, Step};
 use crate::gradient::timer::Timer;
 use crate::gradient::{GradientError, Tape, parameter};
+use crate::load::RootMotion;
 use crate::run::Plant;
 use crate::solve::continuation::Taken;
 use crate::solve::point::Point;
 use crate::system::PlantError;
 use crate::system::state::State;
 use nalgebra::UnitQuaternion;
+use std::mem::offset_of;
 use std::sync::Arc;
 
 impl Plant {
@@ -43,7 +45,7 @@ impl Plant {
             }
             from_s = time_s;
         }
-        self.refuse_rows_within_air_steps(inputs, [start_s, from_s])?;
+        self.refuse_rows_in_air(inputs, [start_s, from_s])?;
         let mut piece = inputs.piece_at(start_s);
         inputs.write_next(piece, &mut self.system.state);
         if self.system.state.inputs != self.system.state.applied_inputs {
@@ -138,15 +140,27 @@ impl Plant {
     }
 
     /// Returns an error for rows of the inputs within an aerodynamic step of a run: its loads up to the row follow from a motion behind it
-    /// under the earlier inputs, which the run does not take.
-    fn refuse_rows_within_air_steps(
-        &self,
-        inputs: &InputRows,
-        [start_s, last_s]: [f64; 2],
-    ) -> Result<(), GradientError> {
+    /// under the earlier inputs, which the run does not take. And for a rotation of the root that varies, with joints with redundant
+    /// parameters: for a wing on a ball joint derivatives are then up to 4.4e-3 off, for an unknown reason (GR-99).
+    fn refuse_rows_in_air(&self, inputs: &InputRows, [start_s, last_s]: [f64; 2]) -> Result<(), GradientError> {
         let Some(air) = self.system.machine.air.as_ref().filter(|_| !inputs.columns().is_empty()) else {
             return Ok(());
         };
+        let root = self.system.state.inputs.layout().root;
+        let rotations =
+            [offset_of!(RootMotion, angular_velocity_rad_s), offset_of!(RootMotion, angular_acceleration_rad_s2)];
+        let turns = |column: &InputColumn| {
+            let own =
+                rotations.iter().any(|part| (root.place(0, *part)..root.place(0, *part) + 3).contains(&column.index));
+            own && column.values.iter().any(|value| *value != column.values[0])
+        };
+        if !self.system.equations.spatial.is_empty() && inputs.columns().iter().any(turns) {
+            return Err(GradientError::OtherChoice {
+                part: "a root whose rotation varies, of machines with aerodynamics and universal, ball or free joints",
+                remedy: "keep root.angular_velocity and root.angular_acceleration constant, or use finite differences"
+                    .into(),
+            });
+        }
         let steps = |time_s: f64| (time_s - start_s) / air.step_s;
         // the last aerodynamic step is taken to its end
         let last = (steps(last_s) - AT_END).ceil();

@@ -30,6 +30,10 @@ fn rows(machine: &Machine, fold: usize) -> InputRows {
             [0.0, 0.1, 0.3, 0.3, 0.6, 0.2, 0.4],
         ),
     ];
+    if fold == 0 {
+        // a root whose rotation varies is an error
+        columns[4].values = vec![0.3; 7];
+    }
     if machine.air.as_ref().is_some_and(|air| !air.flaps.is_empty()) {
         columns.push(column(
             layout.flaps.place(0, offset_of!(FlapInputs, command_rad)),
@@ -135,6 +139,24 @@ fn rows_of_inputs_in_air_have_slopes() {
         assert!(both < 1e-9, "{both:.1e}");
         assert!(differences < 1e-6, "{differences:.1e}");
     }
+}
+
+/// A wing on a ball joint, on a root whose rotation varies, is an error by name.
+#[test]
+fn a_root_whose_rotation_varies_is_refused_with_a_ball_joint() {
+    let kind = Kind { root: Root::Ball, ..Kind::PLAIN };
+    let machine = InAir::USUAL.machine(kind).unwrap_or_else(|error| panic!("{error}"));
+    let mut inputs = rows(&machine, 0);
+    let run = |inputs: &InputRows| {
+        let mut plant = Plant::new(Arc::new(machine.clone()));
+        inputs.set(&mut plant, 0.0);
+        plant.initialize(0.0).unwrap_or_else(|error| panic!("{error}"));
+        plant.run_on_tape_with(inputs, &[0.016]).map(|_| ())
+    };
+    assert!(run(&inputs).is_ok(), "a constant rotation");
+    inputs = changed(&inputs, (4, 1), 0.1);
+    let refused = run(&inputs).expect_err("a rotation that varies").to_string();
+    assert!(refused.contains("a root whose rotation varies"), "{refused}");
 }
 
 /// Results of the run of another machine, or with other rows, along the steps of a tape.
