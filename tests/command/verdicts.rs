@@ -269,7 +269,7 @@ fn check_warns_of_a_run_that_does_not_start() {
     let name = section.split(']').next().unwrap();
     let warnings = |incidence_deg: f64| {
         let model = format!(
-            "name = \"Half\"\n[section.{section}\n[body.right]\nlength_m = 1.0\nsection = \"{name}\"\n[joint.right]\n\
+            "name = \"Half\"\n[section.{section}\n[body.right]\nlength_m = 1.0\nsection = \"{name}\"\nelements = 1\n[joint.right]\n\
              type = \"clamped\"\nparent = \"root\"\nchild = \"right\"\nmount_rotation_deg = [0.0, 60.0, 0.0]\n\
              [aerodynamics]\nmodel = \"strip\"\ntip_loss = \"lifting_line\"\nwind_m_s = [0.0, -15.0, 0.0]\n\
              mirror_normal = [1.0, 0.0, 0.0]\n[surface.right]\nbody = \"right\"\nchord_m = 0.2\nstrips = 48\n\

@@ -184,6 +184,10 @@ impl Case {
         elastic_products(&self.model, &self.damping, along.q, along.v, |row, force, viscous| {
             sum[row] += force + viscous
         });
+        // joints add the inertia of their own rotor
+        for joint in self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.drive_inertia != 0.0) {
+            sum[joint.coordinate] += joint.drive_inertia * along.a[joint.coordinate];
+        }
         sum
     }
 
@@ -204,6 +208,9 @@ impl Case {
             sums[0][row] += force;
             sums[1][row] += viscous;
         });
+        for joint in self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.drive_inertia != 0.0) {
+            sums[2][joint.coordinate] += joint.drive_inertia * w[joint.coordinate];
+        }
         sums
     }
 }
@@ -212,7 +219,7 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
 
-/// The derivative along random directions equals sixth-order differences of the residual, for 60 random machines, to 1e-9 of the largest
+/// The derivative along random directions equals sixth-order differences of the residual, for 80 random machines, to 1e-9 of the largest
 /// entry: the truncation error of the differences at this step is 1e-12, their round-off is 1e-16/3e-3 of residuals that are a hundred
 /// times the derivative's smallest entries.
 #[test]
@@ -237,7 +244,7 @@ fn forward_is_the_derivative_of_the_residual() {
     assert!(worst < 1e-9, "{worst:.1e}");
 }
 
-/// Forward and reverse products are transposes of each other: `⟨w, J δ⟩ = ⟨Jᵀ w, δ⟩` to round-off, for 60 random machines, to 1e-12 of the
+/// Forward and reverse products are transposes of each other: `⟨w, J δ⟩ = ⟨Jᵀ w, δ⟩` to round-off, for 80 random machines, to 1e-12 of the
 /// sum of the terms' magnitudes.
 #[test]
 fn reverse_is_the_transpose_of_forward() {
