@@ -523,7 +523,7 @@ fn x18_machines_with_electrical_motors() {
     hold_for("X-18 states", seeds(), invariants::states);
     hold_for("X-18 communication", seeds(), invariants::communication);
     hold_for("X-18 files", seeds(), invariants::files);
-    hold_for("X-18 gradients", DC_MOTORS..DC_MOTORS + 20_u64.div_ceil(share() as u64), gradients::both_ways);
+    hold_for("X-18 gradients", DC_MOTORS..DC_MOTORS + 9_u64.div_ceil(share() as u64), gradients::both_ways);
 }
 
 /// Machines with cylindrical joints, whose degrees of freedom have every kind of force, latch, stop and motion, in trees and in air: they

@@ -1,4 +1,4 @@
-//! Variations of the forces of geared motors' rotors that turn with their carrier, NOTATION eqs. (D17) and (X3).
+//! Variations of the forces of geared motors' rotors that turn with their carrier, NOTATION eqs. (D17) and (X38).
 
 use crate::load::RootMotion;
 use crate::multibody::derivative::chain::Shift;

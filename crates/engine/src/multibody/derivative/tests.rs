@@ -124,11 +124,9 @@ impl Case {
         let mut model = Model::with_constraints(&bodies, &[closure, on_root], &[]);
         model.bodies[1].damps_attached = true;
         model.bodies[3].damping_roots = Some([0.5, 1.0, 1.2, 0.9, 1.0, 1.0].into());
-        if extra == Extra::Rotors {
-            let hinged = |body: &&mut Body| matches!(body.joint.kind, JointKind::Revolute { .. });
-            for body in model.bodies.iter_mut().filter(hinged) {
-                (body.joint.drive_inertia, body.joint.drive_carried) = (0.2, 0.7);
-            }
+        let hinged = |own: &&mut Body| extra == Extra::Rotors && matches!(own.joint.kind, JointKind::Revolute { .. });
+        for body in model.bodies.iter_mut().filter(hinged) {
+            (body.joint.drive_inertia, body.joint.drive_carried) = (0.2, 0.7);
         }
         let n = model.coordinates;
         let mut motion: [Vec<f64>; 3] =
@@ -173,6 +171,10 @@ impl Case {
         });
         let mut found = vec![0.0; q.len()];
         residual(&self.model, work, Motion { q: &q, v: &v, a: &a }, self.environment(), &mut found);
+        // without the inertia of each joint's own rotor, which the recursion does not have
+        for joint in self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.drive_inertia != 0.0) {
+            found[joint.coordinate] -= joint.drive_inertia * a[joint.coordinate];
+        }
         found
     }
 
@@ -184,10 +186,6 @@ impl Case {
         elastic_products(&self.model, &self.damping, along.q, along.v, |row, force, viscous| {
             sum[row] += force + viscous
         });
-        // joints add the inertia of their own rotor
-        for joint in self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.drive_inertia != 0.0) {
-            sum[joint.coordinate] += joint.drive_inertia * along.a[joint.coordinate];
-        }
         sum
     }
 
@@ -208,9 +206,6 @@ impl Case {
             sums[0][row] += force;
             sums[1][row] += viscous;
         });
-        for joint in self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.drive_inertia != 0.0) {
-            sums[2][joint.coordinate] += joint.drive_inertia * w[joint.coordinate];
-        }
         sums
     }
 }
