@@ -14,7 +14,7 @@ const MAX_DIRECTIONS: usize = 40;
 /// Safety factor on the largest distance of `N⁻¹A` from the identity so far, for a last correction after which no remainder is computed.
 const SAFETY: f64 = 3.0;
 /// Weight of a charge, whose rows the factors have exactly: the rotation without load that corresponds to it may be far larger than those of the
-/// machine, whose remainders would then not be seen.
+/// machine, whose remainders would then not count.
 const CHARGE: f64 = 1e-6;
 /// Cost of a factorisation as a number of directions, each with a product and a solution.
 const FACTORS: usize = 1;
