@@ -34,9 +34,9 @@ const ROUND_OFF: f64 = 1e-14;
 const SAME: f64 = 1e-10;
 /// The same of outputs, and of products: slopes of outputs are differences over millimetres, with the round-off of stiff sections.
 const SAME_OUTPUT: f64 = 1e-6;
-/// The same of a machine along whose steps no other one runs: the loads of its aerodynamic steps hardly converge, and the linear equations for
-/// their variations are as badly conditioned. 4.3e-5 found, for flexible blades (seed 5).
-const SAME_WITHOUT_RUNS: f64 = 1e-4;
+/// Seeds of machines that miss this limit, and their bounds: flexible blades with inputs over time are 4.3e-5 off, the cause is not known. No
+/// other machine runs along their steps, because the iteration for the loads converges too slowly.
+const MISSED: [(u64, f64); 1] = [(5, 1e-4)];
 /// Allowed difference from differences of runs, relative to the largest of a row.
 pub const SAME_AS_RUNS: f64 = 1e-6;
 
@@ -113,9 +113,9 @@ pub fn check(model: &Model, found: &mut Found) -> Option<()> {
     if model.seed.is_multiple_of(COMMANDS) {
         by_command((&model, &inputs), &options, [forward, adjoint], found);
     }
+    let missed = MISSED.iter().find(|(seed, _)| *seed == model.seed);
+    compare(&mut random, ([forward, adjoint], missed.map_or(SAME_OUTPUT, |(_, bound)| *bound)), found);
     differences((&model, &inputs), (&mut recorded, &results), (&chosen, rows), forward, found);
-    let same = if found.compared == 0 && found.apart > 0 { SAME_WITHOUT_RUNS } else { SAME_OUTPUT };
-    compare(&mut random, ([forward, adjoint], same), found);
     Some(())
 }
 

@@ -20,9 +20,8 @@ const PER_MEAN: usize = 4;
 /// differences over millimetres, with errors of 1e-8 for stiff sections; the largest of the first 60 seeds is 1.5e-6 (seed 20), the next is
 /// below 1e-7.
 const SAME: f64 = 2e-6;
-/// Derivatives below this fraction of the result, or of 1, are round-off: those of outputs that a parameter does not affect, and of strains that are
-/// differences of those of stiff sections (3.5e-11 found, seed 5000009 of the machines with DC motors).
-const ROUND_OFF: f64 = 5e-11;
+/// Derivatives below this fraction of the result are round-off: those of outputs that a parameter does not affect.
+const ROUND_OFF: f64 = 1e-11;
 
 /// Tables that exist only in machines with aerodynamics.
 const OF_AIR: [&str; 4] = ["aerodynamics", "wind", "gust", "polar"];

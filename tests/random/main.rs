@@ -523,6 +523,7 @@ fn x18_machines_with_electrical_motors() {
     hold_for("X-18 states", seeds(), invariants::states);
     hold_for("X-18 communication", seeds(), invariants::communication);
     hold_for("X-18 files", seeds(), invariants::files);
+    // the next one, seed 5000009, has shear and is 3.3e-6 of a row off, more than allowed; the cause is not known
     hold_for("X-18 gradients", DC_MOTORS..DC_MOTORS + 9_u64.div_ceil(share() as u64), gradients::both_ways);
 }
 

@@ -30,6 +30,11 @@ impl Flow<'_> {
     pub fn convection_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
         self.wind_m_s - self.spin_rad_s.cross(point_m)
     }
+
+    /// Velocity of the gusts at a point, in m/s.
+    pub fn gust_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
+        self.velocity_m_s(point_m) - self.convection_m_s(point_m)
+    }
 }
 
 /// Path of undisturbed air over a step in the root frame: `ẋ = w − ω × x` with constant `w` and `ω`, eq. (U5).

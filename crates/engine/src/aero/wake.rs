@@ -43,7 +43,7 @@ impl VortexLattice {
             if !free {
                 return path.end_m(node_m);
             }
-            let gust_m_s = flow.velocity_m_s(node_m) - flow.convection_m_s(node_m);
+            let gust_m_s = flow.gust_m_s(node_m);
             path.end_m(node_m) + (self.free_m_s[node] + gust_m_s) * step_s
         };
         let shed = self.leaves_a_row(from, &path, step_s, to);

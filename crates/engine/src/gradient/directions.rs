@@ -13,9 +13,6 @@ const SOLVED: f64 = 3e-13;
 const MAX_DIRECTIONS: usize = 40;
 /// Safety factor on the largest distance of `N⁻¹A` from the identity so far, for a last correction after which no remainder is computed.
 const SAFETY: f64 = 3.0;
-/// Weight of a charge, whose rows the factors have exactly: the rotation without load that corresponds to it may be far larger than those of the
-/// machine, whose remainders would then not count.
-const CHARGE: f64 = 1e-6;
 /// Cost of a factorisation as a number of directions, each with a product and a solution.
 const FACTORS: usize = 1;
 
@@ -55,7 +52,7 @@ impl Directions {
             scales_m[element.curvatures()].fill(element.length_m * reach_m);
         }
         for circuit in &model.circuits {
-            scales_m[circuit.coordinate] = CHARGE * circuit.displacement_m(reach_m);
+            scales_m[circuit.coordinate] = circuit.displacement_m(reach_m);
         }
         // a machine without extent: its rotations count as they are
         scales_m.iter_mut().filter(|scale| **scale <= 0.0).for_each(|scale| *scale = 1.0);

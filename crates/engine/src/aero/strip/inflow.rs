@@ -58,8 +58,7 @@ impl Inflow {
         motions: &[SectionMotion],
         flow: &Flow,
     ) -> Self {
-        let gust_m_s = |place_m: &Vector3<f64>| flow.velocity_m_s(place_m) - flow.convection_m_s(place_m);
-        Self::with_gusts((strip, profile, flap), motions, flow, gust_m_s)
+        Self::with_gusts((strip, profile, flap), motions, flow, |place_m| flow.gust_m_s(place_m))
     }
 
     /// Evaluates the inflow with the gust velocity of the given function instead of the flow's gusts.

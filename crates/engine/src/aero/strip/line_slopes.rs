@@ -64,16 +64,14 @@ impl Strips {
             });
             for entry in 0..MOTION {
                 let step = STEP * [length_m, 1.0, speed_m_s, speed_m_s / length_m][entry / 3];
-                if step.is_finite() {
-                    slopes.set_column(
-                        column,
-                        &differences(rows, step, |change| {
-                            moving[section] = moved(usual, entry, change);
-                            trial.meet(&moving);
-                            trial.rows(from)
-                        }),
-                    );
-                }
+                slopes.set_column(
+                    column,
+                    &differences(rows, step, |change| {
+                        moving[section] = moved(usual, entry, change);
+                        trial.meet(&moving);
+                        trial.rows(from)
+                    }),
+                );
                 column += 1;
             }
             moving[section] = *usual;

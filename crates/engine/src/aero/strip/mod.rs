@@ -278,7 +278,7 @@ impl Strips {
 
     /// Evaluates the inflow of all strips, and the lifting line through them if there is one.
     fn meet(&mut self, motions: &[SectionMotion], flow: &Flow) {
-        self.meet_with(motions, flow, |_, place_m| flow.velocity_m_s(place_m) - flow.convection_m_s(place_m));
+        self.meet_with(motions, flow, |_, place_m| flow.gust_m_s(place_m));
     }
 
     /// The same with the gust velocity that `gust_m_s` gives for a strip and a position.

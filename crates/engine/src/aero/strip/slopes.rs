@@ -74,7 +74,7 @@ impl Strips {
         let mut gust = GustSlope::default();
         Inflow::with_gusts(own, motions, flow, |at_m| {
             let slopes = flow.gusts.iter().filter_map(|gust| gust.slope_1_s(flow.time_s, at_m));
-            let velocity_m_s = flow.velocity_m_s(at_m) - flow.convection_m_s(at_m);
+            let velocity_m_s = flow.gust_m_s(at_m);
             gust = GustSlope { place_m: *at_m, velocity_m_s, slope_1_s: slopes.sum() };
             velocity_m_s
         });

@@ -24,13 +24,12 @@ fn electric(numbers: Numbers, latched: bool, carried: bool) -> Result<Machine, S
     });
     own.motor.gear_ratio = carried.then_some(-gear);
     own.motor.inertia_kg_m2 = numbers.rotor;
-    // a charge has no stiffness: the remainder of the iteration moves it
+    // at 1e-10 the differences of runs are 6.2e-6 off, at this one 9.5e-8 (GR-100)
     machine.solver.tolerance = 1e-12;
     Ok(machine)
 }
 
-/// Step of the differences of runs as a share of a number: over [`DIFFERENCE`] their truncation is 2.4e-6, that of stiff motions behind a latch or
-/// stop.
+/// Step of the differences of runs as a share of a number: with [`DIFFERENCE`] they are 2.1e-6 off (GR-102), with this one 6.2e-7.
 const SHORT: f64 = 2e-4;
 
 const ELECTRIC: [Place; 6] = [
@@ -76,7 +75,7 @@ fn gradients_with_currents() {
 }
 
 /// GR-101: the same under a voltage that ramps and jumps and with a root that turns about the axis of the rotor and across it, by numbers of the
-/// circuit, and by the rows of the voltage.
+/// circuit, and by the rows of the voltage and of a component of the rotation.
 #[test]
 fn gradients_with_currents_under_voltages_over_time() {
     let own = electric(Numbers::USUAL, true, true).unwrap();
@@ -127,7 +126,7 @@ fn gradients_with_currents_under_voltages_over_time() {
     let [both, differences] = disagreements((&results, &values), &names, [&forward, &adjoint, &known]);
     println!("GR-101 rows {both:.1e} {differences:.1e}");
     assert!(both < 1e-9, "{both:.1e}");
-    assert!(differences < 3e-6, "{differences:.1e}");
+    assert!(differences < 1e-6, "{differences:.1e}");
 }
 
 /// GR-102: the wing of GR-01 with damping by ratios of two modes, by a ratio and six numbers that change the modes.
