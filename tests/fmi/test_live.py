@@ -317,8 +317,9 @@ def test_the_clock_does_not_fall_behind(foldwing, model, speed, record_property)
     with live(foldwing, model, "--speed", str(speed)) as (address, process):
         client = Client(address)
         first = client.picture()
-        client.ask(do="run")
+        # the clock is read before the order is sent: the program may run before `ask` returns
         begun, factors = time.monotonic(), []
+        client.ask(do="run")
         while time.monotonic() - begun < span_s:
             header = client.picture()
             # a header is older than the clock reading after it
