@@ -159,11 +159,16 @@ def test_studies_in_python_that_are_short_are_listed_and_run_whole():
     assert re.search(r"^\tFOLDWING_WHOLE=1 \$\(MAKE\) pytest$", target("validate-pytest"), re.M)
 
 
-def test_one_call_of_validate_runs_all_of_verification():
+def test_validate_runs_all_of_verification():
+    """One call runs every test but those that it skips by name, and each of these has a stage of its own."""
     recipe = target("validate-tests")
     calls = [line for line in recipe.splitlines() if "--test verification" in line]
     assert len(calls) == 1
-    assert "--test command" in calls[0] and "FOLDWING_WHOLE=1" in calls[0] and "--release" in calls[0] and calls[0].endswith("--include-ignored")
+    assert "--test command" in calls[0] and "FOLDWING_WHOLE=1" in calls[0] and "--release" in calls[0] and "--include-ignored" in calls[0]
+    arguments = calls[0].split(" -- ")[1].split()
+    skipped = [name for word, name in zip(arguments, arguments[1:]) if word == "--skip"]
+    assert set(arguments) - set(skipped) == {"--nocapture", "--include-ignored", "--skip"}
+    assert re.findall(r"--include-ignored (\S+)$", target("validate-chains"), re.M) == skipped
 
 
 def rust_tests(folders=("tests", "crates", "src", "benches")):
