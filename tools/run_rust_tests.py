@@ -43,6 +43,7 @@ SHARED = {
     "x09_exchanged_derivatives_are_those_of_the_motion",
     "x11_rows_of_linear_models_are_those_of_the_machine",
     "x13_gradients_are_the_same_both_ways",
+    "x16_skates_and_wheels_do_not_slip",
     "x17_machines_with_several_airs",
     "x18_machines_with_electrical_motors",
     "x19_machines_with_cylindrical_joints",

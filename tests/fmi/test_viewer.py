@@ -478,8 +478,8 @@ def test_f357_the_stage_shows_what_there_is(browser, pages):
 
 
 def test_f198_pictures_are_cheap(browser, pages):
-    """F-198. Every shipped model, aircraft and turbine: draw calls, triangles and rendering time of a frame with everything shown, without
-    a GPU; size of the page; no console messages. Prints the time, on which no test depends: `make bench-viewer` measures it.
+    """F-198. Every shipped model, aircraft and turbine: draw calls and triangles of a frame with everything shown, without a GPU; size
+    of the page; no console messages. `make bench-viewer` measures rendering times.
     """
     for model in ALL:
         page = pages / f"{model}.html"
@@ -488,20 +488,8 @@ def test_f198_pictures_are_cheap(browser, pages):
         browser.value("document.querySelectorAll('#display input[type=checkbox]').forEach(box => { box.checked = box.id !== 'glass'; }), true")
         browser.value("seek(0.6 * main.count), true")
         settled(browser)
-        best = browser.value("""(() => {
-          const gl = renderer.getContext(), pixel = new Uint8Array(4);
-          let best = Infinity;
-          for (let i = 0; i < 30 && best > 50; i++) {
-            const begin = performance.now();
-            main.goTo((0.6 * main.count + i) % main.last);
-            show();
-            gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
-            best = Math.min(best, performance.now() - begin);
-          }
-          return best;
-        })()""")
         info = browser.value("({ calls: renderer.info.render.calls, triangles: renderer.info.render.triangles })")
-        print(f"{model}: {info['calls']} calls, {info['triangles']} triangles, {best:.0f} ms, {page.stat().st_size / 1e6:.1f} MB")
+        print(f"{model}: {info['calls']} calls, {info['triangles']} triangles, {page.stat().st_size / 1e6:.1f} MB")
         assert info["calls"] <= MAXIMUM_CALLS and info["triangles"] <= MAXIMUM_TRIANGLES, (model, info)
         assert browser.complaints() == [], model
 

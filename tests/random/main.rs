@@ -221,9 +221,8 @@ fn gr82_gradients_are_those_of_runs_with_the_same_steps() {
     let mut all = frozen_runs::Found::default();
     let (mut kinds, mut machines, mut silent, mut broken) = (BTreeMap::<String, usize>::new(), 0, 0, Vec::new());
     let seeds: Vec<u64> = seeds(30_u64.div_ceil(share() as u64)).into_iter().take(200).collect();
-    for seed in seeds {
-        let mut found = frozen_runs::Found::default();
-        match frozen_runs::check(&draw(seed), &mut found) {
+    for (seed, checked, found) in frozen_runs::check_all(&seeds) {
+        match checked {
             Some(()) => machines += 1,
             None => silent += 1,
         }
@@ -383,9 +382,10 @@ fn x15_rigid_loops_stay_closed() {
 /// they do not permit is refused with their name.
 #[test]
 fn x16_skates_and_wheels_do_not_slip() {
-    let (mut largest, mut machines, mut loaded, mut silent, mut apart) = (0.0f64, 0, 0, 0, 0.0f64);
+    let (mut largest, mut machines, mut loaded, mut silent, mut apart) = (0.0f64, 0, 0, 0_u64, 0.0f64);
     let view = View { turn: nalgebra::UnitQuaternion::from_euler_angles(0.4, -1.1, 2.3), mirror: true };
-    for seed in NO_SLIP..NO_SLIP + 60 {
+    let drawn = 60_u64.div_ceil(share() as u64);
+    for seed in NO_SLIP..NO_SLIP + drawn {
         let model = draw(seed);
         let Ok(mut plant) = machine(&model, &View::plain()).and_then(start) else {
             silent += 1;
@@ -435,7 +435,7 @@ fn x16_skates_and_wheels_do_not_slip() {
     println!(
         "X-16: slip and height up to {largest:.1e} in {machines} machines, {loaded} with forces, views {apart:.1e} apart; {silent} do not run"
     );
-    assert!(silent <= 15 && 2 * loaded > machines, "{loaded} of {machines}, {silent} do not run");
+    assert!(4 * silent <= drawn && 2 * loaded > machines, "{loaded} of {machines}, {silent} do not run");
 }
 
 /// Machines with several aerodynamic models: they run, all but a few; rotated and mirrored as a whole they have the same motion; their

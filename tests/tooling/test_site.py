@@ -48,10 +48,10 @@ def test_every_model_of_the_gallery_has_a_picture():
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """Folder of the site, built once with the environment of `make site`."""
+    """Folder of the site, built once with the environment of `make site-venv`."""
     python = Path(os.environ.get("FOLDWING_SITE", ROOT / "target/venv-site")) / "bin/python"
     if not python.exists():
-        pytest.skip("no environment with Sphinx, MyST and Furo: `make site` creates it")
+        pytest.skip("no environment with Sphinx, MyST and Furo: `make site-venv` creates it")
     base = tmp_path_factory.getbasetemp()
     base = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
     output = base / "site"

@@ -332,7 +332,10 @@ def test_tests_of_a_share_of_their_cases_run_whole_in_long():
             if re.search(r'\bshare\(\)|\bhold\("X-', body):
                 found.add(body.split("(", 1)[0])
     assert found == run_rust_tests.SHARED
-    assert MAKEFILE.count("FOLDWING_SHARE") == 2 and all("FOLDWING_SHARE=3" in target(name) for name in ("unit", "assertions"))
+    assert MAKEFILE.count("FOLDWING_SHARE") == 2 and "FOLDWING_SHARE=3" in target("unit")
+    assert "FOLDWING_SHARE=$(ASSERTIONS_SHARE)" in target("assertions") and re.search(r"^ASSERTIONS_SHARE \?= 3$", MAKEFILE, re.M)
+    # a stage of `make test` runs what `unit` skips, on as many cases
+    assert re.findall(r"--skip (\S+)", target("unit")) == ["gr82_"] and re.search(r"FOLDWING_MACHINES=12 .* gr82_$", target("python"), re.M)
     arguments = re.search(r"run_rust_tests.py --long .*\n.*", target("long")).group()
     assert all(f"--test {program}" in arguments for program in ("verification", "random", "robustness", "command"))
 
