@@ -248,3 +248,32 @@ fn joints_that_are_elsewhere_have_a_warning() {
         assert!(!told.contains("rotates by"), "{start_deg} deg, {parts}: {told}");
     }
 }
+
+/// Two halves with 30° of dihedral, the axis at the quarter chord: their inner edges part by `1.5 sin 30° sin α` chords. Beyond 0.1 they are
+/// not joined, and nothing said so.
+#[test]
+fn halves_that_are_not_joined_have_a_warning() {
+    let halves = |air: &str, incidence_deg: f64| {
+        let text = wing(air, FRONT, incidence_deg)
+            .replace("child = \"wing\"", "child = \"wing\"\nmount_rotation_deg = [0.0, -30.0, 0.0]");
+        let (sine, cosine) = 15f64.to_radians().sin_cos();
+        format!(
+            "{text}\n[body.left]\nlength_m = 0.6\nsection = \"plate\"\nelements = 2\n\n[joint.left]\ntype = \"clamped\"\nparent = \"root\"\n\
+             child = \"left\"\nmount_rotation_deg = [{:?}, 0.0, {:?}]\n\n[surface.left]\nbody = \"left\"\nchord_m = 0.1\n\
+             elastic_axis_fraction = 0.25\nstrips = 4\nleading_edge = \"-y\"\nincidence_deg = {incidence_deg}\n",
+            180.0 * sine,
+            180.0 * cosine
+        )
+    };
+    let line = format!("{STRIPS}\ntip_loss = \"lifting_line\"");
+    for air in [LATTICE, &line] {
+        let (told, _) = warnings(&halves(air, 12.0), &["check"]);
+        let expected = "warning: the inner edges of the surfaces of wing and left are attached to one point but lie 0.1559 chords apart";
+        assert_eq!(told.matches("inner edges").count(), 1, "{air}: {told}");
+        assert!(told.contains(expected), "{air}: {told}");
+    }
+    for (air, incidence_deg) in [(LATTICE, 7.0), (&line, 7.0), (STRIPS, 12.0)] {
+        let (told, _) = warnings(&halves(air, incidence_deg), &["check"]);
+        assert!(!told.contains("inner edges"), "{air}, {incidence_deg} deg: {told}");
+    }
+}

@@ -26,6 +26,13 @@ pub enum Warning {
         /// Largest angle between the wind and the chord in rad.
         angle_rad: f64,
     },
+    /// Inner edges of two surfaces on one point that are not joined.
+    Slit {
+        /// Bodies of the surfaces.
+        bodies: [String; 2],
+        /// Distance of the edges at the start in chords.
+        apart_chords: f64,
+    },
     /// A lattice without leading-edge suction, at incidence or where loads are to be balanced.
     NoSuction,
     /// Strips of a lattice beyond stall in an equilibrium, which may not be the only one.
@@ -67,6 +74,13 @@ impl fmt::Display for Warning {
                     MAXIMUM_FLOW_RAD.to_degrees().round()
                 )
             }
+            Self::Slit { bodies: [one, other], apart_chords } => write!(
+                f,
+                "the inner edges of the surfaces of {one} and {other} are attached to one point but lie {} chords apart at the start: they \
+                 are not joined, and each has a free edge with a tip vortex; if they are halves of one wing, place the axis where their \
+                 chords meet (elastic_axis_fraction), or give the incidence by the attitude of the root",
+                four_digits(*apart_chords)
+            ),
             Self::NoSuction => f.write_str(
                 "the lattice has no suction at the leading edge (leading_edge_suction = false): forces along the \
                  chord, such as drag and the thrust that balances it, are too large; set leading_edge_suction = true \
@@ -114,17 +128,32 @@ fn four_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 
-/// Warnings about the undeformed machine in the wind of its model: direction of the flow, and a lattice without suction at incidence.
+/// Warnings about the undeformed machine in the wind of its model: direction of the flow, a lattice without suction at incidence, and slits
+/// between inner edges.
 pub fn undeformed(machine: &Machine) -> Vec<Warning> {
     let mut plant = Plant::new(Arc::new(machine.clone()));
     let wind_m_s = *plant.inputs().wind_m_s();
-    match plant.study().undeformed(machine.experiment.start_time_s) {
-        Ok(()) => {
-            *plant.inputs_mut().wind_m_s_mut() = wind_m_s;
-            air_at(&plant)
-        }
-        Err(_) => Vec::new(),
+    let mut warnings = slits(machine);
+    if plant.study().undeformed(machine.experiment.start_time_s).is_ok() {
+        *plant.inputs_mut().wind_m_s_mut() = wind_m_s;
+        warnings.extend(air_at(&plant));
     }
+    warnings
+}
+
+/// Warnings about inner edges on one point that are not joined, each pair once.
+fn slits(machine: &Machine) -> Vec<Warning> {
+    let name = |body: usize| machine.bodies[body].name.clone();
+    let mut pairs: Vec<([usize; 2], f64)> = Vec::new();
+    for surface in machine.air.iter().flat_map(|air| &air.surfaces) {
+        let Some((other, apart_chords)) = surface.slit else { continue };
+        let pair = [surface.body.min(other), surface.body.max(other)];
+        if !pairs.iter().any(|(known, _)| *known == pair) {
+            pairs.push((pair, apart_chords));
+        }
+    }
+    let warning = |(pair, apart_chords): ([usize; 2], f64)| Warning::Slit { bodies: pair.map(name), apart_chords };
+    pairs.into_iter().map(warning).collect()
 }
 
 /// Warnings about a plant in its current state and wind: direction of the flow, and a lattice without suction at incidence.

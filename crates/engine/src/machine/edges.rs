@@ -13,6 +13,9 @@ const NEAR: f64 = 1e-9;
 /// dihedral, an incidence and the axis at half chord they part by the product of the sines of both angles: 0.1 is 20 and 17 degrees.
 const HALVES: f64 = 0.1;
 
+/// Distance in chords up to which edges that are attached to one point and not joined may be meant as those of halves of one wing.
+const CLOSE: f64 = 0.5;
+
 /// Speed of an edge relative to the air, divided by the speeds of both, below which they move together.
 const REST_SHARE: f64 = 1e-9;
 
@@ -52,11 +55,21 @@ pub(crate) fn free_edges(body: usize, edges: &[RootEdge], bodies: &[Body], mirro
 
 /// Body of the other surface whose inner edge is attached to the same point and is nearest at the start, within [`HALVES`].
 pub(crate) fn other_half(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Option<usize> {
-    let distances = edges.iter().filter(|edge| edge.body != body).filter_map(|edge| {
-        let apart = distance_chords(body, edge, edges, bodies)?;
-        (apart <= HALVES).then_some((edge.body, apart))
-    });
-    distances.min_by(|one, two| one.1.total_cmp(&two.1)).map(|(body, _)| body)
+    let (other, apart) = nearest_edge(body, edges, bodies)?;
+    (apart <= HALVES).then_some(other)
+}
+
+/// Body of the other surface whose inner edge is attached to the same point and is nearest at the start, and its distance in chords, if it
+/// is not joined but within [`CLOSE`]: a slit that may not be intended.
+pub(crate) fn slit(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Option<(usize, f64)> {
+    nearest_edge(body, edges, bodies).filter(|(_, apart)| *apart > HALVES && *apart <= CLOSE)
+}
+
+/// Body of the other surface whose inner edge is attached to the same point and is nearest at the start, and its distance in chords.
+fn nearest_edge(body: usize, edges: &[RootEdge], bodies: &[Body]) -> Option<(usize, f64)> {
+    let others = edges.iter().filter(|edge| edge.body != body);
+    let distances = others.filter_map(|edge| Some((edge.body, distance_chords(body, edge, edges, bodies)?)));
+    distances.min_by(|one, two| one.1.total_cmp(&two.1))
 }
 
 /// Whether the inner end of a body lies on a plane through the origin and remains there.

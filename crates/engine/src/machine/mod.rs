@@ -407,6 +407,9 @@ pub struct LiftingSurface {
     pub body: usize,
     /// Body whose surface adjoins this one's inner edge: the other half of a wing.
     pub other_half: Option<usize>,
+    /// Body whose surface has the nearest inner edge attached to the same point, if the edges are not joined, and their distance in chords;
+    /// up to half a chord.
+    pub slit: Option<(usize, f64)>,
     /// Whether its inner edge lies at the mirror plane and adjoins that of its image.
     pub at_mirror: bool,
     /// Edges of its strips: distances from the body's inner end in m, ascending.

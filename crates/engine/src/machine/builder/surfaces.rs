@@ -3,7 +3,7 @@
 use crate::aero::surface::{ChordLine, Profile};
 use crate::beam::profile::Profile as Along;
 use crate::machine::builder::flap::FlapBuilder;
-use crate::machine::edges::{RootEdge, free_edges, other_half, stands_on};
+use crate::machine::edges::{RootEdge, free_edges, other_half, slit, stands_on};
 use crate::machine::fault::{Checker, Range, array_text};
 use crate::machine::units::shortest;
 use crate::machine::validate::air::MAXIMUM_STRIPS;
@@ -344,6 +344,7 @@ pub(super) fn place_all(
     let mut surfaces: Vec<LiftingSurface> = placed.collect::<Vec<_>>().into_iter().collect::<Option<_>>()?;
     for surface in &mut surfaces {
         surface.other_half = other_half(surface.body, &edges, bodies).filter(|_| spans);
+        surface.slit = slit(surface.body, &edges, bodies).filter(|_| spans);
         surface.at_mirror = spans && mirror.is_some_and(|normal| stands_on(&normal, surface.body, bodies));
     }
     surfaces.sort_by_key(|surface| surface.body);
@@ -397,6 +398,7 @@ fn place(
     Some(LiftingSurface {
         body: draft.body,
         other_half: None,
+        slit: None,
         at_mirror: false,
         positions_m,
         chords,
