@@ -457,7 +457,8 @@ fn dc10_motors_drive_closed_loops() {
         let drift_j = balance_j(plant.outputs()) - before_j;
         let work_j = plant.outputs().energy().work;
         println!("DC-10 rigid {rigid}: {drift_j:.1e} J of {work_j} J, {:?}", state(&plant));
-        agree(if rigid { "DC-10 rigid" } else { "DC-10 penalty" }, drift_j.abs() / work_j, 1e-4);
+        let allowed = if rigid { 3e-6 } else { 3e-5 };
+        agree(if rigid { "DC-10 rigid" } else { "DC-10 penalty" }, drift_j.abs() / work_j, allowed);
         state(&plant)
     };
     let [penalty, rigid] = [false, true].map(run);
