@@ -3,7 +3,7 @@
 //! Parts whose derivatives are not covered are removed, as named by the errors; the remaining machine has any combination of the joints,
 //! bodies, loads and events that gradients cover.
 
-use crate::machines::{Model, Table, Value, View};
+use crate::machines::{Model, Value, View};
 use crate::{STEPS, Verdict, machine, start, step_s};
 use foldwing::plant::{Gradient, GradientError, Parameter, Plant, RunResult, Tape};
 
@@ -112,48 +112,17 @@ pub fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
     match part {
         "the vortex lattice" => Some(still(model)),
         "rotors whose tower disturbs the wind" => remove("tower"),
-        "the staggered coupling of aerodynamics and structure" => key_removed(model, "aerodynamics", &["coupling"]),
         part if part.starts_with("gusts") => remove("gust"),
         "bodies with shear in air"
         | "loads inside elements with shear"
         | "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
-        "bodies with mode shapes" => Some(beamed(model, place)),
         "rigid loops" => remove(&format!("loop.{place}")),
         part if part.starts_with("failures") => remove(&format!("failure.{place}")),
-        "generators whose torque jumps at the first row of the table" => of_joint("generator"),
+        part if part.starts_with("runs in which a generator passes") => of_joint("generator"),
         "the methods generalized_alpha and rk4" => remove("solver"),
         part if part.starts_with("real-time mode") => remove("solver"),
         _ => None,
     }
-}
-
-/// The machine with a beam in place of a body with mode shapes; copies of a body have its name and a number.
-fn beamed(model: &Model, body: &str) -> Model {
-    let mut model = model.clone();
-    let own = |name: &str| name.strip_prefix("modal_body.").is_some_and(|name| body.starts_with(name));
-    let section = Table::new("section.beamed")
-        .with("shape", "rectangle")
-        .with("width_m", 0.04)
-        .with("height_m", 0.004)
-        .with("density_kg_m3", 1500.0)
-        .with("youngs_modulus_Pa", 1e10)
-        .with("poisson_ratio", 0.3);
-    if model.table("section.beamed").is_none() {
-        model.tables.push(section);
-    }
-    let mut gone = Vec::new();
-    for table in model.tables.iter_mut().filter(|table| own(&table.name)) {
-        let name = table.name.trim_start_matches("modal_").to_owned();
-        gone.push(name.trim_start_matches("body.").to_owned());
-        let kept = table.keys.iter().filter(|(key, _)| matches!(*key, "length_m" | "count")).cloned();
-        let keys = kept.collect();
-        *table =
-            Table { name, keys }.with("section", "beamed").with("elements", 2_usize).with("stiffness_damping_s", 3e-4);
-    }
-    // its loads have other stations
-    let on_it = |table: &Table| table.name.starts_with("load.") && gone.iter().any(|name| table.is("body", name));
-    model.tables.retain(|table| !on_it(table));
-    model
 }
 
 /// The machine without the shear of a body; copies of a body have its name and a number.
@@ -164,17 +133,6 @@ fn unsheared(model: &Model, body: &str) -> Model {
         table.keys.retain(|(key, _)| !matches!(*key, "shear" | "shear_damping_factors"));
     }
     model
-}
-
-/// The machine without some keys of the tables whose names begin with `table`; `None` if there are none.
-fn key_removed(model: &Model, table: &str, keys: &[&str]) -> Option<Model> {
-    let mut model = model.clone();
-    let before: usize = model.tables.iter().map(|table| table.keys.len()).sum();
-    for table in model.tables.iter_mut().filter(|own| own.name.starts_with(table)) {
-        table.keys.retain(|(own, _)| !keys.contains(own));
-    }
-    let behind: usize = model.tables.iter().map(|table| table.keys.len()).sum();
-    (behind < before).then_some(model)
 }
 
 /// The machine without aerodynamics.

@@ -218,6 +218,16 @@ impl ShapesAt {
         velocity
     }
 
+    /// Slope of the force on coordinate `i` by coordinate `j` for a constant load on the section in the frame of the inner end, eq. (X40).
+    pub(crate) fn force_slope(
+        &self,
+        (i, j): (usize, usize),
+        turn: &SmallTurn,
+        (force, moment): (&Vector3<f64>, &Vector3<f64>),
+    ) -> f64 {
+        turn.spin_along(&self.angles_1_m(i), &self.angles_1_m(j)).dot(moment) - self.shortening_1_m[i][j] * force.x
+    }
+
     /// Small angles `w_i` of the section per unit of coordinate `i` in 1/m, eq. (M3).
     #[inline]
     pub fn angles_1_m(&self, i: usize) -> Vector3<f64> {
@@ -343,6 +353,11 @@ impl ModalElement {
             }
         }
         element
+    }
+
+    /// Whether the angular velocity of sections is the rate of their small angles, and not that of their attitude.
+    pub(crate) fn has_rates_of_angles(&self) -> bool {
+        self.rates_of_angles
     }
 
     /// Rotation of a section with small angles in rad, eq. (M3).

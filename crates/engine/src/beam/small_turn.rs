@@ -67,6 +67,42 @@ impl SmallTurn {
         self.sum(self.factors_along(u), v) + u.cross(v) * versine + (u * t.dot(v) + t * u.dot(v)) * along
     }
 
+    /// [`Self::spin`] for constant rates `v` with its first and second time derivatives, while `t` has the rates `u` and accelerations `w`.
+    pub fn spin_with_rates(&self, v: &Vector3<f64>, u: &Vector3<f64>, w: &Vector3<f64>) -> [Vector3<f64>; 3] {
+        let (t, n) = (&self.angles_rad, self.norm);
+        let [_, versine, along] = self.factors();
+        let [sine1, versine1, along1] = self.factors_along(u);
+        let [sine2, versine2, along2] = if self.rates_of_angles {
+            [0.0; 3]
+        } else {
+            let n1 = t.dot(u) / n;
+            let n2 = (u.dot(u) + t.dot(w) - n1 * n1) / n;
+            // of 1/n, 1/(n² + n) and −1/(n³ + n²) by n
+            let [square, cube] = [n * n + n, n * n * n + n * n];
+            let [by_square, by_cube] = [2.0 * n + 1.0, 3.0 * n * n + 2.0 * n];
+            let first = [-1.0 / (n * n), -by_square / square.powi(2), by_cube / cube.powi(2)];
+            let second = [
+                2.0 / n.powi(3),
+                (2.0 * by_square * by_square - 2.0 * square) / square.powi(3),
+                ((6.0 * n + 2.0) * cube - 2.0 * by_cube * by_cube) / cube.powi(3),
+            ];
+            std::array::from_fn(|i| second[i] * n1 * n1 + first[i] * n2)
+        };
+        let (tv, uv, wv) = (t.dot(v), u.dot(v), w.dot(v));
+        let (tt, ut) = (t * tv, u * tv + t * uv);
+        [
+            self.spin(v),
+            v * sine1 + t.cross(v) * versine1 + u.cross(v) * versine + tt * along1 + ut * along,
+            v * sine2
+                + t.cross(v) * versine2
+                + u.cross(v) * (2.0 * versine1)
+                + w.cross(v) * versine
+                + tt * along2
+                + ut * (2.0 * along1)
+                + (w * tv + u * (2.0 * uv) + t * wv) * along,
+        ]
+    }
+
     /// Applies the three coefficients to a vector.
     #[inline]
     fn sum(&self, [sine, versine, along]: [f64; 3], v: &Vector3<f64>) -> Vector3<f64> {
@@ -93,5 +129,13 @@ mod tests {
         assert!((v.dot(&turn.spin(&u)) - u.dot(&turn.moments(&v))).abs() < 1e-15);
         let change = (above.spin(&v) - below.spin(&v)) / (2.0 * step);
         assert!((change - turn.spin_along(&v, &u)).norm() < 1e-9, "{change} {}", turn.spin_along(&v, &u));
+        // along t + uτ + wτ²/2; the second differences have 4e-11 of round-off, and a truncation of the square of their step
+        let (w, step) = (Vector3::new(0.6, -0.2, 0.9), 1e-3);
+        let [below, here, above] =
+            [-step, 0.0, step].map(|time| SmallTurn::new(t + u * time + w * (0.5 * time * time), false).spin(&v));
+        let [value, first, second] = turn.spin_with_rates(&v, &u, &w);
+        assert_eq!(value, here);
+        assert!((first - turn.spin_along(&v, &u)).norm() < 1e-14, "{first}");
+        assert!((second - (above - here * 2.0 + below) / (step * step)).norm() < 1e-5, "{second}");
     }
 }

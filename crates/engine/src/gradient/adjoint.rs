@@ -31,7 +31,7 @@ impl Gradient<'_> {
                 multipliers = self.back_from((span.start..last + 1, part), multipliers, &mut sums)?;
                 within = Some(multipliers.0.clone());
             }
-            let Some(air) = self.air_step(span)? else {
+            let Some(air) = self.air_step(index, span)? else {
                 if within.is_none() {
                     multipliers = self.back_march(span.clone(), multipliers, &mut sums)?;
                 }
@@ -66,10 +66,9 @@ impl Gradient<'_> {
         mut multipliers: (Variation, f64),
         sums: &mut Sums,
     ) -> Result<(Variation, f64), GradientError> {
-        let tape = self.tape;
-        let last = steps.end - 1;
+        let (marched, last) = (self.steps, steps.end - 1);
         for index in steps.rev() {
-            let step = &tape.steps[index];
+            let step = &marched[index];
             self.adopt(step);
             let over = match part {
                 Part::Start | Part::Jump(_) if index == last => None,
@@ -117,7 +116,7 @@ impl Gradient<'_> {
                 }
             }
             if let Some((account, before)) = account {
-                let step = &tape.steps[before];
+                let step = &marched[before];
                 let (on, shift) = &mut multipliers;
                 let side = EventSide { step, at: &step.end, sign: -1.0, loses };
                 self.add_energy_seed(side, account, (on, shift), sums.gradient.as_mut());

@@ -1,7 +1,9 @@
-//! Aerodynamic steps: variations and multipliers of the loads, which follow from the motion at the end of their own step, eqs. (X12), (X13).
+//! Aerodynamic steps: variations and multipliers of the loads, which follow from the motion at the end of their own step, eqs. (X12), (X13),
+//! or of its trial march, eq. (X39).
 
 use crate::gradient::block::{self, Remains};
 use crate::gradient::sums::{OnEnd, Sums};
+use crate::gradient::tape::Step;
 use crate::gradient::variation::{Causes, Front, Variation};
 use crate::gradient::{Gradient, GradientError, add, dot};
 use crate::solve::point::Point;
@@ -10,22 +12,42 @@ use nalgebra::Matrix3;
 use std::ops::Range;
 
 /// An aerodynamic step with its derivatives.
-pub(super) struct AirStep {
+pub(super) struct AirStep<'a> {
     slopes: AirStepSlopes,
+    /// Motion from which its loads follow.
+    end: &'a Point,
+    /// With the staggered coupling: the steps of the trial march that ends with this motion.
+    trial: Option<&'a [Step]>,
     /// Per neighbour: slopes of the memory at its end and of the loads that act.
     by_neighbours: Vec<Vec<f64>>,
 }
 
-impl Gradient<'_> {
+impl AirStep<'_> {
+    /// Number of entries of a memory.
+    pub fn memory_entries(&self) -> usize {
+        self.slopes.memory_entries()
+    }
+}
+
+/// Variations of the loads in an aerodynamic step by the parameters, and with the staggered coupling those of the memory at its end.
+#[derive(Default)]
+pub(super) struct LoadVariations {
+    pub loads: Vec<Vec<f64>>,
+    pub memories: Option<Vec<Vec<f64>>>,
+}
+
+impl<'a> Gradient<'a> {
     /// Entries of the loads of the air.
     pub(super) fn load_entries(&self) -> usize {
         self.sections.as_ref().map_or(0, |sections| sections.entries(&self.system.equations))
     }
 
-    /// Derivatives of the aerodynamic step of some steps of the tape; `None` without air.
-    pub(super) fn air_step(&mut self, span: &Range<usize>) -> Result<Option<AirStep>, GradientError> {
+    /// Derivatives of the aerodynamic step of some steps of the tape, the `place`th; `None` without air.
+    pub(super) fn air_step(&mut self, place: usize, span: &Range<usize>) -> Result<Option<AirStep<'a>>, GradientError> {
         let tape = self.tape;
-        let (Some(last), true) = (tape.steps.get(span.end - 1), self.sections.is_some()) else { return Ok(None) };
+        let trial = tape.trials.get(place).map(Vec::as_slice);
+        let last = trial.and_then(<[Step]>::last).or(tape.steps.get(span.end - 1));
+        let (Some(last), true) = (last, self.sections.is_some()) else { return Ok(None) };
         let Some(air) = last.air.as_deref() else { return Ok(None) };
         self.adopt(last);
         let slopes = self.system.air_step_slopes(air, &last.end).map_err(|error| match error {
@@ -55,7 +77,7 @@ impl Gradient<'_> {
         let pieces = slopes.pieces();
         let each = self.neighbours.iter_mut().map(|beside| beside.air_slopes((air, pieces), &last.end, &reference));
         let by_neighbours = each.collect::<Result<_, _>>()?;
-        Ok(Some(AirStep { slopes, by_neighbours }))
+        Ok(Some(AirStep { slopes, end: &last.end, trial, by_neighbours }))
     }
 
     /// Variations of the memory of the air at the start of the run.
@@ -71,12 +93,11 @@ impl Gradient<'_> {
     /// there. `memories`: at its start, by the parameters; without them those of the motion alone.
     pub(super) fn air_forward(
         &mut self,
-        (span, air): (&Range<usize>, &AirStep),
+        air: &AirStep,
         ends: &[Variation],
         memories: Option<&[Vec<f64>]>,
     ) -> Vec<Vec<f64>> {
-        let tape = self.tape;
-        let at = &tape.steps[span.end - 1].end;
+        let at = air.end;
         let none = vec![0.0; air.slopes.memory_entries()];
         let shares = self.shares(at.time_s);
         let mut all = Vec::with_capacity(ends.len());
@@ -93,46 +114,79 @@ impl Gradient<'_> {
         all
     }
 
+    /// Calls a function that marches over the steps of the trial of an aerodynamic step.
+    fn on_trial<T>(
+        &mut self,
+        (trial, span): (&'a [Step], &Range<usize>),
+        march: impl FnOnce(&mut Self, Range<usize>) -> T,
+    ) -> T {
+        let own = (self.steps, self.step_before);
+        (self.steps, self.step_before) = (trial, span.start.checked_sub(1).map(|before| &own.0[before]));
+        let found = march(self, 0..trial.len());
+        (self.steps, self.step_before) = own;
+        found
+    }
+
     /// Variations of the loads in an aerodynamic step by the parameters, from those of the motion and the memory at its start.
     pub(super) fn loads_forward(
         &mut self,
-        (span, air): (&Range<usize>, &AirStep),
+        (span, air): (&Range<usize>, &AirStep<'a>),
         front: &Front,
         memories: &[Vec<f64>],
-    ) -> Result<Vec<Vec<f64>>, GradientError> {
+    ) -> Result<LoadVariations, GradientError> {
+        if let Some(trial) = air.trial {
+            return self.loads_after_trial((trial, span, air), front.clone(), memories);
+        }
         let mut base = front.clone();
         self.march(span, &mut base, Causes::PARAMETERS)?;
         let first_load = air.slopes.memory_entries();
         let loads = |after: Vec<Vec<f64>>| -> Vec<Vec<f64>> {
             after.into_iter().map(|mut after| after.split_off(first_load)).collect()
         };
-        let rights = loads(self.air_forward((span, air), &base.variations, Some(memories)));
-        block::solve(rights, |directions| {
+        let rights = loads(self.air_forward(air, &base.variations, Some(memories)));
+        let solved = block::solve(rights, |directions| {
             let still = Variation::zeros(self.system.coordinates());
             let mut front = Front { variations: vec![still; directions.len()], shifts_s: vec![0.0; directions.len()] };
             self.march(span, &mut front, Causes { parameters: false, loads: directions })?;
-            let mut images = loads(self.air_forward((span, air), &front.variations, None));
+            let mut images = loads(self.air_forward(air, &front.variations, None));
             for (image, direction) in images.iter_mut().zip(directions) {
                 image.iter_mut().zip(direction).for_each(|(image, direction)| *image = direction - *image);
             }
             Ok(images)
-        })
-        .map_err(|failure: Unsolved| failure.at(self.tape.steps[span.end - 1].end.time_s))
+        });
+        let loads = solved.map_err(|failure: Unsolved| failure.at(air.end.time_s))?;
+        Ok(LoadVariations { loads, memories: None })
+    }
+
+    /// The same with the staggered coupling: the loads are those of the motion at the end of the trial march, eq. (X39).
+    fn loads_after_trial(
+        &mut self,
+        (trial, span, air): (&'a [Step], &Range<usize>, &AirStep<'a>),
+        mut front: Front,
+        memories: &[Vec<f64>],
+    ) -> Result<LoadVariations, GradientError> {
+        let predicted: Vec<Vec<f64>> = memories.iter().map(|memory| air.slopes.predict(memory)).collect();
+        let causes = Causes { parameters: true, loads: &predicted };
+        self.on_trial((trial, span), |own, steps| own.march(&steps, &mut front, causes))?;
+        let mut behind = self.air_forward(air, &front.variations, Some(memories));
+        let loads = behind.iter_mut().map(|memory| memory.split_off(air.memory_entries())).collect();
+        Ok(LoadVariations { loads, memories: Some(behind) })
     }
 
     /// Multipliers of the motion and of the memory at the start of an aerodynamic step, from those at its end; `sums` has the multipliers of
     /// its loads by results within it, and receives the slopes with respect to the parameters.
     pub(super) fn air_back(
         &mut self,
-        (span, air): (&Range<usize>, &AirStep),
+        (span, air): (&Range<usize>, &AirStep<'a>),
         on: OnEnd,
         sums: &mut Sums,
     ) -> Result<OnEnd, GradientError> {
+        if let Some(trial) = air.trial {
+            return self.trial_back((trial, span, air), on, sums);
+        }
         let entries = self.load_entries();
         let OnEnd { motion, memory } = on;
-        let tape = self.tape;
-        let at = &tape.steps[span.end - 1].end;
-        let time_s = self.end_s(span);
+        let at = air.end;
         let mut with_loads = memory;
         with_loads.resize(air.slopes.memory_entries() + entries, 0.0);
         // of the loads through the motion at the end
@@ -157,16 +211,44 @@ impl Gradient<'_> {
             };
             Ok(directions.iter().map(image).collect::<Result<Vec<_>, _>>()?)
         });
-        let solved = solved.map_err(|failure: Unsolved| failure.at(time_s))?;
+        let solved = solved.map_err(|failure: Unsolved| failure.at(at.time_s))?;
         with_loads[first_load..].copy_from_slice(&solved[0]);
         let (memory, poses) = air.slopes.reverse(&with_loads);
         let end = self.on_end(at, &poses, &motion);
         let (motion, _) = self.back_march(span.clone(), (end, 0.0), sums)?;
-        if let Some(gradient) = &mut sums.gradient {
-            let by_neighbours: Vec<f64> = air.by_neighbours.iter().map(|slopes| dot(slopes, &with_loads)).collect();
-            add(gradient, 1.0, &self.by_parameters(at.time_s, &by_neighbours));
-        }
+        self.add_by_air(air, &with_loads, sums);
         Ok(OnEnd { motion, memory })
+    }
+
+    /// The same with the staggered coupling: the loads act on the steps of the run, and follow from the trial march, eq. (X39).
+    fn trial_back(
+        &mut self,
+        (trial, span, air): (&'a [Step], &Range<usize>, &AirStep<'a>),
+        on: OnEnd,
+        sums: &mut Sums,
+    ) -> Result<OnEnd, GradientError> {
+        let still = Variation::zeros(on.motion.q.len());
+        let (mut motion, _) = self.back_march(span.clone(), (on.motion, 0.0), sums)?;
+        let mut with_loads = on.memory;
+        with_loads.resize(air.memory_entries(), 0.0);
+        with_loads.append(&mut sums.loads);
+        let (mut memory, poses) = air.slopes.reverse(&with_loads);
+        self.add_by_air(air, &with_loads, sums);
+        let end = self.on_end(air.end, &poses, &still);
+        let mut of_trial = Sums { gradient: sums.gradient.take(), loads: vec![0.0; self.load_entries()], mean: None };
+        let before = self.on_trial((trial, span), |own, steps| own.back_march(steps, (end, 0.0), &mut of_trial));
+        sums.gradient = of_trial.gradient;
+        motion.add(1.0, &before?.0);
+        air.slopes.predict_back(&of_trial.loads, &mut memory);
+        Ok(OnEnd { motion, memory })
+    }
+
+    /// Adds the slopes of an aerodynamic step by the parameters, for multipliers of the memory at its end and of its loads.
+    fn add_by_air(&self, air: &AirStep, with_loads: &[f64], sums: &mut Sums) {
+        if let Some(gradient) = &mut sums.gradient {
+            let by_neighbours: Vec<f64> = air.by_neighbours.iter().map(|slopes| dot(slopes, with_loads)).collect();
+            add(gradient, 1.0, &self.by_parameters(air.end.time_s, &by_neighbours));
+        }
     }
 
     /// Multipliers of the motion at the end of a step with those of the poses of the sections.
@@ -178,10 +260,6 @@ impl Gradient<'_> {
             add(&mut end.v, 1.0, &on_v);
         }
         end
-    }
-
-    fn end_s(&self, span: &Range<usize>) -> f64 {
-        self.tape.steps[span.end - 1].end.time_s
     }
 }
 

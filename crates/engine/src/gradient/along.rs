@@ -11,6 +11,7 @@ use crate::load::Wrench;
 use crate::run::Plant;
 use crate::system::PlantError;
 use crate::system::air::{AirHistory, StepLoads};
+use crate::system::state::State;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -86,7 +87,10 @@ impl Plant {
             }
         }
         let mut of_air = Vec::new();
-        for step in tape.spans().into_iter().filter_map(|span| tape.steps.get(span.end - 1)) {
+        for (place, span) in tape.spans().into_iter().enumerate() {
+            // the loads follow from the motion at the end of the trial march, if there is one
+            let of_trial = tape.trials.get(place).and_then(|trial| trial.last());
+            let Some(step) = of_trial.or(tape.steps.get(span.end - 1)) else { continue };
             let Some(air) = step.air.as_deref() else { continue };
             crate::gradient::parameter::adopt(&mut self.system, step, &tape.inputs);
             if let Ok(pieces) = self.system.step_pieces(air, &step.end) {
@@ -141,12 +145,13 @@ impl Plant {
         let mut before = AirHistory {
             before: own.after.clone(),
             begin: own.end.clone(),
+            at_begin: own.loads.to.clone(),
             steps: 1,
             loads: StepLoads { end_s: first.loads.end_s, from: own.loads.to.clone(), ..own.loads.clone() },
             ..own
         };
         let mut piece = None;
-        for span in tape.spans() {
+        for (place, span) in tape.spans().into_iter().enumerate() {
             let next = tape.steps[span.start].piece;
             if piece.replace(next) != Some(next) {
                 // rows are at ends of aerodynamic steps
@@ -155,10 +160,15 @@ impl Plant {
                 }
                 self.begin_piece(inputs, next)?;
             }
-            let found = self.air_step_along((tape, span), &mut before, whole)?;
+            let found = match tape.trials.get(place) {
+                Some(trial) => self.staggered_step_along((tape, span), trial, &mut before, whole)?,
+                None => self.air_step_along((tape, span), &mut before, whole)?,
+            };
             before = AirHistory {
                 before: found.after.clone(),
                 begin: found.end.clone(),
+                at_begin: before.loads.from.clone(),
+                steps: 2,
                 loads: StepLoads { from: found.loads.to.clone(), ..found.loads.clone() },
                 ..found
             };
@@ -183,18 +193,8 @@ impl Plant {
         air.loads.write(&mut loads);
         let mut last = f64::INFINITY;
         for _ in 0..MOST_TRIALS {
-            self.allow_work(1.0);
-            self.system.state = begin.clone();
-            self.system.configure();
-            self.system.state.air = Some(acting(before, &loads));
-            let ahead = self.system.state.ahead.clone();
-            self.system.state.start.copy_from(&ahead);
-            self.system.discontinuity(|_, _| Outcome::default())?;
             whole.clone_from(&taped);
-            whole.air = self.system.state.air.clone().map(Arc::new);
-            for index in span.clone() {
-                self.step_along(whole, (&tape.steps[index], index == span.start))?;
-            }
+            self.march_along((&begin, acting(before, &loads)), &tape.steps[span.clone()], whole)?;
             let end = self.system.state.ahead.clone();
             let Some(found) = self.system.air_step_after(before, &end)? else { break };
             let mut new = loads.clone();
@@ -210,6 +210,63 @@ impl Plant {
             last = change;
         }
         Err(GradientError::NotSolved { time_s: air.loads.end_s, left: last })
+    }
+
+    /// Steps of an aerodynamic step from a state under constant loads.
+    fn march_along(
+        &mut self,
+        (begin, air): (&State, AirHistory),
+        steps: &[Step],
+        copy: &mut Tape,
+    ) -> Result<(), GradientError> {
+        self.allow_work(1.0);
+        self.system.state = begin.clone();
+        self.system.configure();
+        self.system.state.air = Some(air);
+        let ahead = self.system.state.ahead.clone();
+        self.system.state.start.copy_from(&ahead);
+        self.system.discontinuity(|_, _| Outcome::default())?;
+        copy.air = self.system.state.air.clone().map(Arc::new);
+        for (index, step) in steps.iter().enumerate() {
+            self.step_along(copy, (step, index == 0))?;
+        }
+        Ok(())
+    }
+
+    /// The steps of one aerodynamic step of the staggered coupling, and the air at its end, eq. (X39): a trial march under the predicted loads,
+    /// and the steps of the run under those of its end.
+    fn staggered_step_along(
+        &mut self,
+        (tape, span): (&Tape, Range<usize>),
+        trial: &[Step],
+        before: &mut AirHistory,
+        whole: &mut Tape,
+    ) -> Result<AirHistory, GradientError> {
+        let (Some(first), Some(last)) = (trial.first(), trial.last()) else {
+            return Err(GradientError::Apart { time_s: before.loads.end_s, what: "it has no trial march" });
+        };
+        (before.loads.begin_s, before.loads.end_s) = (first.start.time_s, last.end.time_s);
+        let begin = self.system.state.clone();
+        let mut predicted = before.loads.clone();
+        if before.steps > 1 {
+            for (to, (from, earlier)) in predicted.to.iter_mut().zip(predicted.from.iter().zip(&before.at_begin)) {
+                to.force_n = from.force_n * 2.0 - earlier.force_n;
+                to.moment_n_m = from.moment_n_m * 2.0 - earlier.moment_n_m;
+            }
+        } else {
+            predicted.to.copy_from_slice(&predicted.from);
+        }
+        let mut loads = vec![Wrench::default(); before.begin.len()];
+        predicted.write(&mut loads);
+        let mut copy = Tape { largest: whole.largest.clone(), ..Tape::with_inputs(whole.inputs.clone()) };
+        self.march_along((&begin, acting(before, &loads)), trial, &mut copy)?;
+        let end = self.system.state.ahead.clone();
+        let apart = GradientError::Apart { time_s: end.time_s, what: "it has no air" };
+        let found = self.system.air_step_after(before, &end)?.ok_or(apart)?;
+        found.loads.write(&mut loads);
+        self.march_along((&begin, acting(before, &loads)), &tape.steps[span], whole)?;
+        whole.trials.push(copy.steps);
+        Ok(found)
     }
 }
 

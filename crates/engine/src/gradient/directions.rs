@@ -46,6 +46,9 @@ impl Directions {
         for body in &model.bodies {
             let first = body.joint.coordinate;
             scales_m[first..first + body.joint.kind.translations()].fill(1.0);
+            if let Some(modal) = &body.modal {
+                scales_m[modal.range()].fill(1.0);
+            }
         }
         for element in &model.elements {
             scales_m[element.range()].fill(element.length_m);

@@ -3,6 +3,7 @@
 use crate::force::Moving;
 use crate::force::set::Indicator;
 use crate::gradient::account::Account;
+use crate::gradient::air::LoadVariations;
 use crate::gradient::impulse::Impulses;
 use crate::gradient::integrand::Mean;
 use crate::gradient::tape::{Ending, Step};
@@ -46,11 +47,11 @@ impl Gradient<'_> {
         let ends_at = |index: usize| {
             index == last && steps.iter().zip(results).all(|(at, result)| *at < last || !result.is_latch_time())
         };
-        for span in tape.spans() {
-            let air = self.air_step(&span)?;
-            let loads = match &air {
+        for (place, span) in tape.spans().into_iter().enumerate() {
+            let air = self.air_step(place, &span)?;
+            let LoadVariations { loads, memories: behind } = match &air {
                 Some(air) => self.loads_forward((&span, air), &front, &memories)?,
-                None => Vec::new(),
+                None => LoadVariations::default(),
             };
             for index in span.clone() {
                 let step = &tape.steps[index];
@@ -75,9 +76,13 @@ impl Gradient<'_> {
                     return Ok(table);
                 }
             }
-            if let Some(air) = &air {
-                memories = self.air_forward((&span, air), &front.variations, Some(&memories));
-                memories.iter_mut().zip(&loads).for_each(|(memory, loads)| memory.truncate(memory.len() - loads.len()));
+            match (&air, behind) {
+                (Some(_), Some(behind)) => memories = behind,
+                (Some(air), None) => {
+                    memories = self.air_forward(air, &front.variations, Some(&memories));
+                    memories.iter_mut().for_each(|memory| memory.truncate(air.memory_entries()));
+                }
+                (None, _) => {}
             }
         }
         Ok(table)
@@ -90,10 +95,10 @@ impl Gradient<'_> {
         front: &mut Front,
         causes: Causes,
     ) -> Result<(), GradientError> {
-        let tape = self.tape;
+        let steps = self.steps;
         for index in span.clone() {
             self.renew(index, front, causes)?;
-            self.pass(&tape.steps[index], front, causes, None)?;
+            self.pass(&steps[index], front, causes, None)?;
         }
         Ok(())
     }
@@ -101,8 +106,7 @@ impl Gradient<'_> {
     /// Variations behind an event at the start of a step: of the rates, if they jump, eq. (X17), and of the accelerations, which follow from
     /// the equations there, eq. (X8). Returns the variations of the impulses of a jump.
     fn renew(&mut self, index: usize, front: &mut Front, causes: Causes) -> Result<Option<Impulses>, GradientError> {
-        let tape = self.tape;
-        let step = &tape.steps[index];
+        let step = &self.steps[index];
         self.adopt(step);
         if !step.renewed {
             return Ok(None);

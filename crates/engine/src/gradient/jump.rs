@@ -15,8 +15,8 @@ const REFINEMENTS: usize = 2;
 impl Gradient<'_> {
     /// The jump of the rates at the start of a step, whose states of the joints are adopted; `None` if no joint is stopped there.
     pub(super) fn jump(&self, index: usize) -> Option<Jump> {
-        let steps = &self.tape.steps;
-        let (step, before) = (&steps[index], &steps[index.checked_sub(1)?]);
+        let step = &self.steps[index];
+        let before = index.checked_sub(1).map(|before| &self.steps[before]).or(self.step_before)?;
         let joints = self.system.equations.forces.joints();
         let stops = joints.iter().zip(&before.joints).filter(|(joint, memory)| joint.held && !joint.is_held_in(memory));
         let stopped: Vec<usize> = stops.map(|(joint, _)| joint.coordinate).collect();

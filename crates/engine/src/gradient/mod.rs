@@ -1,4 +1,4 @@
-//! Derivatives of whole runs by parameters, through latches and end stops, also with strip theory and rotors, NOTATION eqs. (X6)–(X13), (X17)–(X23), (X37).
+//! Derivatives of whole runs by parameters, through latches and end stops, also with strip theory and rotors, NOTATION eqs. (X6)–(X13), (X17)–(X23), (X37), (X39).
 //!
 //! [`Plant::run_on_tape`] keeps the steps of a run on a [`Tape`]. [`Gradient`] differentiates the discrete run along it, whose step lengths
 //! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and steps to given times, those of rows of the
@@ -54,12 +54,17 @@ use factors::{Factors, Side};
 use inputs::Piece;
 use parameter::Neighbours;
 use sections::Sections;
+use tape::Step;
 use vectors::{add, add_all, dot, largest_products, scale};
 
 /// Derivatives of a run that is on a tape.
 pub struct Gradient<'a> {
     system: &'a mut System,
     tape: &'a Tape,
+    /// The steps over which variations and multipliers march: those of the run, or of a trial march.
+    steps: &'a [Step],
+    /// The step before them.
+    step_before: Option<&'a Step>,
     tableau: &'static Tableau<'static>,
     neighbours: Vec<Neighbours>,
     entries: Vec<Entry>,
@@ -125,6 +130,8 @@ impl<'a> Gradient<'a> {
         Ok(Self {
             system,
             tape,
+            steps: &tape.steps,
+            step_before: None,
             tableau,
             neighbours,
             entries,

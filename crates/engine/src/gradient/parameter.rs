@@ -194,8 +194,10 @@ impl Difference {
         let weakened = plants.iter_mut().any(|Perturbed { plant, .. }| {
             plant.system_mut().machine.failures.iter().any(|failure| weakens(&failure.effect))
         });
-        // voltages are not forces on joints, and the damping of modes is not linear in the blocks
-        let has_others = !own.model.circuits.is_empty() || !own.model.damped_modes.is_empty();
+        // voltages are not forces on joints, the damping of modes is not linear in the blocks, and shapes are not among them
+        let has_others = !own.model.circuits.is_empty()
+            || !own.model.damped_modes.is_empty()
+            || own.model.bodies.iter().any(|body| body.modal.is_some());
         if !same_loads || weakened || has_others {
             return Self::Any;
         }

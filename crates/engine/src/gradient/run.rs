@@ -30,7 +30,6 @@ impl Plant {
     /// at the rows.
     pub fn run_on_tape_with(&mut self, inputs: &InputRows, times_s: &[f64]) -> Result<Tape, GradientError> {
         self.system.refuse_gradient()?;
-        self.system.refuse_jumps()?;
         if self.tableau().is_none() {
             return Err(GradientError::NotCovered {
                 part: "the methods generalized_alpha and rk4",
@@ -205,15 +204,58 @@ impl Plant {
     }
 
     /// Starts the next aerodynamic step if the present one has ended; returns whether it does.
-    fn begin_air_step_on_tape(&mut self, tape: &mut Tape) -> Result<bool, GradientError> {
+    fn begin_air_step_on_tape(&mut self, tape: &mut Tape, piece: Piece) -> Result<bool, GradientError> {
         let begun = |plant: &Self| plant.system.state.air.as_ref().map(|air| air.steps);
         let before = begun(self);
+        let trial = self.trial_on_tape(tape, piece)?;
         self.begin_air_step()?;
         let begins = begun(self) != before;
         if begins {
+            tape.trials.extend(trial);
             tape.air = self.system.state.air.clone().map(Arc::new);
         }
         Ok(begins)
+    }
+
+    /// Steps of the trial march from which the loads of the next aerodynamic step follow in the staggered coupling, eq. (X39); `None` with
+    /// another coupling, and within an aerodynamic step. The state is restored.
+    fn trial_on_tape(&mut self, tape: &Tape, piece: Piece) -> Result<Option<Vec<Step>>, GradientError> {
+        if !self.is_before_trial() {
+            return Ok(None);
+        }
+        let (state, loads) = (self.system.state.clone(), self.system.equations.air.clone());
+        let Some(end_s) = self.enter_trial()? else { return Ok(None) };
+        let mut trial = Tape { largest: tape.largest.clone(), ..Tape::default() };
+        trial.air = self.system.state.air.clone().map(Arc::new);
+        let booked = std::mem::replace(&mut self.system.equations.booked, false);
+        let marched = self.march_trial_on_tape(&mut trial, piece, end_s);
+        self.system.equations.booked = booked;
+        self.system.state = state;
+        self.system.configure();
+        self.system.equations.air = loads;
+        marched?;
+        if let Some(step) = trial.steps.iter().find(|step| step.episode > 0) {
+            return Err(GradientError::OtherChoice {
+                part: "a slew or failure that begins or ends within an aerodynamic step of the staggered coupling",
+                remedy: format!(
+                    "write coupling = \"iterated\", or move it to an end of a step ({} s)",
+                    step.start.time_s
+                ),
+            });
+        }
+        Ok(Some(trial.steps))
+    }
+
+    /// The trial march with its own steps, to the end of the aerodynamic step.
+    fn march_trial_on_tape(&mut self, trial: &mut Tape, piece: Piece, end_s: f64) -> Result<(), GradientError> {
+        let is_fixed = self.system.machine.solver.fixed_step_s.is_some();
+        while trial.steps.is_empty() || !trial.is_whole() {
+            self.step_on_tape(trial, (piece, false), |plant| match plant.structure_step_s().filter(|_| is_fixed) {
+                Some(step_s) => plant.advance_fixed(step_s, end_s),
+                None => plant.advance(end_s),
+            })?;
+        }
+        Ok(())
     }
 
     /// Whether the step just taken ends an aerodynamic step.
@@ -257,7 +299,7 @@ impl Plant {
         start.copy_from(ahead);
         let events = self.system.state.statistics.events;
         self.system.apply_events()?;
-        let begins = self.begin_air_step_on_tape(tape)?;
+        let begins = self.begin_air_step_on_tape(tape, piece)?;
         let time_s = self.system.state.start.time_s;
         let knot = self.system.equations.forces.kink_at(time_s);
         let failures = self.system.state.failures.clone();
@@ -291,6 +333,8 @@ impl Plant {
             let joint = self.machine().bodies[body].joint.name.clone();
             return Err(GradientError::Kink { joint, kink, time_s });
         }
+        let before = tape.steps.last().map(|step| &step.end);
+        self.system.refuse_jumps(before.into_iter().chain([start, ahead]).chain(stages))?;
         let timers = Timer::due(&self.system, ahead.time_s);
         let mut ending = self.ending_in_air(tape, first)?;
         let time_s = self.system.state.ahead.time_s;
@@ -326,6 +370,9 @@ impl Plant {
         };
         let closing = first.map_or(0.0, |indicator| forces.distance(indicator, start, ahead, &step.joints).1);
         self.keep_last_stage(&mut step)?;
+        if let Some(trial) = tape.trials.last_mut().filter(|_| begins) {
+            trial.iter_mut().for_each(|of_trial| of_trial.episode = step.episode);
+        }
         let coordinates = self.system.equations.forces.joints().iter().map(|joint| joint.coordinate);
         tape.push(step, coordinates, closing, |joint| self.joint_name(joint).to_owned())
     }

@@ -7,7 +7,7 @@ use crate::multibody::Workspace;
 use crate::multibody::derivative::{Derivative, Lanes, elastic_products};
 use crate::multibody::dynamics::Environment;
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::Station;
+use crate::multibody::model::{Body, Station};
 use crate::multibody::station::node_under;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
@@ -86,7 +86,7 @@ impl Equations {
         out.fill(0.0);
         if !derivative.forward_plain((&self.model, &self.damping), along, out) {
             derivative.forward(&self.model, along, out);
-            elastic_products(&self.model, &self.damping, along.q, along.v, |row, force, viscous| {
+            elastic_products::<false>(&self.model, &self.damping, along.q, along.v, |row, force, viscous| {
                 out[row] += force + viscous
             });
         }
@@ -123,7 +123,7 @@ impl Equations {
         let [by_q, by_v, by_a] = out;
         [&mut *by_q, &mut *by_v, &mut *by_a].into_iter().for_each(|out| out.fill(0.0));
         derivative.reverse(&self.model, w, [by_q, by_v, by_a]);
-        elastic_products(&self.model, &self.damping, w, w, |row, force, viscous| {
+        elastic_products::<true>(&self.model, &self.damping, w, w, |row, force, viscous| {
             by_q[row] += force;
             by_v[row] += viscous;
         });
@@ -221,10 +221,13 @@ impl System {
         if let Some(no_slip) = machine.no_slips.first() {
             return refuse("skates and wheels", &no_slip.name);
         }
-        if let Some((_, body)) =
-            self.equations.model.bodies.iter().zip(&machine.bodies).find(|(body, _)| body.modal.is_some())
-        {
-            return refuse("bodies with mode shapes", &body.name);
+        let turns_otherwise =
+            |body: &Body| body.modal.as_ref().is_some_and(|modal| modal.element.has_rates_of_angles());
+        if let Some(body) = self.equations.model.bodies.iter().position(turns_otherwise) {
+            return refuse(
+                "modal bodies whose angular velocity is the rate of small angles",
+                &machine.bodies[body].name,
+            );
         }
         if let Some((part, body)) = self.shear_without_slopes() {
             return refuse(part, &machine.bodies[body].name);
@@ -241,13 +244,23 @@ impl System {
         Ok(())
     }
 
-    /// Returns an error for a generator whose torque jumps, by the name of its joint. Torques of neighbouring machines may jump by their change.
-    pub(crate) fn refuse_jumps(&self) -> Result<(), GradientError> {
-        let jumps =
-            |joint: &&JointForces| joint.generator().is_some_and(|own| own.law.relative_jump() > GENERATOR_JUMP);
+    /// Returns an error for a generator whose torque jumps between some points, by the name of its joint. Torques of neighbouring machines may
+    /// jump by their change.
+    pub(crate) fn refuse_jumps<'p>(
+        &self,
+        points: impl Iterator<Item = &'p Point> + Clone,
+    ) -> Result<(), GradientError> {
+        let jumps = |joint: &&JointForces| {
+            let Some(law) = joint.generator().map(|own| &own.law) else { return false };
+            let (Some(first), true) = (law.rows.first(), law.relative_jump() > GENERATOR_JUMP) else { return false };
+            let is_below = |at: &Point| law.gear_ratio * at.v[joint.coordinate] < first[0];
+            let mut sides = points.clone().map(is_below);
+            let side = sides.next();
+            sides.any(|other| Some(other) != side)
+        };
         match self.equations.forces.joints().iter().find(jumps) {
             Some(joint) => Err(GradientError::NotCovered {
-                part: "generators whose torque jumps at the first row of the table",
+                part: "runs in which a generator passes the first row of its table, where its torque jumps",
                 place: self.machine.bodies[joint.body].joint.name.clone(),
             }),
             None => Ok(()),

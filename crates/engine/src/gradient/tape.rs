@@ -109,12 +109,14 @@ pub struct Tape {
     /// Inputs over time; no columns for constant inputs.
     pub(crate) inputs: InputRows,
     pub(crate) steps: Vec<Step>,
+    /// Per aerodynamic step of the staggered coupling: the steps of its trial march. Empty without this coupling.
+    pub(crate) trials: Vec<Vec<Step>>,
     /// The requested times.
     pub(crate) marks: Vec<Mark>,
     /// Times in s of the knots of prescribed motions, at which accelerations may jump, and of failures.
     pub(crate) knots_s: Vec<f64>,
     /// Per joint the largest rate so far.
-    largest: Vec<f64>,
+    pub(crate) largest: Vec<f64>,
     /// The air in the present aerodynamic step.
     pub(crate) air: Option<Arc<AirHistory>>,
     /// Ends in s of the steps of the run with whose steps this one was taken; empty for a run that chose its own.
@@ -202,6 +204,7 @@ impl Tape {
         let branches = self.marks.iter().filter_map(|mark| mark.branch.as_ref());
         self.steps
             .iter()
+            .chain(self.trials.iter().flatten())
             .chain(branches)
             .map(|step| {
                 let attitudes: usize = step.attitudes.iter().map(|own| size_of_val(&own[..])).sum();

@@ -79,11 +79,41 @@ impl Plant {
 
     /// Starts the next aerodynamic step if the current one has ended.
     pub(crate) fn begin_air_step(&mut self) -> Result<(), PlantError> {
-        let (Some(history), Some(air)) = (&mut self.system.state.air, &self.system.air) else { return Ok(()) };
-        let (step_s, time_s) = (air.settings.step_s, self.system.state.start.time_s);
-        if time_s < history.loads.end_s - round_off_s(time_s, step_s) {
-            return Ok(());
+        if self.enter_air_step() { self.agree_on_loads() } else { Ok(()) }
+    }
+
+    /// Whether a trial march of the staggered coupling comes next: its next aerodynamic step starts.
+    pub(crate) fn is_before_trial(&self) -> bool {
+        let staggered = self.system.air.as_ref().is_some_and(|air| air.settings.coupling == Coupling::Staggered);
+        staggered && self.air_step_is_over()
+    }
+
+    /// Whether the current aerodynamic step has ended.
+    fn air_step_is_over(&self) -> bool {
+        let (Some(history), Some(air)) = (&self.system.state.air, &self.system.air) else { return false };
+        let time_s = self.system.state.start.time_s;
+        time_s >= history.loads.end_s - round_off_s(time_s, air.settings.step_s)
+    }
+
+    /// Starts the next aerodynamic step if the current one has ended, up to its first trial march: returns the end of the step in s, with the
+    /// structure at `start` and accelerations under the predicted loads.
+    pub(crate) fn enter_trial(&mut self) -> Result<Option<f64>, PlantError> {
+        if !self.enter_air_step() {
+            return Ok(None);
         }
+        let Some(rest) = self.begin_agreement() else { return Ok(None) };
+        self.limit_newton();
+        self.system.discontinuity(|_, _| Outcome::default())?;
+        Ok(Some(rest.end_s))
+    }
+
+    /// Puts the aerodynamics at the start of the next step, with predicted loads, if the current one has ended; returns whether it has.
+    fn enter_air_step(&mut self) -> bool {
+        if !self.air_step_is_over() {
+            return false;
+        }
+        let (Some(history), Some(air)) = (&mut self.system.state.air, &self.system.air) else { return false };
+        let step_s = air.settings.step_s;
         history.before.copy_from(&history.after);
         history.begin.copy_from_slice(&history.end);
         let AirHistory { loads, at_begin, .. } = history;
@@ -99,19 +129,12 @@ impl Plant {
         (history.carried_m, history.gain) = (Vector3::zeros(), Gain::default());
         loads.begin_s = self.system.state.start.time_s;
         loads.end_s = history.start_s + history.steps as f64 * step_s;
-        self.agree_on_loads()
+        true
     }
 
     /// Computes the loads for the rest of the current step again, after the inputs have changed within it.
     pub(crate) fn renew_air(&mut self) -> Result<(), PlantError> {
-        match (&self.system.state.air, &self.system.air) {
-            (Some(history), Some(air)) => {
-                let time_s = self.system.state.start.time_s;
-                let is_over = time_s >= history.loads.end_s - round_off_s(time_s, air.settings.step_s);
-                if is_over { Ok(()) } else { self.agree_on_loads() }
-            }
-            _ => Ok(()),
-        }
+        if self.system.state.air.is_none() || self.air_step_is_over() { Ok(()) } else { self.agree_on_loads() }
     }
 
     /// Finds the loads at the end of the current aerodynamic step that are consistent with the motion there, NOTATION eq. (Q2). Leaves the

@@ -55,6 +55,8 @@ pub(super) struct Kind {
     pub(super) several: bool,
     /// With a lifting line.
     pub(super) line: bool,
+    /// With the staggered coupling.
+    pub(super) staggered: bool,
 }
 
 impl Kind {
@@ -72,6 +74,7 @@ impl Kind {
         root: Root::Hinge,
         several: false,
         line: false,
+        staggered: false,
     };
     /// The same with lags and everything else that strips without a polar have.
     pub(super) const FULL: Self = Self { unsteady: true, full: true, ..Self::PLAIN };
@@ -109,7 +112,10 @@ impl InAir {
             .wind_m_s([0.6, -self.wind, 0.3])
             .step_s(8e-3)
             .established(kind.established)
-            .coupling(Coupling::Iterated { tolerance: 1e-12, most_iterations: 200 });
+            .coupling(match kind.staggered {
+                true => Coupling::Staggered,
+                false => Coupling::Iterated { tolerance: 1e-12, most_iterations: 200 },
+            });
         let surface = |body: &str| {
             let profile = Profile { drag_coefficient: 0.02, ..Profile::THIN };
             let surface = LiftingSurface::on(body, 2)

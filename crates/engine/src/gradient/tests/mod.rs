@@ -23,6 +23,7 @@ mod generators;
 mod inputs;
 mod limits;
 mod means;
+mod modal;
 mod motor;
 mod prescribed;
 mod refusals;
@@ -32,6 +33,7 @@ mod rows;
 mod rows_in_air;
 mod shear;
 mod spatial;
+mod staggered;
 mod starts;
 
 fn solver() -> Solver {

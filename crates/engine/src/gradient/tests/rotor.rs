@@ -1,5 +1,6 @@
 //! Gradients of runs with rotors, against each other and against differences of runs with the same steps.
 
+use super::modal::plate;
 use super::*;
 use crate::aero::polar::{Polar, PolarRow};
 use crate::aero::rotor::bem::RotorFeatures;
@@ -51,6 +52,8 @@ const CATCH: TurningPlace = ("catch", |n| &mut n.catch);
 #[derive(Clone, Default)]
 struct Has {
     flexible: bool,
+    /// Blades in mode shapes instead of beams, if they are flexible.
+    modal: bool,
     /// Blades on pitch bearings with motors, the first with a latch.
     pitching: bool,
     /// A brake that is applied on the shaft within an aerodynamic step.
@@ -59,6 +62,8 @@ struct Has {
     flapping: bool,
     /// A symmetric section.
     symmetric: bool,
+    /// The staggered coupling.
+    staggered: bool,
     /// Factors of the winds along the shaft and across it, without vertical wind.
     wind: Option<[f64; 2]>,
     features: Option<fn(&mut RotorFeatures)>,
@@ -112,13 +117,16 @@ impl Turning {
             .density_kg_m3(self.density)
             .wind_m_s([along * self.wind, across * self.across, vertical_m_s])
             .step_s(8e-3)
-            .coupling(Coupling::Iterated { tolerance: 1e-12, most_iterations: 200 });
+            .coupling(match has.staggered {
+                true => Coupling::Staggered,
+                false => Coupling::Iterated { tolerance: 1e-12, most_iterations: 200 },
+            });
         let drag = Motor { damping_n_m_s_rad: self.damping, ..Motor::default() };
         let hub = Body::rigid("hub").inertia(50.0, [0.0; 3], Matrix3::from_diagonal_element(self.inertia));
         let shaft = Joint::revolute("shaft", [1.0, 0.0, 0.0]).motor(drag).start_rate_rad_s(self.speed);
         let mut builder =
             Machine::builder("Turning").gravity_m_s2([0.0, 0.0, -9.81]).air(air).body(hub, shaft).solver(solver());
-        if has.flexible {
+        if has.flexible && !has.modal {
             builder = builder.gauge(Gauge::on("root", "blade0", 0.3).z_m(0.02));
         }
         let blades = if has.flapping { 3 } else { 2 };
@@ -129,6 +137,7 @@ impl Turning {
             let ahead = Vector3::x().cross(&along).normalize();
             let mount = Matrix3::from_columns(&[along, ahead, along.cross(&ahead)]);
             let body = match has.flexible {
+                true if has.modal => Body::modal(&name, plate(self.length, [0.3, self.thickness], 600.0, 0.01)),
                 true => {
                     let material = Material { youngs_modulus_pa: 4e9, shear_modulus_pa: 1.5e9, density_kg_m3: 600.0 };
                     Body::beam(&name, self.length, Solid::rectangle(0.3, self.thickness, material))
@@ -205,7 +214,8 @@ fn turning_results(plant: &Plant, has: &Has) -> Vec<RunResult> {
         layout.root.place(0, 0) + 3,
     ];
     if has.flexible {
-        indices.extend([layout.gauges.place(0, 0), layout.tips.place(1, 0)]);
+        indices.extend((!has.modal).then(|| layout.gauges.place(0, 0)));
+        indices.push(layout.tips.place(1, 0));
     }
     if has.pitching {
         indices.push(layout.joints.place(1, 0));
@@ -391,6 +401,36 @@ fn a_section_at_a_point_of_the_grid_is_an_error() {
     let mut gradient = Gradient::new(&mut plant, &tape, Vec::new()).unwrap_or_else(|error| panic!("{error}"));
     let text = gradient.forward(&results).expect_err("at a plane").to_string();
     assert!(text.starts_with("blade0, at 0.008 s: a section is exactly at a point of the turbulence grid"), "{text}");
+}
+
+/// GR-107: modal blades with all effects in time, through a latch of a pitch bearing, in both couplings.
+#[test]
+fn gradients_of_a_rotor_with_modal_blades() {
+    for staggered in [false, true] {
+        let has = Has { modal: true, staggered, ..Has::default() };
+        let has = Has { pitching: true, flexible: true, rows_deg: 4, features: Some(with_stall), ..has };
+        agree("GR-107", &has, &[WIND, PITCH, SPEED, COMMAND, CATCH, THICKNESS, LENGTH], true);
+    }
+}
+
+/// GR-106: with the staggered coupling, flexible blades through a latch of a pitch bearing and rigid ones in turbulence.
+#[test]
+fn gradients_of_rotors_in_the_staggered_coupling() {
+    let has = Has {
+        pitching: true,
+        flexible: true,
+        rows_deg: 4,
+        features: Some(with_stall),
+        staggered: true,
+        ..Has::default()
+    };
+    agree("GR-106 latch", &has, &[WIND, PITCH, SPEED, COMMAND, CATCH, THICKNESS], true);
+    let features = |features: &mut RotorFeatures| {
+        with_inflow(features);
+        features.field = Some(turbulence(true));
+    };
+    let has = Has { rows_deg: 4, features: Some(features), staggered: true, ..Has::default() };
+    agree("GR-106 turbulence", &has, &RIGID, false);
 }
 
 /// GR-92: through a brake that is applied within an aerodynamic step, and through a latch of a pitch bearing.

@@ -55,6 +55,7 @@ fn rows_of_inputs_in_air_have_slopes() {
         Kind { stalls: true, ..plain },
         Kind { several: true, ..plain },
         Kind { root: Root::Ball, ..plain },
+        Kind { staggered: true, ..Kind::FULL },
     ]
     .into_iter()
     .enumerate()
@@ -134,7 +135,7 @@ fn rows_of_inputs_in_air_have_slopes() {
         }
         let places: Vec<(&str, f64)> = places.iter().map(|(name, size)| (name.as_str(), *size)).collect();
         let [both, differences] = disagreements((&results, &values), &places, [&forward, &adjoint, &known]);
-        println!("GR-99 {latches}: {both:.1e} {differences:.1e}");
+        println!("GR-99 {number}: {both:.1e} {differences:.1e}");
         // 2.8e-10 found
         assert!(both < 1e-9, "{both:.1e}");
         assert!(differences < 1e-6, "{differences:.1e}");

@@ -3,6 +3,7 @@
 use super::folding::{agree, flap, fold, hold, without};
 use super::rigid::hardened;
 use super::*;
+use crate::load::RootMotion;
 use crate::machine::SpatialFreedom;
 use crate::machine::builder::BodyBuilder;
 use crate::system::{JointOutputs, SpatialOutputs};
@@ -259,4 +260,34 @@ fn axes_of_universal_joints_are_no_parameters() {
         outcome.to_string().contains("parameter axis changes the angle between the axes of a universal joint"),
         "{outcome}"
     );
+}
+
+/// GR-108: on a root whose rotation and acceleration vary, through an elastic and a rigid latch: a ball joint, a free one, a universal one.
+#[test]
+fn gradients_on_a_root_that_turns_and_accelerates() {
+    type Built = fn(Numbers) -> Result<Machine, String>;
+    let all: [(Built, usize, &str); 4] = [
+        (swinging, 0, "ball"),
+        (|numbers| swinging(numbers).map(hardened), 0, "ball, rigid latch"),
+        (flying, 0, "free"),
+        (jointed, 1, "universal"),
+    ];
+    for (machine, joint, words) in all {
+        let layout =
+            *Plant::new(Arc::new(machine(Numbers::USUAL).unwrap_or_else(|error| panic!("{error}")))).inputs().layout();
+        let column = |offset: usize, values: [f64; 4]| InputColumn {
+            index: layout.root.place(0, offset) + 1,
+            held: false,
+            values: values.to_vec(),
+        };
+        let columns = vec![
+            column(offset_of!(RootMotion, angular_velocity_rad_s), [0.0, 0.4, -0.3, 0.6]),
+            column(offset_of!(RootMotion, acceleration_m_s2), [0.0, 2.0, -1.0, 1.0]),
+        ];
+        let inputs = InputRows::new(vec![-0.1, 0.05, 0.12, 0.6], columns).unwrap_or_else(|error| panic!("{error}"));
+        let places = without(&["stop", "command"]);
+        let compared = compare_over(1e-4, machine, &inputs, &places, |plant| results(plant, Some(joint)));
+        assert!(compared.events > 0, "{words}: no event");
+        agree(&compared, 1e-9, words);
+    }
 }

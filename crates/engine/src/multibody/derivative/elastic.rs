@@ -1,4 +1,5 @@
-//! Stiffness and stiffness-proportional damping of the strains, eq. (D8): symmetric and constant.
+//! Stiffness and stiffness-proportional damping of the strains, eq. (D8), and stiffness and damping of modal bodies, eqs. (M5) and (M6):
+//! constant, and symmetric but for the damping of modal bodies.
 
 use crate::beam::element::ElementKind;
 use crate::math::strain::{SHEARED, STRAINS, Strain, StrainMatrix};
@@ -6,9 +7,9 @@ use crate::multibody::Model;
 use crate::multibody::dynamics::Damping;
 use crate::multibody::model::{Body, Element, Strained};
 
-/// Rows of the products `K x` and `C y` with the stiffness and damping matrices of the strains, one after the other: `add` is called with
-/// the row and both values.
-pub fn elastic_products(
+/// Rows of the products `K x` and `C y` with the stiffness and damping matrices of strains and shapes, one after the other: `add` is called
+/// with the row and both values. `TRANSPOSED`: with `Cᵀ`.
+pub fn elastic_products<const TRANSPOSED: bool>(
     model: &Model,
     damping: &[Damping],
     x: &[f64],
@@ -16,6 +17,15 @@ pub fn elastic_products(
     mut add: impl FnMut(usize, f64, f64),
 ) {
     for (body, damping) in model.bodies.iter().zip(damping) {
+        if let Some(modal) = &body.modal {
+            let (element, range) = (&modal.element, modal.range());
+            let viscous =
+                |i: usize, j: usize| if TRANSPOSED { element.damping[(j, i)] } else { element.damping[(i, j)] };
+            for (i, row) in range.clone().enumerate() {
+                let force = range.clone().enumerate().map(|(j, c)| element.stiffness[(i, j)] * x[c]).sum();
+                add(row, force, range.clone().enumerate().map(|(j, c)| viscous(i, j) * y[c]).sum());
+            }
+        }
         match body.sheared {
             false => products_of::<STRAINS>(model, body, damping, (x, y), &mut add),
             true => products_of::<SHEARED>(model, body, damping, (x, y), &mut add),

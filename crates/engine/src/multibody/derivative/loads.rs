@@ -1,5 +1,6 @@
 //! Variations of loads at stations, NOTATION eq. (X3): dead loads in the root frame and follower loads in the section frame.
 
+use crate::beam::modal::MAXIMUM_MODES;
 use crate::load::{LoadFrame, Wrench};
 use crate::math::jet::{Jet, Partial, Vector, cross, plus, three, turned};
 use crate::math::jet_link::pose;
@@ -7,13 +8,15 @@ use crate::math::strain::STRAINS;
 use crate::multibody::Model;
 use crate::multibody::derivative::chain::Shift;
 use crate::multibody::derivative::link;
+use crate::multibody::modal::Modal;
 use crate::multibody::model::Station;
 use crate::multibody::station::{first_coordinate, inner_node, node_under, sibling, steps};
 use crate::multibody::workspace::Node;
 use nalgebra::Vector3;
 
-/// Number of strains on which a station may depend: those of a pair.
+/// Number of strains, or of shapes, on which a station may depend: those of a pair, or of a modal body.
 const BOTH: usize = 2 * STRAINS;
+const _: () = assert!(MAXIMUM_MODES <= BOTH);
 
 type Number = Partial<BOTH>;
 
@@ -42,6 +45,9 @@ impl LoadedSection {
     pub fn new(model: &Model, nodes: &[Node], q: &[f64], station: &Station, load: &Wrench) -> Self {
         if let Some(node) = node_under(model, station) {
             return Self::on_node(node, nodes, station.frame, load);
+        }
+        if let Some(modal) = &model.bodies[station.body].modal {
+            return Self::on_shapes(modal, (inner_node(model, station), nodes), q, station, load);
         }
         let (node, first) = (inner_node(model, station), first_coordinate(model, station));
         let (steps, count) = steps(model, station);
@@ -100,6 +106,39 @@ impl LoadedSection {
         let turned = columns.map(|[linear, angular]| linear.cross(&force) + angular.cross(&moment));
         let arm = rotation * value(position);
         Self { node, first, strains, frame: station.frame, force, moment, arm, columns, turned, slopes }
+    }
+
+    /// A load between the ends of a modal body.
+    fn on_shapes(modal: &Modal, (node, nodes): (usize, &[Node]), q: &[f64], station: &Station, load: &Wrench) -> Self {
+        let (inner, modes) = (&nodes[node], modal.element.modes);
+        let mut own = None;
+        let place = modal.place(inner, &q[modal.range()], modal.element.shapes(station.offset_m, &mut own));
+        let mut columns = [[Vector3::zeros(); 2]; BOTH];
+        for (i, column) in columns.iter_mut().enumerate().take(modes) {
+            *column = place.partial(inner, i).into();
+        }
+        let section = place.rotation(inner);
+        let [force, moment] = match station.frame {
+            LoadFrame::Root => [-load.force_n, -load.moment_n_m],
+            LoadFrame::Section => [section * -load.force_n, section * -load.moment_n_m],
+        };
+        let [local_force, local_moment] = [force, moment].map(|vector| inner.rotation.tr_mul(&vector));
+        let slope = |i: usize, j: usize| match i.max(j) < modes {
+            true => place.force_slope((i, j), (&local_force, &local_moment)),
+            false => 0.0,
+        };
+        Self {
+            node,
+            first: modal.coordinate,
+            strains: modes,
+            frame: station.frame,
+            force,
+            moment,
+            arm: place.arm,
+            columns,
+            turned: columns.map(|[linear, angular]| linear.cross(&force) + angular.cross(&moment)),
+            slopes: std::array::from_fn(|i| std::array::from_fn(|j| slope(i, j))),
+        }
     }
 
     fn on_node(node: usize, nodes: &[Node], frame: LoadFrame, load: &Wrench) -> Self {

@@ -17,6 +17,7 @@ mod lanes;
 mod link;
 mod loads;
 mod loop_force;
+mod modal;
 mod rotor;
 mod shear;
 mod solution;
@@ -34,6 +35,7 @@ use crate::math::wide::{Fours, WithFours, with_fours};
 use crate::multibody::dynamics::{Damping, Environment};
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
+use crate::multibody::modal::Modal;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::Workspace;
 use chain::{Column, Shift, fixed};
@@ -42,6 +44,7 @@ use inertia::Inertia;
 use link::Link;
 use loads::LoadedSection;
 use loop_force::LoopForce;
+use modal::ModalBlock;
 use nalgebra::{Matrix3, Vector3};
 use rotor::Rotor;
 use shear::ShearedElement;
@@ -65,6 +68,7 @@ pub struct Derivative {
     exact: Exact,
     /// Elements with shear.
     sheared: Vec<ShearedElement>,
+    modal: Vec<ModalBlock>,
     /// Universal, ball and free joints.
     spatial: Vec<SpatialBlock>,
     /// Per node: the one among them whose body starts there, counted from 1; 0 for none.
@@ -94,8 +98,14 @@ impl Derivative {
                     ..Link::of_joint(body)
                 });
             }
-            if body.modal.is_some() {
-                links.push(Link { carrier: Some(body.first_node), ..Link::NONE });
+            if let Some(modal) = &body.modal {
+                links.push(Link {
+                    carrier: Some(body.first_node),
+                    first: modal.coordinate,
+                    count: modal.element.modes,
+                    is_modal: true,
+                    ..Link::NONE
+                });
             }
         }
         let spatial: Vec<SpatialBlock> =
@@ -105,6 +115,7 @@ impl Derivative {
         Self {
             links,
             sheared: ShearedElement::of_model(model),
+            modal: ModalBlock::of_model(model),
             spatial,
             spatial_at,
             spots: vec![Spot::ZERO; nodes],
@@ -123,11 +134,12 @@ impl Derivative {
     }
 
     /// Linearises the recursion at the point of the last [`residual`](crate::multibody::dynamics::residual), whose motions and wrenches are
-    /// in `work`; allocates nothing. Sliding joints and modal bodies are not supported.
+    /// in `work`; allocates nothing. Sliding joints are not supported.
     pub fn prepare(&mut self, model: &Model, work: &Workspace, motion: Motion, environment: &Environment) {
         with_fours(Preparation { derivative: self, model, work, motion, environment });
         self.spatial.iter_mut().for_each(|block| block.prepare(work, motion));
         self.sheared.iter_mut().for_each(|element| element.prepare(model, work, motion, &self.spots));
+        self.modal.iter_mut().for_each(|body| body.prepare(model, &work.nodes, motion, environment.root));
         self.loads.clear();
         for (station, load) in model.stations.iter().zip(environment.stations).filter(|(_, load)| !load.is_zero()) {
             self.loads.push(LoadedSection::new(model, &work.nodes, motion.q, station, load));
@@ -196,6 +208,11 @@ impl Derivative {
                 self.columns[element.range()].copy_from_slice(&own);
                 let local = |vector: &Vector3<f64>| inner.rotation.tr_mul(vector);
                 link.slopes = link::slopes(element, motion.q, &local(&node.force), &local(&node.moment));
+            } else if link.is_modal
+                && let Some(modal) = modal_before(model, n)
+            {
+                let own = modal::columns(modal, motion, inner, &self.spots[carrier].second);
+                self.columns[modal.range()].iter_mut().zip(own).for_each(|(column, own)| *column = own);
             }
         }
         for column in &mut self.columns[link.first..link.first + link.count] {
@@ -223,7 +240,7 @@ impl Derivative {
     /// Adds `K δq + C δv + M δa` of tree, loads and loops to `sum`, eq. (X3), without the elastic and damping forces of the strains and the
     /// forces of joints.
     pub fn forward(&mut self, model: &Model, along: Motion, sum: &mut [f64]) {
-        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, sheared, .. } = self;
+        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, sheared, modal, .. } = self;
         for (n, link) in links.iter().enumerate() {
             let mut shift = link.carrier.map_or(Shift::ZERO, |carrier| shifts[carrier].carried(&link.arm));
             for i in link.range() {
@@ -237,6 +254,9 @@ impl Derivative {
         self.inertia.forward(model, (spots, &self.alphas), shifts, wrenches);
         for element in sheared.iter() {
             element.forward(model, (spots, &self.alphas, self.inertia.field()), along, shifts, wrenches, sum);
+        }
+        for body in modal.iter() {
+            body.forward((spots, &self.alphas, self.inertia.field()), along, shifts, wrenches, sum);
         }
         for load in &self.loads {
             let node = load.node();
@@ -272,7 +292,7 @@ impl Derivative {
     /// Adds the transposed products `Kᵀw`, `Cᵀw` and `Mᵀw` of the parts covered by [`Self::forward`] to `sums`, eq. (X4).
     pub fn reverse(&mut self, model: &Model, w: &[f64], sums: [&mut [f64]; 3]) {
         let [by_q, by_v, by_a] = sums;
-        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, sheared, .. } = self;
+        let Self { links, spots, columns, shifts, wrenches, spatial, spatial_at, sheared, modal, .. } = self;
         shifts.fill(Shift::ZERO);
         // multipliers of the wrenches: virtual motion of the nodes
         for (n, link) in links.iter().enumerate() {
@@ -310,6 +330,10 @@ impl Derivative {
             let at = (&spots[..], &self.alphas[..], self.inertia.field());
             element.reverse(model, at, (wrenches, w), shifts, [&mut *by_q, &mut *by_v, &mut *by_a]);
         }
+        for body in modal.iter() {
+            let at = (&spots[..], &self.alphas[..], self.inertia.field());
+            body.reverse(at, (wrenches, w), shifts, [&mut *by_q, &mut *by_v, &mut *by_a]);
+        }
         for load in &self.loads {
             let node = load.node();
             load.reverse(&wrenches[node], w, &mut shifts[node], by_q);
@@ -336,6 +360,12 @@ impl Derivative {
             }
         }
     }
+}
+
+/// The shapes of the modal body whose outer end is a node.
+fn modal_before(model: &Model, node: usize) -> Option<&Modal> {
+    let own = model.bodies.iter().filter(|body| body.last_node() == node);
+    own.filter_map(|body| body.modal.as_deref()).next()
 }
 
 /// The arguments of [`Derivative::prepare`].
@@ -444,5 +474,7 @@ impl Derivative {
     }
 }
 
+#[cfg(test)]
+mod random_case;
 #[cfg(test)]
 mod tests;

@@ -155,8 +155,8 @@ impl Spot {
 
 /// Forces on the nodal vectors of a body due to the loads `L` of its beam, eq. (D5): symmetric, so that it is its own transpose.
 pub(super) fn beam_forces(model: &Model, body: &Body, loads: &[Four], forces: &mut [Four]) {
-    if body.sheared {
-        // the masses of its beam belong to elements
+    if body.sheared || body.modal.is_some() {
+        // the masses of its beam belong to elements, or lie between its ends
         forces.fill(NONE);
         return;
     }

@@ -100,6 +100,11 @@ impl Place<'_> {
         }
     }
 
+    /// Derivative of the generalised force on coordinate `i` by coordinate `j`, for a constant force and moment in the frame of the first node.
+    pub(crate) fn force_slope(&self, places: (usize, usize), load: (&Vector3<f64>, &Vector3<f64>)) -> f64 {
+        self.shapes.force_slope(places, &self.turn, load)
+    }
+
     fn moved(&self, node: &Node, rates: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
         let velocity = self.shapes.moved(rates, &self.shortened);
         (node.rotation * velocity, node.rotation * self.turn.spin(&self.shapes.angles_rad(rates)))

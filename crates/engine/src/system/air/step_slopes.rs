@@ -3,7 +3,8 @@
 //!
 //! A memory is a flat vector: a sample of each section whose model uses mean velocities (position, rotation, filtered and mean velocities of
 //! eq. (Q4)); the states of the models (lags of strips; states of the sections of rotors and their mean induction; momenta of slender
-//! bodies); and the circulatory load of each section in its frame.
+//! bodies); and the circulatory load of each section in its frame. With the staggered coupling, eq. (X39), behind them what the prediction of
+//! the next step needs: the circulatory load at the start of the step and the impulsive load, also in the frame of the section.
 
 use crate::aero::flow::{Gust, GustShape};
 use crate::aero::strip::slopes::{LOADS, MOTION};
@@ -39,9 +40,20 @@ pub(crate) enum NoSlopes {
     Step(PlantError),
 }
 
+/// Loads under which the trial march of the staggered coupling takes place, eq. (X39).
+#[derive(Clone, Copy)]
+enum Prediction {
+    /// Those at the start of the run.
+    Kept,
+    /// Continued from the last step.
+    Continued,
+}
+
 /// Derivatives of an aerodynamic step.
 pub(crate) struct AirStepSlopes {
     step_s: f64,
+    /// With the staggered coupling: the rule of its trial march.
+    prediction: Option<Prediction>,
     /// Per section: derivatives of the mean angular velocity with respect to its rotations at both ends of the step; `None` for sections
     /// whose model uses velocities at the instant.
     turns: Vec<Option<[Matrix3<f64>; 2]>>,
@@ -60,7 +72,44 @@ pub(crate) struct AirStepSlopes {
 impl AirStepSlopes {
     /// Number of entries of a memory.
     pub fn memory_entries(&self) -> usize {
-        self.first_load + ENTRIES * self.ends.len()
+        let loads = if self.prediction.is_some() { 3 } else { 1 };
+        self.first_load + loads * ENTRIES * self.ends.len()
+    }
+
+    /// Places of the circulatory load of a section in a memory, of that at the start of the step, and of its impulsive load.
+    fn load_places(&self, section: usize) -> [usize; 3] {
+        [0, 1, 2].map(|part| self.first_load + ENTRIES * (part * self.ends.len() + section))
+    }
+
+    /// Variation of the loads in the trial march of the staggered coupling due to one of the memory at its start.
+    pub fn predict(&self, memory: &[f64]) -> Vec<f64> {
+        let of = |section: usize| {
+            let [last, earlier, impulsive] = self.load_places(section);
+            let [by_last, by_earlier] = self.prediction_weights();
+            (0..ENTRIES)
+                .map(move |i| by_last * memory[last + i] + by_earlier * memory[earlier + i] + memory[impulsive + i])
+        };
+        (0..self.ends.len()).flat_map(of).collect()
+    }
+
+    /// The transpose of [`Self::predict`]: adds the multipliers of the memory.
+    pub fn predict_back(&self, loads: &[f64], memory: &mut [f64]) {
+        let [by_last, by_earlier] = self.prediction_weights();
+        for (section, on) in loads.chunks_exact(ENTRIES).enumerate() {
+            for (place, weight) in self.load_places(section).into_iter().zip([by_last, by_earlier, 1.0]) {
+                memory[place..place + ENTRIES].iter_mut().zip(on).for_each(|(sum, on)| *sum += weight * on);
+            }
+        }
+    }
+
+    /// Shares of the circulatory loads at the start of the step and of the step before in the loads of the trial march: the mean of the load
+    /// and of its continuation.
+    fn prediction_weights(&self) -> [f64; 2] {
+        match self.prediction {
+            None => [0.0; 2],
+            Some(Prediction::Kept) => [1.0, 0.0],
+            Some(Prediction::Continued) => [1.5, -0.5],
+        }
     }
 
     /// Pieces on which the functions of the models lie.
@@ -111,10 +160,15 @@ impl AirStepSlopes {
                 let local = |change: Vector3<f64>, load: &Vector3<f64>| rotation.tr_mul(&(change - turn.cross(load)));
                 [local(force, &load.force_n), local(moment, &load.moment_n_m)]
             });
-            let before: [Vector3<f64>; 2] = thirds(&memory[self.first_load + ENTRIES * section..]);
-            write(&mut out[self.first_load + ENTRIES * section..], &circulatory);
+            let [last, earlier, of_impulse] = self.load_places(section);
+            let before: [Vector3<f64>; 2] = thirds(&memory[last..]);
+            write(&mut out[last..], &circulatory);
+            if self.prediction.is_some() {
+                write(&mut out[earlier..], &before);
+                write(&mut out[of_impulse..], &impulsive);
+            }
             let acting = [0, 1].map(|i| (before[i] + circulatory[i]) * 0.5 + impulsive[i]);
-            write(&mut out[self.first_load + ENTRIES * (sections + section)..], &acting);
+            write(&mut out[self.memory_entries() + ENTRIES * section..], &acting);
         }
         out
     }
@@ -127,13 +181,20 @@ impl AirStepSlopes {
         let mut forces = vec![[0.0; LOADS]; sections];
         let mut motions = vec![0.0; MOTION * sections];
         for (section, (rotation, loads)) in self.ends.iter().enumerate() {
-            let acting: [Vector3<f64>; 2] = thirds(&on[self.first_load + ENTRIES * (sections + section)..]);
-            let after: [Vector3<f64>; 2] = thirds(&on[self.first_load + ENTRIES * section..]);
+            let [last, earlier, of_impulse] = self.load_places(section);
+            let acting: [Vector3<f64>; 2] = thirds(&on[self.memory_entries() + ENTRIES * section..]);
+            let after: [Vector3<f64>; 2] = thirds(&on[last..]);
             let half = acting.map(|acting| acting * 0.5);
-            write(&mut memory[self.first_load + ENTRIES * section..], &half);
+            let (mut before, mut impulsive) = (half, acting);
+            if self.prediction.is_some() {
+                let [kept, own]: [[Vector3<f64>; 2]; 2] = [earlier, of_impulse].map(|place| thirds(&on[place..]));
+                before = [0, 1].map(|i| half[i] + kept[i]);
+                impulsive = [0, 1].map(|i| acting[i] + own[i]);
+            }
+            write(&mut memory[last..], &before);
             // the loads turn with their section
             let mut turn = Vector3::zeros();
-            for (part, on) in [[after[0] + half[0], after[1] + half[1]], acting].into_iter().enumerate() {
+            for (part, on) in [[after[0] + half[0], after[1] + half[1]], impulsive].into_iter().enumerate() {
                 let [force, moment] = on.map(|on| rotation * on);
                 write(&mut forces[section][ENTRIES * part..], &[force, moment]);
                 turn -= loads[part].force_n.cross(&force) + loads[part].moment_n_m.cross(&moment);
@@ -178,9 +239,6 @@ impl System {
         };
         if let Some(found) = air.parts.iter().find_map(of_part) {
             return Some(found);
-        }
-        if air.coupling == Coupling::Staggered {
-            return Some(("the staggered coupling of aerodynamics and structure", "aerodynamics.coupling"));
         }
         let smooth = |gust: &&Gust| matches!(gust.shape, GustShape::OneMinusCosine { .. });
         let gust = air.gusts.iter().find(|gust| !smooth(gust))?;
@@ -257,8 +315,12 @@ impl System {
             place += count;
         }
         let ends = motions.iter().zip(loads.circulatory.iter().zip(&loads.impulsive));
+        let is_first = before.steps <= 1;
+        let rule = if is_first { Prediction::Kept } else { Prediction::Continued };
+        let prediction = (settings.coupling == Coupling::Staggered).then_some(rule);
         Ok(AirStepSlopes {
             step_s,
+            prediction,
             turns,
             ends: ends.map(|(motion, (a, b))| (motion.rotation, [*a, *b])).collect(),
             models,
@@ -324,6 +386,9 @@ impl System {
         }
         values.extend(history.after.0.iter().flat_map(numbers));
         values.extend(entries(&history.loads.to));
+        if air.settings.coupling == Coupling::Staggered {
+            values.extend(entries(&history.loads.from).chain(entries(&history.loads.impulsive)));
+        }
         values
     }
 
