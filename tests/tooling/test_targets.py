@@ -316,7 +316,7 @@ def test_long_tests_have_a_short_one_beside_them():
 def test_assertions_run_in_part_in_ci_and_whole_in_validate():
     """Programs that CI selects exist; without a selection, `make assertions` and its stage of `make validate` run all."""
     ci = (ROOT / ".ci/run").read_text(encoding="utf-8")
-    assert re.search(r'^ +make assertions ASSERTIONS="\$assertions"$', ci, re.M)
+    assert re.search(r'^ +make assertions ASSERTIONS="\$assertions" ASSERTIONS_SHARE=9$', ci, re.M)
     selected = re.search(r'^assertions="(.*)"$', ci, re.M).group(1).split()
     programs = [name for option, name in zip(selected, selected[1:], strict=False) if option == "--test"]
     assert "random" in programs and all((ROOT / f"tests/{name}/main.rs").is_file() for name in programs)

@@ -243,7 +243,7 @@ impl<'a> Gradient<'a> {
         Ok(OnEnd { motion, memory })
     }
 
-    /// Adds the slopes of an aerodynamic step by the parameters, for multipliers of the memory at its end and of its loads.
+    /// Adds the slopes with respect to the parameters, for multipliers of the memory at the end of an aerodynamic step and of its loads.
     fn add_by_air(&self, air: &AirStep, with_loads: &[f64], sums: &mut Sums) {
         if let Some(gradient) = &mut sums.gradient {
             let by_neighbours: Vec<f64> = air.by_neighbours.iter().map(|slopes| dot(slopes, with_loads)).collect();

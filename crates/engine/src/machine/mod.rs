@@ -93,8 +93,7 @@ pub struct Body {
     pub elements: usize,
     /// Natural strains `(εx, κx, κy, κz)` along the body: initial stretch (–), twist and curvatures (1/m).
     pub natural_strain: NaturalStrain,
-    /// Ends of the axis from which the natural strain was derived, if the axis was given by points; the joint's mount includes its attitude
-    /// at the inner end.
+    /// Ends of an axis given by points, from which the natural strain was derived; the mount includes its attitude at the inner end.
     pub axis: Option<AxisEnds>,
     /// Mass-proportional damping `α` in 1/s.
     pub mass_damping_1_s: f64,
@@ -339,8 +338,7 @@ pub struct InternalLoad {
     pub side: SectionSide,
 }
 
-/// Side of an internal-load section: parts attached at the same position (loads of a station, masses, children, loops) are on the other
-/// side.
+/// Side of an internal-load section: parts at the same position (loads of a station, masses, children, loops) are on the other side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SectionSide {
     /// Towards the body's inner end: the load includes parts attached there.
@@ -407,8 +405,7 @@ pub struct LiftingSurface {
     pub body: usize,
     /// Body whose surface adjoins this one's inner edge: the other half of a wing.
     pub other_half: Option<usize>,
-    /// Body whose surface has the nearest inner edge attached to the same point, if the edges are not joined, and their distance in chords;
-    /// up to half a chord.
+    /// Body whose inner edge is attached to the same point, if it is not joined, and their distance in chords, up to a half.
     pub slit: Option<(usize, f64)>,
     /// Whether its inner edge lies at the mirror plane and adjoins that of its image.
     pub at_mirror: bool,

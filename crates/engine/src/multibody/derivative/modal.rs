@@ -11,7 +11,7 @@ use crate::multibody::model::{Body, Model};
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// Places of what the forces of the mass vary with, in the frame of the inner end: rates of the origin and of the three axes, twice the angular
+/// Places of the causes by which the forces of the mass vary, in the frame of the inner end: rates of the origin and of the three axes, twice the angular
 /// velocity, coordinates, rates and accelerations.
 const SPIN: usize = 12;
 const COORDINATES: usize = 15;

@@ -3,8 +3,8 @@
 //!
 //! A memory is a flat vector: a sample of each section whose model uses mean velocities (position, rotation, filtered and mean velocities of
 //! eq. (Q4)); the states of the models (lags of strips; states of the sections of rotors and their mean induction; momenta of slender
-//! bodies); and the circulatory load of each section in its frame. With the staggered coupling, eq. (X39), behind them what the prediction of
-//! the next step needs: the circulatory load at the start of the step and the impulsive load, also in the frame of the section.
+//! bodies); and the circulatory load of each section in its frame. With the staggered coupling, eq. (X39), it ends with the circulatory
+//! load at the start of the step and the impulsive load, from which the prediction of the next step follows, in the same frame.
 
 use crate::aero::flow::{Gust, GustShape};
 use crate::aero::strip::slopes::{LOADS, MOTION};
