@@ -1,4 +1,5 @@
-//! Derivatives of whole runs by parameters, through latches and end stops, also with strip theory and rotors, NOTATION eqs. (X6)–(X13), (X17)–(X23), (X37), (X39).
+//! Derivatives of whole runs by parameters, through latches and end stops, also with strip theory and rotors, NOTATION eqs. (X6)–(X13),
+//! (X17)–(X23), (X37), (X39).
 //!
 //! [`Plant::run_on_tape`] keeps the steps of a run on a [`Tape`]. [`Gradient`] differentiates the discrete run along it, whose step lengths
 //! stay as they are except two kinds: a step that ends at a crossing moves with the crossing, and steps to given times, those of rows of the

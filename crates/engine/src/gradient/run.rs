@@ -238,7 +238,7 @@ impl Plant {
             return Err(GradientError::OtherChoice {
                 part: "a slew or failure that begins or ends within an aerodynamic step of the staggered coupling",
                 remedy: format!(
-                    "write coupling = \"iterated\", or move it to an end of a step ({} s)",
+                    "write coupling = \"iterated\", or move the event at {} s to an end of an aerodynamic step",
                     step.start.time_s
                 ),
             });

@@ -59,6 +59,7 @@ fn failures_within_steps_of_the_staggered_coupling_are_refused() {
     };
     let outcome = started(machine(0.0613)).run_on_tape(&[0.1]).map(|_| ()).expect_err("within a step").to_string();
     assert!(outcome.contains("a slew or failure that begins or ends within an aerodynamic step"), "{outcome}");
+    assert!(outcome.contains("or move the event at 0.0613 s to an end of an aerodynamic step"), "{outcome}");
     started(machine(0.064)).run_on_tape(&[0.1]).unwrap_or_else(|error| panic!("{error}"));
 }
 

@@ -23,8 +23,8 @@ pub(super) struct Link {
     pub count: usize,
     /// Element of the link; `None` for a joint and for the shapes of a modal body.
     pub element: Option<usize>,
-    /// Whether its coordinates are those of the shapes of a modal body.
-    pub is_modal: bool,
+    /// Modal body whose shapes its coordinates belong to.
+    pub modal: Option<usize>,
     /// Vector from carrier to node in m, root frame.
     pub arm: Timed,
     /// Force of the outboard part at the node.
@@ -39,7 +39,7 @@ impl Link {
         first: 0,
         count: 0,
         element: None,
-        is_modal: false,
+        modal: None,
         arm: STILL,
         force: Vector3::new(0.0, 0.0, 0.0),
         slopes: StrainMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; STRAINS]; STRAINS])),

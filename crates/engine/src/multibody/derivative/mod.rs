@@ -35,7 +35,6 @@ use crate::math::wide::{Fours, WithFours, with_fours};
 use crate::multibody::dynamics::{Damping, Environment};
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
-use crate::multibody::modal::Modal;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::Workspace;
 use chain::{Column, Shift, fixed};
@@ -86,7 +85,7 @@ impl Derivative {
     pub fn new(model: &Model) -> Self {
         let nodes = model.nodes.len();
         let mut links = Vec::with_capacity(nodes);
-        for body in &model.bodies {
+        for (index, body) in model.bodies.iter().enumerate() {
             links.push(Link::of_joint(body));
             for i in 0..body.elements {
                 let element = body.first_element + i;
@@ -103,7 +102,7 @@ impl Derivative {
                     carrier: Some(body.first_node),
                     first: modal.coordinate,
                     count: modal.element.modes,
-                    is_modal: true,
+                    modal: Some(index),
                     ..Link::NONE
                 });
             }
@@ -208,9 +207,7 @@ impl Derivative {
                 self.columns[element.range()].copy_from_slice(&own);
                 let local = |vector: &Vector3<f64>| inner.rotation.tr_mul(vector);
                 link.slopes = link::slopes(element, motion.q, &local(&node.force), &local(&node.moment));
-            } else if link.is_modal
-                && let Some(modal) = modal_before(model, n)
-            {
+            } else if let Some(modal) = link.modal.and_then(|body| model.bodies[body].modal.as_deref()) {
                 let own = modal::columns(modal, motion, inner, &self.spots[carrier].second);
                 self.columns[modal.range()].iter_mut().zip(own).for_each(|(column, own)| *column = own);
             }
@@ -360,12 +357,6 @@ impl Derivative {
             }
         }
     }
-}
-
-/// The shapes of the modal body whose outer end is a node.
-fn modal_before(model: &Model, node: usize) -> Option<&Modal> {
-    let own = model.bodies.iter().filter(|body| body.last_node() == node);
-    own.filter_map(|body| body.modal.as_deref()).next()
 }
 
 /// The arguments of [`Derivative::prepare`].

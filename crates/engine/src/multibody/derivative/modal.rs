@@ -11,8 +11,8 @@ use crate::multibody::model::{Body, Model};
 use crate::multibody::workspace::Node;
 use nalgebra::{Matrix3, Vector3};
 
-/// Places of the causes by which the forces of the mass vary, in the frame of the inner end: rates of the origin and of the three axes, twice the angular
-/// velocity, coordinates, rates and accelerations.
+/// Places of the causes by which the forces of the mass vary, in the frame of the inner end: rates of the origin and of the three axes,
+/// twice the angular velocity, coordinates, rates and accelerations.
 const SPIN: usize = 12;
 const COORDINATES: usize = 15;
 const RATES: usize = COORDINATES + MAXIMUM_MODES;
@@ -26,7 +26,7 @@ const EFFECTS: usize = ROWS + MAXIMUM_MODES;
 /// A modal body at the point of linearisation.
 #[derive(Debug, Clone)]
 pub(super) struct ModalBlock {
-    pub body: usize,
+    body: usize,
     /// Node at its inner end; the next one is at the outer end.
     node: usize,
     /// Index of its first coordinate, and their number.
