@@ -135,9 +135,12 @@ lint: test-venv
 	$(IMPORT) RUSTC_WORKSPACE_WRAPPER="$$(rustc --print sysroot)/bin/clippy-driver" CLIPPY_ARGS="-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__" \
 	    RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps --workspace --locked --quiet --features foldwing/import,foldwing-fmu/import
 
+# CI runs `make long` too, and sets --long-follows
+UNIT_ARGUMENTS ?=
+
 # The documents quote what `foldwing run` says, which only the feature `import` compiles. `python` runs GR-82 and keeps its models.
 unit: build documents
-	@FOLDWING_SHARE=3 CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --times $(TEST_TIMES)/rust.csv --release --locked --lib --bins --examples \
+	@FOLDWING_SHARE=3 CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py $(UNIT_ARGUMENTS) --times $(TEST_TIMES)/rust.csv --release --locked --lib --bins --examples \
 	    --test verification --test random --test robustness --test command -- --skip gr82_
 	@# the engine of pages, which `make` does not build
 	$(CARGO) test --release --locked --package foldwing-web

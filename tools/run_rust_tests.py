@@ -3,12 +3,14 @@
 
   python tools/run_rust_tests.py --times target/test-times/rust.csv --release --locked [CARGO ARGUMENTS] [-- TEST ARGUMENTS]
   python tools/run_rust_tests.py --long --times target/test-times/long.csv --release --locked [CARGO ARGUMENTS]
+  python tools/run_rust_tests.py --long-follows --times target/test-times/rust.csv --release --locked [CARGO ARGUMENTS]
 
 `cargo test` runs the same programs but does not report times. The programs report them with an option that the standard test
 harness of a stable compiler offers only if RUSTC_BOOTSTRAP is set; it is set for the programs alone, never for the compiler. All
 programs run even if one fails; the exit code is the worst of all programs. Documentation tests are left to `cargo test --doc`.
 Unit tests of some packages are compiled without optimisation (tools/rustc_of_tests.sh), unless RUSTC_WRAPPER is set already.
 With `--long` only the tests run that are ignored because they are long, and those of which `make test` runs a share of the cases.
+With `--long-follows` the latter are left to the run with `--long`.
 """
 import csv
 import json
@@ -100,12 +102,14 @@ def run(executable, folder, arguments):
 
 def main():
     arguments = sys.argv[1:]
-    table, long = None, arguments[:1] == ["--long"]
-    arguments = arguments[long:]
+    table, long, long_follows = None, arguments[:1] == ["--long"], arguments[:1] == ["--long-follows"]
+    arguments = arguments[long or long_follows :]
     if arguments[:1] == ["--times"]:
         table, arguments = pathlib.Path(arguments[1]), arguments[2:]
     split = arguments.index("--") if "--" in arguments else len(arguments)
     for_cargo, for_tests = arguments[:split], arguments[split + 1 :]
+    if long_follows:
+        for_tests += [word for test in sorted(SHARED) for word in ("--skip", test)]
     worst, rows, left = 0, [], long_tests() | SHARED if long else set()
     for name, executable, folder in programs(for_cargo):
         chosen = for_tests
