@@ -113,9 +113,7 @@ pub fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         "the vortex lattice" => Some(still(model)),
         "rotors whose tower disturbs the wind" => remove("tower"),
         part if part.starts_with("gusts") => remove("gust"),
-        "bodies with shear in air"
-        | "loads inside elements with shear"
-        | "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
+        "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
         "rigid loops" => remove(&format!("loop.{place}")),
         part if part.starts_with("failures") => remove(&format!("failure.{place}")),
         part if part.starts_with("runs in which a generator passes") => of_joint("generator"),

@@ -5,6 +5,7 @@
 //! `FOLDWING_SHARE` to draw a share of the machines for each invariant; `make long` and `cargo test` draw all.
 
 mod dependencies;
+mod feedthrough;
 mod frozen_runs;
 mod gradients;
 mod invariants;
@@ -629,6 +630,15 @@ fn x20_machines_with_rotors_in_model_exchange() {
             panic!("X-20 dependencies: seed {seed}: {why}");
         }
     }
+}
+
+/// Directional derivatives of co-simulation FMUs are those of the outputs that they show.
+#[test]
+fn x21_derivatives_in_co_simulation_are_those_of_the_shown_outputs() {
+    hold("X-21", 60, feedthrough::shown);
+    let count = 12_u64.div_ceil(share() as u64);
+    hold_for("X-21 motors", DC_MOTORS..DC_MOTORS + count, feedthrough::shown);
+    hold_for("X-21 cylindrical joints", CYLINDRICAL..CYLINDRICAL + count, feedthrough::shown);
 }
 
 /// Parts of the format that the generator omits, with reasons.

@@ -137,18 +137,32 @@ pub(super) fn add_slopes_along(
     system.equations.forces.let_go();
 }
 
-impl Gradient<'_> {
-    /// Returns an error if slopes of accounts are not available for this run.
-    pub(super) fn check_account(&self) -> Result<(), GradientError> {
-        if self.sections.is_some() {
-            let remedy = "choose another output, or use finite differences".into();
-            return Err(GradientError::OtherChoice { part: "energy accounts of a run with aerodynamics", remedy });
-        }
-        Ok(())
+/// Adds the slopes of the powers along a change of the loads of the air, of which they are linear.
+fn add_slopes_by_loads(system: &mut System, (at, middle_s): (&Point, f64), direction: &[f64], sum: &mut [f64; 2]) {
+    let size = direction.iter().fold(0.0f64, |size, entry| size.max(entry.abs()));
+    if size <= 0.0 {
+        return;
     }
+    let step = system.air_scale_n().max(f64::MIN_POSITIVE) / size;
+    for sign in [1.0, -1.0] {
+        system.equations.add_air_loads(direction, sign * step);
+        let powers = powers(system, at, middle_s);
+        system.equations.add_air_loads(direction, -sign * step);
+        sum.iter_mut().zip(powers).for_each(|(sum, power)| *sum += sign * 0.5 / step * power);
+    }
+    system.configure();
+}
 
-    /// Slopes of both powers at a point of a step in each direction: with respect to its parameter, and along its variation of the state.
-    pub(super) fn power_slopes(&mut self, step: &Step, at: &Point, variations: &[Variation]) -> Vec<[f64; 2]> {
+impl Gradient<'_> {
+    /// Slopes of both powers at a point of a step in each direction: with respect to its parameter, along its variation of the state and along
+    /// that of the loads of the air.
+    pub(super) fn power_slopes(
+        &mut self,
+        step: &Step,
+        at: &Point,
+        variations: &[Variation],
+        loads: &[Vec<f64>],
+    ) -> Vec<[f64; 2]> {
         let middle_s = step.middle_s();
         let by_neighbours = self.powers_by_neighbours(step, at);
         let shares = self.shares(at.time_s);
@@ -158,6 +172,9 @@ impl Gradient<'_> {
         slopes.iter_mut().zip(by_rates).for_each(|([work, _], by_rate)| *work += by_rate);
         for (slopes, variation) in slopes.iter_mut().zip(variations) {
             add_slopes_along(self.system, (at, middle_s), variation, slopes);
+        }
+        for (slopes, loads) in slopes.iter_mut().zip(loads) {
+            add_slopes_by_loads(self.system, (at, middle_s), loads, slopes);
         }
         slopes
     }
@@ -230,6 +247,16 @@ impl Gradient<'_> {
         self.system.equations.clear_resting(&mut state.v);
         self.system.equations.clear_resting(&mut state.a);
         state
+    }
+
+    /// Derivatives of a power at a point of a step with respect to the loads of the air.
+    pub(super) fn power_by_loads(&mut self, account: Account, step: &Step, at: &Point) -> Vec<f64> {
+        let middle_s = step.middle_s();
+        self.by_each_load(|system, unit| {
+            let mut slopes = [0.0; 2];
+            add_slopes_by_loads(system, (at, middle_s), unit, &mut slopes);
+            account.of_powers(slopes)
+        })
     }
 
     /// Derivatives of a power at a point of a step with respect to the parameters.

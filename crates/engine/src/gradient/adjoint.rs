@@ -5,6 +5,7 @@ use crate::gradient::integrand::Mean;
 use crate::gradient::mean::Seeds;
 use crate::gradient::outputs::{Part, Seed};
 use crate::gradient::parameter::Neighbours;
+use crate::gradient::rotor::MemoryShares;
 use crate::gradient::sums::{OnEnd, Sums};
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::variation::{Causes, Variation, product};
@@ -41,9 +42,20 @@ impl Gradient<'_> {
                 Some(_) => Variation::zeros(self.system.coordinates()),
                 None => multipliers.0,
             };
+            let shares = self.memory_shares(&result, (span, &air));
+            memory.resize(air.memory_entries(), 0.0);
+            if let Some(MemoryShares { place, shares: [_, after] }) = shares {
+                memory[place] += after;
+            }
+            // within it the mean has been passed
+            let mean = sums.mean.take_if(|_| within.is_some());
             let mut before = self.air_back((span, &air), OnEnd { motion, memory }, &mut sums)?;
+            if let Some(MemoryShares { place, shares: [at_start, _] }) = shares {
+                before.memory[place] += at_start;
+            }
             if let Some(within) = within {
                 before.motion.add(1.0, &within);
+                sums.mean = mean;
             }
             // the start of an aerodynamic step is a given time
             (multipliers, memory) = ((before.motion, 0.0), before.memory);

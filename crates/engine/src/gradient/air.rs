@@ -2,11 +2,13 @@
 //! or of its trial march, eq. (X39).
 
 use crate::gradient::block::{self, Remains};
+use crate::gradient::integrand::Mean;
 use crate::gradient::sums::{OnEnd, Sums};
 use crate::gradient::tape::Step;
 use crate::gradient::variation::{Causes, Front, Variation};
 use crate::gradient::{Gradient, GradientError, add, dot};
 use crate::solve::point::Point;
+use crate::system::System;
 use crate::system::air::step_slopes::{AirStepSlopes, NoSlopes};
 use nalgebra::Matrix3;
 use std::ops::Range;
@@ -27,6 +29,16 @@ impl AirStep<'_> {
     pub fn memory_entries(&self) -> usize {
         self.slopes.memory_entries()
     }
+
+    /// Place of a load or coefficient of a rotor in a memory.
+    pub fn place_of(&self, [rotor, number]: [usize; 2]) -> Option<usize> {
+        self.slopes.places_of_rotors().nth(rotor).map(|first| first + number)
+    }
+
+    /// Share of the step that has passed at a time.
+    pub fn share_at(&self, time_s: f64) -> f64 {
+        self.slopes.share_at(self.end.time_s - time_s)
+    }
 }
 
 /// Variations of the loads in an aerodynamic step by the parameters, and with the staggered coupling those of the memory at its end.
@@ -40,6 +52,19 @@ impl<'a> Gradient<'a> {
     /// Entries of the loads of the air.
     pub(super) fn load_entries(&self) -> usize {
         self.sections.as_ref().map_or(0, |sections| sections.entries(&self.system.equations))
+    }
+
+    /// Slopes along a change of each load of the air alone.
+    pub(super) fn by_each_load(&mut self, slope: impl Fn(&mut System, &[f64]) -> f64) -> Vec<f64> {
+        let entries = self.load_entries();
+        let mut unit = vec![0.0; entries];
+        let along = |load: usize| {
+            unit[load] = 1.0;
+            let slope = slope(self.system, &unit);
+            unit[load] = 0.0;
+            slope
+        };
+        (0..entries).map(along).collect()
     }
 
     /// Derivatives of the aerodynamic step of some steps of the tape, the `place`th; `None` without air.
@@ -174,7 +199,7 @@ impl<'a> Gradient<'a> {
     }
 
     /// Multipliers of the motion and of the memory at the start of an aerodynamic step, from those at its end; `sums` has the multipliers of
-    /// its loads by results within it, and receives the slopes with respect to the parameters.
+    /// its loads by results within it and the mean that covers it, and receives the slopes with respect to the parameters.
     pub(super) fn air_back(
         &mut self,
         (span, air): (&Range<usize>, &AirStep<'a>),
@@ -188,24 +213,25 @@ impl<'a> Gradient<'a> {
         let OnEnd { motion, memory } = on;
         let at = air.end;
         let mut with_loads = memory;
-        with_loads.resize(air.slopes.memory_entries() + entries, 0.0);
-        // of the loads through the motion at the end
-        let through = |own: &mut Self, on: &[f64], motion: &Variation| {
+        with_loads.resize(air.memory_entries() + entries, 0.0);
+        let mean = sums.mean;
+        // of the loads through the motion at the end, and by a mean over the steps
+        let through = |own: &mut Self, on: &[f64], motion: &Variation, mean: Option<Mean>| {
             let (_, poses) = air.slopes.reverse(on);
             let end = own.on_end(at, &poses, motion);
-            let mut sums = Sums { gradient: None, loads: vec![0.0; entries], mean: None };
+            let mut sums = Sums { gradient: None, loads: vec![0.0; entries], mean };
             own.back_march(span.clone(), (end, 0.0), &mut sums)?;
             Ok::<_, GradientError>(sums.loads)
         };
         let mut right = sums.loads.clone();
-        add(&mut right, 1.0, &through(self, &with_loads, &motion)?);
+        add(&mut right, 1.0, &through(self, &with_loads, &motion, mean)?);
         let still = Variation::zeros(motion.q.len());
         let first_load = air.slopes.memory_entries();
         let solved = block::solve(vec![right], |directions| {
             let image = |direction: &Vec<f64>| {
                 let mut on = vec![0.0; first_load + entries];
                 on[first_load..].copy_from_slice(direction);
-                let mut image = through(self, &on, &still)?;
+                let mut image = through(self, &on, &still, None)?;
                 image.iter_mut().zip(direction).for_each(|(image, direction)| *image = direction - *image);
                 Ok::<_, GradientError>(image)
             };
@@ -230,7 +256,6 @@ impl<'a> Gradient<'a> {
         let still = Variation::zeros(on.motion.q.len());
         let (mut motion, _) = self.back_march(span.clone(), (on.motion, 0.0), sums)?;
         let mut with_loads = on.memory;
-        with_loads.resize(air.memory_entries(), 0.0);
         with_loads.append(&mut sums.loads);
         let (mut memory, poses) = air.slopes.reverse(&with_loads);
         self.add_by_air(air, &with_loads, sums);

@@ -205,6 +205,7 @@ impl Plant {
             let size = new.iter().fold(f64::MIN_POSITIVE, |most, load| most.max(load.force_n.amax()));
             loads = new;
             if change < SAME_LOADS * size || (change >= last && change < STALLED_LOADS * size) {
+                whole.set_air_after(taped.steps.len(), &found);
                 return Ok(found);
             }
             last = change;
@@ -264,7 +265,9 @@ impl Plant {
         let apart = GradientError::Apart { time_s: end.time_s, what: "it has no air" };
         let found = self.system.air_step_after(before, &end)?.ok_or(apart)?;
         found.loads.write(&mut loads);
+        let marched = whole.steps.len();
         self.march_along((&begin, acting(before, &loads)), &tape.steps[span], whole)?;
+        whole.set_air_after(marched, &found);
         whole.trials.push(copy.steps);
         Ok(found)
     }

@@ -44,8 +44,11 @@ impl Gradient<'_> {
         let mut memories = self.start_memories();
         let tape = self.tape;
         let means = self.means(results);
+        // loads of rotors follow from both ends of their aerodynamic step
+        let to_end = results.iter().any(|result| self.is_of_rotor(result));
         let ends_at = |index: usize| {
-            index == last && steps.iter().zip(results).all(|(at, result)| *at < last || !result.is_latch_time())
+            let known = |(at, result): (&usize, &RunResult)| *at < last || !result.is_latch_time();
+            !to_end && index == last && steps.iter().zip(results).all(known)
         };
         for (place, span) in tape.spans().into_iter().enumerate() {
             let air = self.air_step(place, &span)?;
@@ -72,17 +75,21 @@ impl Gradient<'_> {
                         row.clone_from(&front.shifts_s);
                     }
                 }
-                if index == last {
+                if !to_end && index == last {
                     return Ok(table);
                 }
             }
-            match (&air, behind) {
-                (Some(_), Some(behind)) => memories = behind,
-                (Some(air), None) => {
-                    memories = self.air_forward(air, &front.variations, Some(&memories));
-                    memories.iter_mut().for_each(|memory| memory.truncate(air.memory_entries()));
+            let Some(air) = air else { continue };
+            let behind = behind.map_or_else(|| self.air_forward(&air, &front.variations, Some(&memories)), |own| own);
+            let before = std::mem::replace(&mut memories, behind);
+            memories.iter_mut().for_each(|memory| memory.truncate(air.memory_entries()));
+            for (row, result) in table.iter_mut().zip(results) {
+                if let Some(shares) = self.memory_shares(result, (&span, &air)) {
+                    shares.add_to(row, [&before, &memories]);
                 }
-                (None, _) => {}
+            }
+            if span.contains(&last) {
+                return Ok(table);
             }
         }
         Ok(table)
@@ -187,7 +194,7 @@ impl Gradient<'_> {
             stages.iter_mut().zip(&columns).for_each(|(stage, column)| stage.add(*change_s, column));
         }
         if let Some((means, table)) = means {
-            self.add_means(step, (&stages, &front.shifts_s, &changes_s), means, table);
+            self.add_means(step, (&stages, &front.shifts_s, &changes_s, causes.loads), means, table);
         }
         front.shifts_s.iter_mut().zip(&changes_s).for_each(|(shift_s, change_s)| *shift_s += change_s);
         front.variations = stages.into_iter().filter_map(|mut stages| stages.pop()).collect();

@@ -47,7 +47,7 @@ fn covered(tape: &Tape, mean: Mean) -> impl Iterator<Item = &Step> {
 }
 
 /// The points of a step, from its start to its end, as outputs need them: stages have no auxiliary accelerations.
-fn points(step: &Step) -> impl Iterator<Item = Point> {
+pub(super) fn points(step: &Step) -> impl Iterator<Item = Point> {
     let whole = |point: &Point| Point { auxiliary: step.start.auxiliary.clone(), ..point.clone() };
     std::iter::once(step.start.clone()).chain(step.later().map(whole))
 }
@@ -64,10 +64,6 @@ impl Gradient<'_> {
         if Account::of(self.system, index).is_some() {
             let remedy = "choose their values at times, or use finite differences".into();
             return Err(GradientError::OtherChoice { part: "means of energy accounts", remedy });
-        }
-        if self.sections.is_some() {
-            let remedy = "choose values at times, or use finite differences".into();
-            return Err(GradientError::OtherChoice { part: "means over a run with aerodynamics", remedy });
         }
         if self.tape.marks[time].branch.is_none() {
             return Err(GradientError::Absent { what: "mean up to its start".to_owned() });
@@ -93,12 +89,12 @@ impl Gradient<'_> {
         sum
     }
 
-    /// Adds the variations of means over a step, whose stages vary by `stages`, its start's time by `shifts_s` and its length by `changes_s`, to
-    /// their rows.
+    /// Adds the variations of means over a step, whose stages vary by `stages`, its start's time by `shifts_s`, its length by `changes_s` and the
+    /// loads of the air by `loads`, to their rows.
     pub(super) fn add_means(
         &mut self,
         step: &Step,
-        (stages, shifts_s, changes_s): (&[Vec<Variation>], &[f64], &[f64]),
+        (stages, shifts_s, changes_s, loads): (&[Vec<Variation>], &[f64], &[f64], &[Vec<f64>]),
         means: &[(usize, Mean)],
         table: &mut [Vec<f64>],
     ) {
@@ -112,7 +108,7 @@ impl Gradient<'_> {
             let at = &at;
             self.place(at);
             let mut variations: Vec<Variation> = stages.iter().map(|stages| stages[stage].clone()).collect();
-            let of_powers = if accounts { self.power_slopes(step, power_at, &variations) } else { Vec::new() };
+            let of_powers = if accounts { self.power_slopes(step, power_at, &variations, loads) } else { Vec::new() };
             if stage + 1 == self.tableau.stages() {
                 let projection = self.projection(step);
                 variations.iter_mut().for_each(|variation| projection.apply(variation));
@@ -120,7 +116,7 @@ impl Gradient<'_> {
             self.place(at);
             let mut of_outputs = match indices.is_empty() {
                 true => Vec::new(),
-                false => self.output_slopes_at(at, &indices, &variations, &[]),
+                false => self.output_slopes_at(at, &indices, &variations, loads),
             }
             .into_iter();
             let part = (at.time_s - step.start.time_s) / h;
@@ -131,7 +127,7 @@ impl Gradient<'_> {
                 };
                 let at = if mean.account().is_some() { power_at } else { at };
                 let [value, slope] = mean.integrand(self.integrand_at(step, at, mean));
-                let by_time = if self.inputs_move() { self.integrand_by_time(step, at, mean) } else { 0.0 };
+                let by_time = if self.varies(mean) { self.integrand_by_time(step, at, mean) } else { 0.0 };
                 let share = mean.share(self.tableau, stage);
                 for ((sum, slopes), (shift_s, change_s)) in
                     table[*row].iter_mut().zip(slopes).zip(shifts_s.iter().zip(changes_s))
@@ -151,7 +147,7 @@ impl Gradient<'_> {
         let mut rate = 0.0;
         for ((stage, at), column) in solved(step).enumerate().zip(&columns) {
             let part = (at.time_s - step.start.time_s) / h;
-            let by_time = if self.inputs_move() { self.integrand_by_time(step, at, mean) } else { 0.0 };
+            let by_time = if self.varies(mean) { self.integrand_by_time(step, at, mean) } else { 0.0 };
             let along = self.integrand_along(step, at, mean, column) + by_time * part;
             rate += mean.share(self.tableau, stage) * (h * along + self.integrand_at(step, at, mean));
         }
@@ -174,7 +170,12 @@ impl Gradient<'_> {
         }
     }
 
-    /// Its slope with respect to time, for inputs that vary.
+    /// Whether the integrated quantity depends on time itself: by inputs that vary, or as a load of a rotor.
+    fn varies(&self, mean: &Mean) -> bool {
+        self.inputs_move() || mean.output().is_some_and(|index| self.rotor_of(index).is_some())
+    }
+
+    /// Its slope with respect to time, where it depends on it.
     fn integrand_by_time(&mut self, step: &Step, at: &Point, mean: &Mean) -> f64 {
         match mean.integrand {
             Integrand::Output(index) | Integrand::Square(index) => self.slope_by_time(index, at, step.length_s()),
@@ -182,7 +183,8 @@ impl Gradient<'_> {
         }
     }
 
-    /// Slopes of the mean that is the result by the stages of a step whose joints are adopted; those by the parameters are added to the sums.
+    /// Slopes of the mean that is the result by the stages of a step whose joints are adopted; those by the parameters and by the loads of the
+    /// air are added to the sums.
     pub(super) fn mean_seeds(&mut self, step: &Step, sums: &mut Sums) -> Seeds {
         let mut seeds = Seeds::default();
         let Some(mean) = sums.mean else { return seeds };
@@ -206,10 +208,15 @@ impl Gradient<'_> {
             on.add(share * h * slope, &by_state);
             seeds.on.push(on);
             seeds.by_length += share * value;
-            if self.inputs_move() {
+            if self.varies(&mean) {
                 let by_time = share * h * slope * self.integrand_by_time(step, at, &mean);
                 seeds.by_time.push([by_time, (at.time_s - step.start.time_s) / h]);
             }
+            let by_loads = match mean.integrand {
+                Integrand::Output(index) | Integrand::Square(index) => self.output_by_loads(index, at),
+                Integrand::Power(account) => self.power_by_loads(account, step, at),
+            };
+            add(&mut sums.loads, share * h * slope, &by_loads);
             if let Some(gradient) = &mut sums.gradient {
                 let by_parameters = match mean.integrand {
                     Integrand::Output(index) | Integrand::Square(index) => self.output_by_parameters(index, at),

@@ -28,6 +28,7 @@ mod prescribed;
 mod projection;
 mod replay;
 mod result;
+mod rotor;
 mod run;
 mod sections;
 mod slopes;

@@ -1,6 +1,5 @@
 //! Slopes of results with respect to the state at their instant.
 
-use crate::gradient::account::Account;
 use crate::gradient::integrand::Mean;
 use crate::gradient::step::{ONWARD, time_step_s};
 use crate::gradient::tape::{Ending, Mark, Step};
@@ -93,9 +92,6 @@ impl<'a> Gradient<'a> {
             return Err(GradientError::Absent { what: format!("output {index}") });
         }
         let layout = self.system.outputs.layout();
-        if Account::of(self.system, index).is_some() {
-            self.check_account()?;
-        }
         if layout.circulation_m2_s.range().contains(&index) || layout.flaps.range().contains(&index) {
             let remedy = "choose loads or motions, or use finite differences".into();
             return Err(GradientError::OtherChoice { part: "circulations and control surfaces as results", remedy });
@@ -103,10 +99,6 @@ impl<'a> Gradient<'a> {
         if self.sections.is_some() && self.tape.marks[time].branch.is_none() {
             let remedy = "choose a later time".into();
             return Err(GradientError::OtherChoice { part: "results at the start of a run with aerodynamics", remedy });
-        }
-        if layout.rotor.range().contains(&index) {
-            let remedy = "choose torques of joints, energies or air forces, or use finite differences".into();
-            return Err(GradientError::OtherChoice { part: "loads and coefficients of rotors as results", remedy });
         }
         if layout.changes_at_events(index) {
             return Err(GradientError::OtherChoice {
@@ -158,14 +150,14 @@ impl<'a> Gradient<'a> {
         for along in [(Kind::Coordinates, &q), (Kind::Rates, &v), (Kind::Accelerations, &a)] {
             add_slopes_along(self.system, &at, (along.0, along.1), &[index], &mut rate);
         }
-        if self.inputs_move() {
+        if self.inputs_move() || self.rotor_of(index).is_some() {
             let length_s = self.tape.marks[time].branch.as_ref().map_or(1.0, Step::length_s);
             rate[0] += self.slope_by_time(index, &at, length_s);
         }
         Ok(rate[0])
     }
 
-    /// Slope of an output with respect to time, for inputs that vary, at a state in a step of given length.
+    /// Slope of an output with respect to time, for inputs that vary and for loads of rotors, at a state in a step of given length.
     pub(super) fn slope_by_time(&mut self, index: usize, at: &Point, length_s: f64) -> f64 {
         self.hold(at);
         let step_s = time_step_s(length_s);
@@ -179,15 +171,7 @@ impl<'a> Gradient<'a> {
     pub(super) fn output_seed(&mut self, index: usize, time: usize) -> Result<Seed<'a>, GradientError> {
         let at = self.adopt_mark(time)?;
         let state = self.output_gradient(index, &at);
-        let mut by_loads = vec![0.0; self.load_entries()];
-        let mut unit = by_loads.clone();
-        for i in 0..by_loads.len() {
-            unit[i] = 1.0;
-            let mut slope = [0.0];
-            add_slopes_by_loads(self.system, &at, &unit, &[index], &mut slope);
-            by_loads[i] = slope[0];
-            unit[i] = 0.0;
-        }
+        let by_loads = self.output_by_loads(index, &at);
         let by_parameters = self.output_by_parameters(index, &at);
         let Mark { step, branch, .. } = &self.tape.marks[time];
         Ok(Seed { step: *step, part: Part::of(branch), state, by_shift: 0.0, by_loads, by_parameters })
@@ -213,6 +197,15 @@ impl<'a> Gradient<'a> {
             (state.v[resting], state.a[resting]) = (0.0, 0.0);
         }
         state
+    }
+
+    /// Derivatives of an output at a prepared point with respect to the loads of the air.
+    pub(super) fn output_by_loads(&mut self, index: usize, at: &Point) -> Vec<f64> {
+        self.by_each_load(|system, unit| {
+            let mut slope = [0.0];
+            add_slopes_by_loads(system, at, unit, &[index], &mut slope);
+            slope[0]
+        })
     }
 
     /// Derivatives of an output at a state with respect to the parameters.

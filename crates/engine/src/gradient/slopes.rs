@@ -7,8 +7,7 @@ use crate::multibody::Workspace;
 use crate::multibody::derivative::{Derivative, Lanes, elastic_products};
 use crate::multibody::dynamics::Environment;
 use crate::multibody::kinematics::Motion;
-use crate::multibody::model::{Body, Station};
-use crate::multibody::station::node_under;
+use crate::multibody::model::Body;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::System;
@@ -270,14 +269,6 @@ impl System {
     /// A body with shear in a machine with a part that is then not covered, with the name of the part.
     fn shear_without_slopes(&self) -> Option<(&'static str, usize)> {
         let model = &self.equations.model;
-        let body = model.bodies.iter().position(|body| body.sheared)?;
-        if self.machine.air.is_some() {
-            return Some(("bodies with shear in air", body));
-        }
-        let within = |station: &&Station| model.bodies[station.body].sheared && node_under(model, station).is_none();
-        if let Some(station) = model.stations.iter().find(within) {
-            return Some(("loads inside elements with shear", station.body));
-        }
         let damping = self.equations.damping.iter();
         let carried = model
             .bodies

@@ -198,6 +198,15 @@ impl Tape {
         Some(behind[1].start.time_s)
     }
 
+    /// Sets the state of the air at the end of the last aerodynamic step, which begins with the given step.
+    pub(crate) fn set_air_after(&mut self, first: usize, found: &AirHistory) {
+        let Some(mut air) = self.air.as_deref().cloned() else { return };
+        air.after.clone_from(&found.after);
+        let air = Arc::new(air);
+        self.steps[first..].iter_mut().for_each(|step| step.air = Some(Arc::clone(&air)));
+        self.air = Some(air);
+    }
+
     /// Size of its numbers in bytes.
     pub fn bytes(&self) -> usize {
         let point = |point: &Point| 8 * (3 * point.q.len() + point.auxiliary.len() + 6);

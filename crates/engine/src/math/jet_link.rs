@@ -28,11 +28,18 @@ fn unit<J: Jet>(axis: usize) -> Vector<J> {
     three(|i| J::constant(if i == axis { 1.0 } else { 0.0 }))
 }
 
-/// Pose of a link of `length_m` with strains `(εx, κx, κy, κz)`.
+/// Pose of a link of `length_m` with strains `(εx, κx, κy, κz)`, and with shear `(γy, γz)`.
 #[inline]
-pub fn pose<J: Jet>(length_m: f64, strain: &[J; STRAINS]) -> JetPose<J> {
-    let (shared, _) = Shared::new(length_m, strain);
-    JetPose { arm_m: shared.arm_m(), rotation: shared.rotation() }
+pub fn pose<const N: usize, J: Jet>(length_m: f64, strain: &[J; N]) -> JetPose<J> {
+    let (shared, _) = Shared::new(length_m, &std::array::from_fn(|i| strain[i]));
+    let mut arm_m = shared.arm_m();
+    if N == SHEARED {
+        for (axis, shear) in [(1, strain[SHEAR_Y]), (2, strain[SHEAR_Z])] {
+            let (across_m, direction) = (shear.times(length_m), shared.tangent(axis));
+            arm_m = plus(arm_m, direction.map(|entry| entry * across_m));
+        }
+    }
+    JetPose { arm_m, rotation: shared.rotation() }
 }
 
 /// Columns of the link's Jacobian per length. Products that several entries have in common are formed once.

@@ -15,6 +15,7 @@ pub mod lag;
 pub mod loads;
 mod meeting;
 pub mod options;
+mod output_slopes;
 pub mod pieces;
 pub mod skew;
 pub mod slopes;

@@ -11,6 +11,8 @@ use crate::aero::rotor::bem::{Past, Rotor, RotorState, SectionMemory};
 use crate::aero::rotor::disc::Cut;
 use crate::aero::rotor::dynamic_inflow::{InflowState, lags_on_s, time_constant_on_s};
 use crate::aero::rotor::dynamic_stall::{StallInflow, StallState};
+use crate::aero::rotor::loads::RotorLoads;
+use crate::aero::rotor::output_slopes::{DiscChange, OUTPUTS, OutputSlopes};
 use crate::aero::rotor::pieces::RotorPieces;
 use crate::aero::rotor::spread::{SPREAD, Share};
 use crate::aero::strip::slopes::{MOTION, moved};
@@ -62,10 +64,12 @@ impl SectionMemory {
 }
 
 impl RotorState {
-    /// State entries that later loads depend on: those of the sections, then the mean induction.
+    /// State entries that later loads and outputs depend on: those of the sections, then loads and coefficients in their order, the mean
+    /// induction last.
     pub fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
         let Self { sections, loads } = self;
-        sections.iter_mut().flat_map(SectionMemory::numbers).chain(std::iter::once(&mut loads.induction))
+        let loads: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(loads));
+        sections.iter_mut().flat_map(SectionMemory::numbers).chain(loads)
     }
 }
 
@@ -107,6 +111,7 @@ pub struct RotorStep {
     passes: usize,
     /// Per pass: derivatives of the mean induction with respect to the sums over the sections.
     means: [[f64; 2]; 2],
+    outputs: OutputSlopes,
 }
 
 /// Variables of a section.
@@ -169,6 +174,8 @@ impl Rotor {
         if self.options.features.skewed_wake && wind_m_s.dot(&normal).abs() <= NO_WIND * tip_m_s {
             return Err(NoRotorSlopes::NoWind);
         }
+        let disc = self.disc((&hub, &normal), (&wind_m_s, radius_m), flow, &mut Pieces::keep(&pieces.disc));
+        let outputs = OutputSlopes::of((&disc, &wind_m_s), (motions, &loads.circulatory), flow, self.like);
         let distance_m = |section: &usize| self.cuts[*section].radial_m.norm();
         let last_of = |range: &std::ops::Range<usize>| {
             range.clone().max_by(|a, b| distance_m(a).total_cmp(&distance_m(b))).unwrap_or(range.start)
@@ -213,7 +220,7 @@ impl Rotor {
         if let Some(section) = sections.iter().position(ends) {
             return Err(NoRotorSlopes::End { blade: blades[section] });
         }
-        Ok(RotorStep { sections, shares, roots, axes, blades, outermost, passes, means })
+        Ok(RotorStep { sections, shares, roots, axes, blades, outermost, passes, means, outputs })
     }
 }
 
@@ -326,7 +333,17 @@ impl Trial<'_> {
 impl RotorStep {
     /// Number of entries of the state.
     pub fn state_entries(&self) -> usize {
-        STATE * self.sections.len() + 1
+        self.place_of_loads() + size_of::<RotorLoads>() / size_of::<f64>()
+    }
+
+    /// Place of the loads and coefficients in the state.
+    pub fn place_of_loads(&self) -> usize {
+        STATE * self.sections.len()
+    }
+
+    /// Place of the mean induction in the state.
+    fn place_of_induction(&self) -> usize {
+        self.place_of_loads() + OUTPUTS
     }
 
     /// Adds to the numbers of the sections changes by variables of the disc, from the first of their columns on.
@@ -354,7 +371,7 @@ impl RotorStep {
         }
     }
 
-    /// Variations of the state after the step and of the loads, six per section, the hub last, root frame, due to variations of the state
+    /// Variations of the state after the step, loads and coefficients included, and of the loads, six per section, the hub last, root frame, due to variations of the state
     /// before it and of the motions at its end: [`MOTION`] entries each, the hub last.
     pub fn forward(&self, state: &[f64], motions: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let count = self.sections.len();
@@ -375,14 +392,13 @@ impl RotorStep {
         disc.fixed_rows_mut::<3>(0).copy_from(&(wind / count as f64));
         disc[3] = self.outermost.iter().map(|outer| rows[*outer][RADIAL]).sum::<f64>() / self.outermost.len() as f64;
         self.add(WIND, &disc, &mut rows);
-        let mut induction = state[STATE * count];
+        let mut induction = state[self.place_of_induction()];
         for slot in 2 - self.passes..2 {
             self.add(INDUCTION + slot, &SVector::<f64, 1>::new(induction), &mut rows);
             induction = self.mean(slot, &rows);
         }
         self.add(INDUCTION + 2, &SVector::<f64, 1>::new(induction), &mut rows);
         let mut after: Vec<f64> = rows.iter().flat_map(|rows| rows.as_slice()[AFTER..].iter().copied()).collect();
-        after.push(induction);
         let mut loads = vec![0.0; LOADS * (count + 1)];
         for Share { sections, slopes } in &self.shares {
             let load =
@@ -390,12 +406,22 @@ impl RotorStep {
             let load: SVector<f64, LOADS> = load.sum();
             loads[LOADS * sections[0]..].iter_mut().zip(&load).for_each(|(sum, entry)| *sum += entry);
         }
+        let place_m = |section: usize| Vector3::from_column_slice(&motion(section)[..3]);
+        let [hub_m, hub_turn, _, hub_spin_rad_s] =
+            [0, 3, 6, 9].map(|first| Vector3::from_column_slice(&motion(count)[first..first + 3]));
+        let wind_m_s = disc.fixed_rows::<3>(0).into_owned();
+        let change = DiscChange { hub_m, hub_turn, hub_spin_rad_s, wind_m_s, radius_m: disc[3] };
+        after.extend(&self.outputs.forward(&loads, (0..count).map(place_m), &change));
+        after.push(induction);
         (after, loads)
     }
 
     /// The transpose of [`Self::forward`]: multipliers of state and motions from those of the state after the step and of the loads.
     pub fn reverse(&self, after: &[f64], loads: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let count = self.sections.len();
+        let mut loads = loads.to_vec();
+        let of_outputs = self.place_of_loads()..self.place_of_induction();
+        let (places, of_disc) = self.outputs.reverse(&after[of_outputs], &mut loads);
         let mut on = vec![SVector::<f64, ROWS>::zeros(); count];
         for (on, after) in on.iter_mut().zip(after.chunks_exact(STATE)) {
             on.as_mut_slice()[AFTER..].copy_from_slice(after);
@@ -407,12 +433,13 @@ impl RotorStep {
                 entries += slopes.tr_mul(&load);
             }
         }
-        let mut on_induction = after[STATE * count] + self.on::<1>(INDUCTION + 2, &on)[0];
+        let mut on_induction = after[self.place_of_induction()] + self.on::<1>(INDUCTION + 2, &on)[0];
         for slot in (2 - self.passes..2).rev() {
             self.add_on_mean(slot, on_induction, &mut on);
             on_induction = self.on::<1>(INDUCTION + slot, &on)[0];
         }
-        let on_disc = self.on::<4>(WIND, &on);
+        let mut on_disc = self.on::<4>(WIND, &on);
+        on_disc += of_disc.wind_m_s.push(of_disc.radius_m);
         for on in &mut on {
             let mut air = on.fixed_rows_mut::<3>(AIR);
             air += on_disc.fixed_rows::<3>(0) / count as f64;
@@ -421,7 +448,7 @@ impl RotorStep {
             on[*outer][RADIAL] += on_disc[3] / self.outermost.len() as f64;
         }
         let mut state = vec![0.0; self.state_entries()];
-        state[STATE * count] = on_induction;
+        state[self.place_of_induction()] = on_induction;
         let mut motions = vec![0.0; MOTION * (count + 1)];
         for (index, (section, on)) in self.sections.iter().zip(&on).enumerate() {
             let back = section.tr_mul(on);
@@ -433,7 +460,12 @@ impl RotorStep {
             add(count, 0, &values[HUB..ROOT]);
             let on_root = Vector3::from_column_slice(&values[ROOT..WIND]);
             add(self.roots[index], 3, self.axes[self.blades[index]].cross(&on_root).as_slice());
+            add(index, 0, places[index].as_slice());
             state[STATE * index..STATE * (index + 1)].copy_from_slice(&values[OWN_STATE..HUB]);
+        }
+        let DiscChange { hub_m, hub_turn, hub_spin_rad_s, .. } = of_disc;
+        for (first, vector) in [(0, hub_m), (3, hub_turn), (9, hub_spin_rad_s)] {
+            motions[MOTION * count + first..].iter_mut().zip(&vector).for_each(|(sum, value)| *sum += value);
         }
         (state, motions)
     }

@@ -150,7 +150,8 @@ fn steps_have_their_slopes() {
                 }
             }
             let (own_after, own_loads) = step.forward(&state, &moves);
-            let kinds = |index: usize| if index == sizes.len() - 1 { None } else { Some(index % STATE) };
+            let of_loads = step.place_of_loads();
+            let kinds = |index: usize| (index < of_loads).then_some(index % STATE);
             // states that have an effect, kind by kind
             for kind in 0..STATE {
                 let of = |values: &[f64]| -> Vec<f64> {
@@ -168,6 +169,10 @@ fn steps_have_their_slopes() {
                 let scale = known.iter().chain(&of(&sizes)).fold(1e-9f64, |most, entry| most.max(entry.abs()));
                 worst =
                     own.iter().zip(&known).fold(worst, |worst, (own, known)| worst.max((own - known).abs() / scale));
+            }
+            for (place, size) in sizes.iter().enumerate().skip(of_loads) {
+                let scale = size.max(after[place].abs());
+                worst = worst.max((own_after[place] - after[place]).abs() / scale);
             }
             let scale = loads.iter().fold(largest_n, |most, entry| most.max(entry.abs()));
             worst =

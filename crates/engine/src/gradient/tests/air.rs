@@ -57,6 +57,8 @@ pub(super) struct Kind {
     pub(super) line: bool,
     /// With the staggered coupling.
     pub(super) staggered: bool,
+    /// With shear in both bodies, soft enough to matter.
+    pub(super) sheared: bool,
 }
 
 impl Kind {
@@ -75,6 +77,7 @@ impl Kind {
         several: false,
         line: false,
         staggered: false,
+        sheared: false,
     };
     /// The same with lags and everything else that strips without a polar have.
     pub(super) const FULL: Self = Self { unsteady: true, full: true, ..Self::PLAIN };
@@ -140,6 +143,9 @@ impl InAir {
             Root::Universal => Some(Joint::universal("cardan", [0.0, 1.0, 0.2], [0.1, 0.3, 1.0])),
         };
         let builder = match root {
+            None if kind.sheared => {
+                wing.builder_with(|solid| Solid { shear_factor: Some(0.05), ..solid }, hinge(), kind.latched)
+            }
             None => wing.builder(kind.latched),
             Some(root) => {
                 let rate = 10.0 * self.wing.start_rate;
@@ -255,14 +261,24 @@ fn fold_of(kind: Kind) -> usize {
 /// The largest differences of forward and adjoint, and of forward and the slopes of `run`, relative to the largest entry of a result.
 pub(super) fn compare_in_air(
     kind: Kind,
+    at: (&[f64], &[AirPlace]),
+    run: impl Fn(&Tape, Machine, &[RunResult]) -> Vec<f64>,
+) -> (f64, f64, usize) {
+    compare_results_in_air(kind, at, |plant| air_results(plant, kind), run)
+}
+
+/// The same for results that a function gives.
+pub(super) fn compare_results_in_air(
+    kind: Kind,
     (times_s, places): (&[f64], &[AirPlace]),
+    results: impl Fn(&Plant) -> Vec<RunResult>,
     run: impl Fn(&Tape, Machine, &[RunResult]) -> Vec<f64>,
 ) -> (f64, f64, usize) {
     let machine = |numbers: InAir| numbers.machine(kind).unwrap_or_else(|error| panic!("{error}"));
     let mut plant = started(machine(InAir::USUAL));
     let tape = plant.run_on_tape(times_s).unwrap_or_else(|error| panic!("{error}"));
     let events = tape.crossings_s().count();
-    let mut results = air_results(&plant, kind);
+    let mut results = results(&plant);
     if events > 0 && kind.latched {
         results.push(RunResult::LatchTime { joint: fold_of(kind) });
     }
@@ -278,8 +294,8 @@ pub(super) fn compare_in_air(
     let own = gradient.values(&results).unwrap_or_else(|error| panic!("{error}"));
     same_values(&own, &run(&tape, machine(InAir::USUAL), &results));
     let mut known = vec![vec![0.0; places.len()]; results.len()];
-    // with a polar, small enough that no section passes a row
-    let share = if kind.stalls || kind.several { 1e-5 } else { 1e-3 };
+    // with a polar, small enough that no section passes a row, and with shear, that the stop meets the same waves
+    let share = if kind.stalls || kind.several || kind.sheared { 1e-5 } else { 1e-3 };
     for (column, place) in places.iter().enumerate() {
         let step = share * air_size(*place);
         for (steps, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {

@@ -10,7 +10,9 @@ use crate::aero::rotor::wind::{Source, WindField};
 use crate::machine::Coupling;
 use crate::machine::builder::RotorSettings;
 use crate::machine::failure::FrictionBrake;
+use crate::system::RotorLoads;
 use nalgebra::{Matrix3, Vector3};
+use std::mem::offset_of;
 
 /// Numbers of a rotor of two blades.
 #[derive(Clone, Copy)]
@@ -202,7 +204,8 @@ fn size_of(place: TurningPlace) -> f64 {
     (*(place.1)(&mut { Turning::USUAL })).abs()
 }
 
-/// Speed and angle of the shaft, gauge and tip of the first blade, energy, force of the air, reaction of the root; at both times.
+/// Speed and angle of the shaft, gauge and tip of the first blade, energy, force of the air, reaction of the root, loads and coefficients of
+/// the rotor; at both times. Means of its thrust, power and induction, a mean square of its torque, and both energy accounts.
 fn turning_results(plant: &Plant, has: &Has) -> Vec<RunResult> {
     let layout = *plant.outputs().layout();
     let mut indices = vec![
@@ -220,7 +223,18 @@ fn turning_results(plant: &Plant, has: &Has) -> Vec<RunResult> {
     if has.pitching {
         indices.push(layout.joints.place(1, 0));
     }
-    (0..2).flat_map(|time| indices.iter().map(move |index| RunResult::Output { index: *index, time })).collect()
+    indices.extend(layout.rotor.range());
+    indices.extend(layout.accounts());
+    let outputs = (0..2).flat_map(|time| indices.iter().map(move |index| RunResult::Output { index: *index, time }));
+    let mean = |index: usize, time: usize, square: bool| RunResult::Mean { index, time, square };
+    let rotor = |offset: usize| layout.rotor.place(0, offset);
+    let means = [
+        mean(rotor(offset_of!(RotorLoads, thrust_n)), 0, false),
+        mean(rotor(offset_of!(RotorLoads, power_w)), 1, false),
+        mean(rotor(offset_of!(RotorLoads, induction)), 1, false),
+        mean(rotor(offset_of!(RotorLoads, torque_n_m)), 1, true),
+    ];
+    outputs.chain(means).collect()
 }
 
 /// Disagreement of forward and adjoint, and of forward and differences.

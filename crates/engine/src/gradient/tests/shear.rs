@@ -1,8 +1,10 @@
 //! Gradients of machines with bodies with shear.
 
+use super::air::{AIR_PLACES, Kind, compare_in_air};
 use super::folding::{agree, flap, fold, hold, without};
 use super::rigid::hardened;
 use super::*;
+use crate::load::LoadFrame;
 use crate::machine::builder::{BodyBuilder, JointBuilder};
 
 fn beam(numbers: Numbers, name: &str, length_m: f64, sheared: bool) -> BodyBuilder {
@@ -13,10 +15,11 @@ fn beam(numbers: Numbers, name: &str, length_m: f64, sheared: bool) -> BodyBuild
         .elements(2)
         .mass_damping_1_s(0.5)
         .stiffness_damping_s(numbers.beta)
-        .load_stations(1)
+        .load_stations(2)
+        .load_frame(LoadFrame::Section)
 }
 
-/// A folding wing with shear in either or both bodies on a root joint.
+/// A folding wing with shear in either or both bodies on a root joint, with a follower load inside an element.
 fn wing(numbers: Numbers, sheared: [bool; 2], root: JointBuilder) -> Result<Machine, String> {
     let wrench = crate::load::Wrench { force_n: [0.0, 0.0, numbers.load].into(), ..Default::default() };
     Machine::builder("Sheared")
@@ -77,4 +80,21 @@ fn gradients_of_a_body_with_shear_on_a_ball_joint() {
         ball.start_angular_velocity_rad_s([numbers.start_rate, 1.0, -0.7])
     };
     compare(|numbers| wing(numbers, [false, true], ball(numbers)), &["stop", "command"], 0, (1e-9, "ball"));
+}
+
+/// GR-111: with shear in both bodies, in air: loads act inside the elements.
+#[test]
+fn gradients_of_a_wing_with_shear_in_air() {
+    let times_s = [0.1213, 0.159];
+    for (staggered, latched) in [(false, false), (true, true)] {
+        let kind = Kind { sheared: true, latched, staggered, ..Kind::FULL };
+        let places = [0, 2, 5, 9, 10].map(|place| AIR_PLACES[place]);
+        let (both, differences, events) = compare_in_air(kind, (&times_s, &places), |tape, machine, results| {
+            retraced_at(tape, machine, &InputRows::default(), (&times_s, results))
+        });
+        println!("GR-111 {staggered}: {both:.1e} {differences:.1e}");
+        assert!(events > 0, "{staggered}: no event");
+        assert!(both < 1e-10, "{staggered}: {both:.1e}");
+        assert!(differences < 1e-6, "{staggered}: {differences:.1e}");
+    }
 }

@@ -3,7 +3,7 @@
 use crate::math::jet::{Jet, Moving, Partial, Vector, dot, three};
 use crate::math::jet_link::{self, JetSlopes};
 use crate::math::se3::Coefficients;
-use crate::math::strain::{STRAINS, STRETCH, StrainMatrix, TWIST};
+use crate::math::strain::{LINEAR, SHEARED, STRAINS, STRETCH, StrainMatrix, TWIST};
 use crate::math::wide::{Fours, Quad};
 use crate::multibody::derivative::chain::{Column, STILL, Timed, fixed};
 use crate::multibody::derivative::spot::Spot;
@@ -180,15 +180,20 @@ pub(super) fn slopes(element: &Element, q: &[f64], force: &Vector3<f64>, moment:
 
 /// Forces on the strains of a link due to a wrench at its outer end, in the frame of its inner end.
 #[inline]
-pub(super) fn forces<const N: usize>(
+pub(super) fn forces<const N: usize, const P: usize>(
     length_m: f64,
-    strains: &[Partial<N>; STRAINS],
-    force: &Vector<Partial<N>>,
-    moment: &Vector<Partial<N>>,
-) -> [Partial<N>; STRAINS] {
-    let JetSlopes { tangent, slope_m } = jet_link::slopes(length_m, strains);
-    let mut rows = [Partial::ZERO; STRAINS];
-    rows[STRETCH] = dot(&tangent[0], force).times(length_m);
+    strains: &[Partial<P>; N],
+    force: &Vector<Partial<P>>,
+    moment: &Vector<Partial<P>>,
+) -> [Partial<P>; N] {
+    let JetSlopes { tangent, slope_m } = match N == SHEARED {
+        false => jet_link::slopes(length_m, &std::array::from_fn(|i| strains[i])),
+        true => jet_link::sheared_slopes(length_m, &std::array::from_fn(|i| strains[i])),
+    };
+    let mut rows = [Partial::ZERO; N];
+    for (axis, strain) in LINEAR.into_iter().enumerate().filter(|(_, strain)| *strain < N) {
+        rows[strain] = dot(&tangent[axis], force).times(length_m);
+    }
     for j in 0..3 {
         rows[TWIST + j] = (dot(&slope_m[j], force) + dot(&tangent[j], moment)).times(length_m);
     }

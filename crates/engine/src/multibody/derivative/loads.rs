@@ -4,7 +4,7 @@ use crate::beam::modal::MAXIMUM_MODES;
 use crate::load::{LoadFrame, Wrench};
 use crate::math::jet::{Jet, Partial, Vector, cross, plus, three, turned};
 use crate::math::jet_link::pose;
-use crate::math::strain::STRAINS;
+use crate::math::strain::{SHEARED, STRAINS};
 use crate::multibody::Model;
 use crate::multibody::derivative::chain::Shift;
 use crate::multibody::derivative::link;
@@ -15,10 +15,8 @@ use crate::multibody::workspace::Node;
 use nalgebra::Vector3;
 
 /// Number of strains, or of shapes, on which a station may depend: those of a pair, or of a modal body.
-const BOTH: usize = 2 * STRAINS;
+const BOTH: usize = 2 * SHEARED;
 const _: () = assert!(MAXIMUM_MODES <= BOTH);
-
-type Number = Partial<BOTH>;
 
 /// A load on a section inside an element at the point of linearisation, root frame; without strains, a load on a node.
 #[derive(Debug, Clone, Copy)]
@@ -49,21 +47,35 @@ impl LoadedSection {
         if let Some(modal) = &model.bodies[station.body].modal {
             return Self::on_shapes(modal, (inner_node(model, station), nodes), q, station, load);
         }
+        match model.bodies[station.body].sheared {
+            false => Self::in_element::<STRAINS, { 2 * STRAINS }>(model, nodes, q, station, load),
+            true => Self::in_element::<SHEARED, { 2 * SHEARED }>(model, nodes, q, station, load),
+        }
+    }
+
+    /// A load inside an element with `N` strains, or inside a pair of these with `P`.
+    fn in_element<const N: usize, const P: usize>(
+        model: &Model,
+        nodes: &[Node],
+        q: &[f64],
+        station: &Station,
+        load: &Wrench,
+    ) -> Self {
         let (node, first) = (inner_node(model, station), first_coordinate(model, station));
         let (steps, count) = steps(model, station);
-        let strains = if steps[0].weights[1] == 0.0 { STRAINS } else { BOTH };
+        let strains = if steps[0].weights[1] == 0.0 { N } else { P };
         let coordinate = |i: usize| match i < strains {
-            true => Number::along(q[first + i], i),
-            false => Number::ZERO,
+            true => Partial::<P>::along(q[first + i], i),
+            false => Partial::ZERO,
         };
-        let mixed = |step: usize| -> [Number; STRAINS] {
+        let mixed = |step: usize| -> [Partial<P>; N] {
             let [own, other] = steps[step].weights;
-            std::array::from_fn(|i| coordinate(i).times(own) + coordinate(sibling::<STRAINS>(i)).times(other))
+            std::array::from_fn(|i| coordinate(i).times(own) + coordinate(sibling::<N>(i)).times(other))
         };
         let rotation = nodes[node].rotation;
         // poses along the path in the frame of the node
-        let unit: [Vector<Number>; 3] = three(|j| three(|i| Number::constant(if i == j { 1.0 } else { 0.0 })));
-        let mut path = [([Number::ZERO; 3], unit); 3];
+        let unit: [Vector<Partial<P>>; 3] = three(|j| three(|i| Partial::constant(if i == j { 1.0 } else { 0.0 })));
+        let mut path = [([Partial::ZERO; 3], unit); 3];
         for step in 0..count {
             let link = pose(steps[step].length_m, &mixed(step));
             let (position, axes) = &path[step];
@@ -71,23 +83,25 @@ impl LoadedSection {
             path[step + 1] = (next, three(|j| turned(axes, &link.rotation[j])));
         }
         let (position, axes) = &path[count];
-        let columns: [[Vector3<f64>; 2]; BOTH] = std::array::from_fn(|k| {
-            let by = |vector: &Vector<Number>| Vector3::from(vector.map(|entry| entry.by[k]));
+        let mut columns = [[Vector3::zeros(); 2]; BOTH];
+        for (k, column) in columns.iter_mut().enumerate().take(P) {
+            let by = |vector: &Vector<Partial<P>>| Vector3::from(vector.map(|entry| entry.by[k]));
             let turn = axes.iter().fold(Vector3::zeros(), |sum, axis| sum + value(axis).cross(&by(axis)));
-            [rotation * by(position), rotation * turn * 0.5]
-        });
+            *column = [rotation * by(position), rotation * turn * 0.5];
+        }
         let section = rotation * nalgebra::Matrix3::from_columns(&[value(&axes[0]), value(&axes[1]), value(&axes[2])]);
         let [force, moment] = match station.frame {
             LoadFrame::Root => [-load.force_n, -load.moment_n_m],
             LoadFrame::Section => [section * -load.force_n, section * -load.moment_n_m],
         };
         let [local_force, local_moment] = [force, moment].map(|vector| rotation.tr_mul(&vector));
-        let constant = |vector: &Vector3<f64>| -> Vector<Number> { three(|i| Number::constant(vector[i])) };
+        let constant = |vector: &Vector3<f64>| -> Vector<Partial<P>> { three(|i| Partial::constant(vector[i])) };
         let (force_jet, mut moment_jet) = (constant(&local_force), constant(&local_moment));
         let mut slopes = [[0.0; BOTH]; BOTH];
         for step in (0..count).rev() {
             let (inner, axes) = &path[step];
-            let local = |on: &Vector<Number>| -> Vector<Number> { three(|i| crate::math::jet::dot(&axes[i], on)) };
+            let local =
+                |on: &Vector<Partial<P>>| -> Vector<Partial<P>> { three(|i| crate::math::jet::dot(&axes[i], on)) };
             let rows = link::forces(steps[step].length_m, &mixed(step), &local(&force_jet), &local(&moment_jet));
             let [own, other] = steps[step].weights;
             for (i, row) in rows.iter().enumerate() {
@@ -95,8 +109,8 @@ impl LoadedSection {
                     slopes[strain].iter_mut().zip(&row.by).for_each(|(slope, by)| *slope += weight * by);
                 };
                 add(i, own);
-                if strains == BOTH {
-                    add(sibling::<STRAINS>(i), other);
+                if strains == P {
+                    add(sibling::<N>(i), other);
                 }
             }
             let outer = path[step + 1].0;
@@ -217,6 +231,6 @@ impl LoadedSection {
     }
 }
 
-fn value(vector: &Vector<Number>) -> Vector3<f64> {
+fn value<const P: usize>(vector: &Vector<Partial<P>>) -> Vector3<f64> {
     Vector3::from(vector.map(|entry| entry.value))
 }

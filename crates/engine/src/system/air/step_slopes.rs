@@ -112,6 +112,19 @@ impl AirStepSlopes {
         }
     }
 
+    /// Places of the loads and coefficients of the rotors in a memory.
+    pub fn places_of_rotors(&self) -> impl Iterator<Item = usize> {
+        self.models.iter().filter_map(|(_, [first, _], slopes)| match slopes {
+            ModelSlopes::Rotor(rotor) => Some(first + rotor.place_of_loads()),
+            ModelSlopes::Strips(_) | ModelSlopes::Line(_) | ModelSlopes::SlenderBody(_) => None,
+        })
+    }
+
+    /// Share of the step that has passed at a time before its end.
+    pub fn share_at(&self, before_end_s: f64) -> f64 {
+        1.0 - before_end_s / self.step_s
+    }
+
     /// Pieces on which the functions of the models lie.
     pub fn pieces(&self) -> &AirPieces {
         &self.pieces
