@@ -347,7 +347,7 @@ fn differences(
             }
             if !apart.is_finite() || apart > same * largest[result] + 2.0 * limit + noise {
                 found.broken.push(format!(
-                    "{} = {} by {}: {own:e}, differences {close:e} and {wide:e}, largest {:e}",
+                    "{} = {} by {}: {own:e}, differences {close:e} and {wide:e} over {share:e}, largest {:e}",
                     row.name, row.value, by.name, largest[result]
                 ));
             }

@@ -19,15 +19,13 @@ fn integrals(plant: &Plant) -> Vec<RunResult> {
     means.chain((0..2).flat_map(|time| accounts.map(|index| RunResult::Output { index, time }))).collect()
 }
 
-/// GR-110: through a rigid latch with a prescribed root joint, whose work in the impulse is no energy of the machine, onto a stop, in a gust
-/// from an equilibrium, and with a boom and a propeller, up to times within steps: both ways, and by differences of runs with the same steps.
+/// GR-110: through a rigid latch with a prescribed root joint, whose work in the impulse is no energy of the machine, onto a stop in the
+/// staggered coupling, and with a boom and a propeller, up to times within steps: both ways, and by differences of runs with the same steps.
 #[test]
 fn integrals_in_air_pass_through_events() {
     let kinds = [
         Kind { rigid: true, driven: true, ..Kind::FULL },
-        Kind { latched: false, ..Kind::FULL },
         Kind { latched: false, staggered: true, ..Kind::FULL },
-        Kind { latched: false, gusty: true, staggered: true, ..Kind::FULL },
         Kind { several: true, unsteady: true, ..Kind::PLAIN },
     ];
     for (number, kind) in kinds.into_iter().enumerate() {
@@ -44,9 +42,8 @@ fn integrals_in_air_pass_through_events() {
                 retraced_at(tape, machine, &InputRows::default(), (&times_s, results))
             });
         println!("GR-110 {number}: {both:.1e} {differences:.1e}, {events} events");
-        assert!(kind.gusty || events > 0, "{number}: no event");
-        // the mean of the reaction at an equilibrium is a thousandth of its parts: 2.1e-10
-        assert!(both < if kind.gusty { 1e-9 } else { 1e-10 }, "{number}: {both:.1e}");
+        assert!(events > 0, "{number}: no event");
+        assert!(both < 1e-10, "{number}: {both:.1e}");
         assert!(differences < 1e-6, "{number}: {differences:.1e}");
     }
 }
