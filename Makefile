@@ -108,8 +108,11 @@ deploy: package venv ## Unfold the wing without air, in air at rest and at 10 an
 test: toolchain format ## Check everything: what ships, as `make` built it
 	@MAKE="$(MAKE)" $(PYTHON) tools/run_stages.py --times $(TEST_TIMES) test-venv+package-venv+package unit lint pytest python
 
+# one in how many similar cases the tests of `make long` take
+LONG_SHARE ?= 1
+
 long: test-venv package-venv package runner wheel ## Run the tests that `make test` leaves out for their time; CI runs them at every landing
-	@CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --long --times $(TEST_TIMES)/long.csv --release --locked --lib \
+	@FOLDWING_SHARE=$(LONG_SHARE) CARGO="$(CARGO)" $(PYTHON) tools/run_rust_tests.py --long --times $(TEST_TIMES)/long.csv --release --locked --lib \
 	    --test verification --test random --test robustness --test command
 	$(MAKE) pytest PYTEST_ARGUMENTS="-m long"
 	$(MAKE) python PYTEST_ARGUMENTS="-m long"

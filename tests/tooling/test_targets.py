@@ -69,8 +69,6 @@ LONG = {
     "gradients_of_bodies_with_shear": "gradients_of_a_body_with_shear_through_a_rigid_latch",
     "gradients_pass_through_more_failures": "gradients_pass_through_failures",
     "hy02_strips_tend_to_the_air_of_the_instant": "shipped_wing_unfolds_and_latches_under_an_integrator_from_outside",
-    "lr01_rows_of_shipped_models": "lr02_rows_of_random_machines",
-    "lr17_the_glider": "lr17_wing_with_fuselage",
     "pl23_root_strain_over_the_gear_inertia": "pl18_a_blade_that_bends",
     "q71_with_lift_small_inputs_move_the_linear_lattice_as_the_machine": "q71_small_inputs_move_the_linear_lattice_as_the_machine",
     "q76_listed_modes_are_the_slowest_of_the_whole_model": "q87_a_wing_of_many_elements_lists_all_its_modes",
@@ -309,7 +307,7 @@ def test_long_tests_have_a_short_one_beside_them():
             left_out |= {f"test_notebooks_show_what_they_store[{case}]" for case in re.findall(r'param\("(\w+)", marks=pytest\.mark\.long\)', text)}
     assert left_out == LONG.keys()
     assert set(LONG.values()) <= run
-    assert re.search(r"^ +make long$", (ROOT / ".ci/run").read_text(encoding="utf-8"), re.M)
+    assert re.search(r"^ +make long LONG_SHARE=2\b", (ROOT / ".ci/run").read_text(encoding="utf-8"), re.M)
     assert "long" in stages_of_validate()
 
 
@@ -324,7 +322,7 @@ def test_assertions_run_in_part_in_ci_and_whole_in_validate():
 
 
 def test_tests_of_a_share_of_their_cases_run_whole_in_long():
-    """`make test` and `make assertions` set the share, and `make long` runs every test that takes one, on all cases."""
+    """`make test`, `make assertions` and CI set the share, and `make long` runs every test that takes one, on all cases without CI."""
     found = set()
     for path in (ROOT / "tests").rglob("*.rs"):
         text = path.read_text(encoding="utf-8")
@@ -332,8 +330,9 @@ def test_tests_of_a_share_of_their_cases_run_whole_in_long():
             if re.search(r'\bshare\(\)|\bhold\("X-', body):
                 found.add(body.split("(", 1)[0])
     assert found == run_rust_tests.SHARED
-    assert MAKEFILE.count("FOLDWING_SHARE") == 2 and "FOLDWING_SHARE=3" in target("unit")
+    assert MAKEFILE.count("FOLDWING_SHARE") == 3 and "FOLDWING_SHARE=3" in target("unit")
     assert "FOLDWING_SHARE=$(ASSERTIONS_SHARE)" in target("assertions") and re.search(r"^ASSERTIONS_SHARE \?= 3$", MAKEFILE, re.M)
+    assert "FOLDWING_SHARE=$(LONG_SHARE)" in target("long") and re.search(r"^LONG_SHARE \?= 1$", MAKEFILE, re.M)
     # a stage of `make test` runs what `unit` skips, on as many cases
     assert re.findall(r"--skip (\S+)", target("unit")) == ["gr82_"] and re.search(r"FOLDWING_MACHINES=12 .* gr82_$", target("python"), re.M)
     arguments = re.search(r"run_rust_tests.py --long .*\n.*", target("long")).group()

@@ -55,7 +55,7 @@ fn examples() -> Vec<String> {
 /// LR-01. Shipped models about their start, or about their equilibrium if a joint has several degrees of freedom. Short studies: one of
 /// each kind of aerodynamics and joint.
 #[test]
-#[ignore = "long; `make long` runs it"]
+#[ignore = "minutes; `make validate` runs it"]
 fn lr01_rows_of_shipped_models() {
     const SHORT: [&str; 8] = [
         "airs/twin_rotor.toml",

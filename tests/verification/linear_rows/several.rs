@@ -114,7 +114,7 @@ fn lr17_wing_with_fuselage() {
 
 /// LR-17. The glider in steady flight, and in a wind tunnel on a hinge and in a gust, moving, also on a root that turns.
 #[test]
-#[ignore = "long; `make long` runs it"]
+#[ignore = "minutes; `make validate` runs it"]
 fn lr17_the_glider() {
     agree("LR-17 in flight", &mut balanced());
     let tunnel = replaced(

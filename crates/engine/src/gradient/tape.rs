@@ -198,7 +198,7 @@ impl Tape {
         Some(behind[1].start.time_s)
     }
 
-    /// Sets the state of the air at the end of the last aerodynamic step, which begins with the given step.
+    /// Sets the state of the air at the end of the last aerodynamic step. `first`: index of the first of its steps.
     pub(crate) fn set_air_after(&mut self, first: usize, found: &AirHistory) {
         let Some(mut air) = self.air.as_deref().cloned() else { return };
         air.after.clone_from(&found.after);

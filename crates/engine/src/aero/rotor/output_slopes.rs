@@ -40,7 +40,7 @@ pub(super) struct DiscChange {
 }
 
 impl OutputSlopes {
-    /// At loads on sections, the hub of `motions` being the last. `like`: number of blades that each blade stands for; `met_m_s`: mean wind
+    /// At loads on sections, the hub of `motions` being the last. `like`: number of blades per modelled blade; `met_m_s`: mean wind
     /// relative to the sections.
     pub fn of(
         (disc, met_m_s): (&Disc, &Vector3<f64>),
