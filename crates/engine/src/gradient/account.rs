@@ -137,7 +137,7 @@ pub(super) fn add_slopes_along(
     system.equations.forces.let_go();
 }
 
-/// Adds the slopes of the powers along a change of the loads of the air, of which they are linear.
+/// Adds the slopes of the powers along a change of the loads of the air, of which they are linear. These are set back but for round-off.
 fn add_slopes_by_loads(system: &mut System, (at, middle_s): (&Point, f64), direction: &[f64], sum: &mut [f64; 2]) {
     let size = direction.iter().fold(0.0f64, |size, entry| size.max(entry.abs()));
     if size <= 0.0 {
@@ -150,7 +150,6 @@ fn add_slopes_by_loads(system: &mut System, (at, middle_s): (&Point, f64), direc
         system.equations.add_air_loads(direction, -sign * step);
         sum.iter_mut().zip(powers).for_each(|(sum, power)| *sum += sign * 0.5 / step * power);
     }
-    system.configure();
 }
 
 impl Gradient<'_> {
@@ -175,6 +174,9 @@ impl Gradient<'_> {
         }
         for (slopes, loads) in slopes.iter_mut().zip(loads) {
             add_slopes_by_loads(self.system, (at, middle_s), loads, slopes);
+        }
+        if !loads.is_empty() {
+            self.system.configure();
         }
         slopes
     }

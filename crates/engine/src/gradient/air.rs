@@ -54,7 +54,7 @@ impl<'a> Gradient<'a> {
         self.sections.as_ref().map_or(0, |sections| sections.entries(&self.system.equations))
     }
 
-    /// Slopes along a change of each load of the air alone.
+    /// Slopes along a change of each load of the air alone; `slope` need not set the loads back to the bit.
     pub(super) fn by_each_load(&mut self, slope: impl Fn(&mut System, &[f64]) -> f64) -> Vec<f64> {
         let entries = self.load_entries();
         let mut unit = vec![0.0; entries];
@@ -64,7 +64,9 @@ impl<'a> Gradient<'a> {
             unit[load] = 0.0;
             slope
         };
-        (0..entries).map(along).collect()
+        let slopes = (0..entries).map(along).collect();
+        self.system.configure();
+        slopes
     }
 
     /// Derivatives of the aerodynamic step of some steps of the tape, the `place`th; `None` without air.

@@ -266,6 +266,9 @@ impl<'a> Gradient<'a> {
             }
             columns.push(slopes);
         }
+        if !loads.is_empty() {
+            self.system.configure();
+        }
         (0..indices.len()).map(|row| columns.iter().map(|slopes| slopes[row]).collect()).collect()
     }
 }
@@ -317,7 +320,7 @@ fn add_slopes_along(
     system.equations.forces.drop_tangents();
 }
 
-/// Adds the slopes of outputs along a change of the loads of the air, of which they are linear.
+/// Adds the slopes of outputs along a change of the loads of the air, of which they are linear. These are set back but for round-off.
 fn add_slopes_by_loads(system: &mut System, at: &Point, direction: &[f64], indices: &[usize], sum: &mut [f64]) {
     let layout = system.outputs.layout();
     let wanted = indices.iter().fold(OutputSet::NONE, |wanted, index| wanted | layout.group(*index));
@@ -334,7 +337,6 @@ fn add_slopes_by_loads(system: &mut System, at: &Point, direction: &[f64], indic
         let values = system.outputs.values();
         sum.iter_mut().zip(indices).for_each(|(sum, index)| *sum += sign * 0.5 / step * values[*index]);
     }
-    system.configure();
 }
 
 /// All outputs at a point.
