@@ -6,13 +6,11 @@ use crate::gradient::account::Account;
 use crate::gradient::air::LoadVariations;
 use crate::gradient::impulse::Impulses;
 use crate::gradient::integrand::Mean;
+use crate::gradient::mean::MeanRows;
 use crate::gradient::tape::{Ending, Step};
 use crate::gradient::variation::{Causes, Front, Variation};
 use crate::gradient::{Entry, Gradient, GradientError, RunResult, add};
 use std::ops::Range;
-
-/// Means over the run with their places among the results, and the rows of their variations.
-type MeanRows<'a> = (&'a [(usize, Mean)], &'a mut [Vec<f64>]);
 
 /// Slopes of an indicator at its crossing.
 pub(super) struct CrossingSlopes {
@@ -80,7 +78,7 @@ impl Gradient<'_> {
                 }
             }
             let Some(air) = air else { continue };
-            let behind = behind.map_or_else(|| self.air_forward(&air, &front.variations, Some(&memories)), |own| own);
+            let behind = behind.unwrap_or_else(|| self.air_forward(&air, &front.variations, Some(&memories)));
             let before = std::mem::replace(&mut memories, behind);
             memories.iter_mut().for_each(|memory| memory.truncate(air.memory_entries()));
             for (row, result) in table.iter_mut().zip(results) {
@@ -194,7 +192,7 @@ impl Gradient<'_> {
             stages.iter_mut().zip(&columns).for_each(|(stage, column)| stage.add(*change_s, column));
         }
         if let Some((means, table)) = means {
-            self.add_means(step, (&stages, &front.shifts_s, &changes_s, causes.loads), means, table);
+            self.add_means(step, (&stages, causes.loads), [&front.shifts_s, &changes_s], (means, table));
         }
         front.shifts_s.iter_mut().zip(&changes_s).for_each(|(shift_s, change_s)| *shift_s += change_s);
         front.variations = stages.into_iter().filter_map(|mut stages| stages.pop()).collect();

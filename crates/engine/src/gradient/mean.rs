@@ -57,6 +57,9 @@ fn solved(step: &Step) -> impl Iterator<Item = &Point> {
     std::iter::once(&step.start).chain(step.solved())
 }
 
+/// Means over the run with their places among the results, and the rows of their variations.
+pub(super) type MeanRows<'a> = (&'a [(usize, Mean)], &'a mut [Vec<f64>]);
+
 impl Gradient<'_> {
     /// A mean whose slope is defined; otherwise the reason why not.
     pub(super) fn check_mean(&self, index: usize, time: usize) -> Result<(), GradientError> {
@@ -89,14 +92,14 @@ impl Gradient<'_> {
         sum
     }
 
-    /// Adds the variations of means over a step, whose stages vary by `stages`, its start's time by `shifts_s`, its length by `changes_s` and the
-    /// loads of the air by `loads`, to their rows.
+    /// Adds the variations of means over a step to their rows. The stages vary by `stages`, the loads of the air by `loads`, the time of
+    /// the start by `shifts_s` and the length by `changes_s`.
     pub(super) fn add_means(
         &mut self,
         step: &Step,
-        (stages, shifts_s, changes_s, loads): (&[Vec<Variation>], &[f64], &[f64], &[Vec<f64>]),
-        means: &[(usize, Mean)],
-        table: &mut [Vec<f64>],
+        (stages, loads): (&[Vec<Variation>], &[Vec<f64>]),
+        [shifts_s, changes_s]: [&[f64]; 2],
+        (means, table): MeanRows<'_>,
     ) {
         if means.is_empty() {
             return;
