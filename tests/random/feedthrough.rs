@@ -7,12 +7,12 @@ use foldwing::instance::{Instance, Manner, Request, Setup, Version};
 use foldwing::interface::{Causality, Interface, Kind, Variability, guid};
 
 /// Changes of an input over its value, or over one unit, in the differences of the shown outputs, which are of second degree in the inputs:
-/// large ones have less round-off, small ones meet fewer limits of motors.
-const CHANGES: [f64; 4] = [0.3, 1e-2, 1e-4, 1e-6];
-/// Round-off of a shown output over its value, or over one unit: accelerations of stiff beams are differences of large numbers.
-const ROUND_OFF: f64 = 1e-11;
-/// Allowed difference over the derivative, and over the largest of the same input: an error of 3e-9 in 1e-3 was found.
-const ALLOWED: [f64; 2] = [1e-7, 1e-8];
+/// large ones have less round-off, small ones meet fewer limits of motors. With each the allowed difference over the derivative.
+const CHANGES: [(f64, f64); 4] = [(0.3, 1e-7), (1e-2, 1e-7), (1e-4, 1e-5), (1e-6, 1e-5)];
+/// Round-off of a shown output over its value, or over one unit: accelerations of stiff beams are differences of large numbers (found: 3e-11).
+const ROUND_OFF: f64 = 1e-10;
+/// Allowed difference over the largest derivative by the same input.
+const ALLOWED: f64 = 1e-8;
 
 /// An instance for co-simulation with its table, in initialisation mode; `None` for machines that have none, and in air, where derivatives
 /// would hold the loads of the air and are an error.
@@ -46,8 +46,13 @@ fn rows(table: &Interface) -> [Vec<u32>; 2] {
     [outputs.map(|row| row.value_reference).collect(), real().filter(is_input).map(|row| row.value_reference).collect()]
 }
 
-/// Differences of the shown outputs of fourth order, by an input, and their round-off; `None` if a value is out of range.
-fn differences(instance: &mut Instance, outputs: &[u32], input: u32, change: f64) -> Option<[Vec<f64>; 2]> {
+/// Differences of the shown outputs of fourth order, by an input, and the allowed difference; `None` if a value is out of range.
+fn differences(
+    instance: &mut Instance,
+    outputs: &[u32],
+    input: u32,
+    (change, same): (f64, f64),
+) -> Option<[Vec<f64>; 2]> {
     let mut present = [0.0];
     instance.get(&[input][..], &mut present).ok()?;
     let change = change * present[0].abs().max(1.0);
@@ -62,8 +67,9 @@ fn differences(instance: &mut Instance, outputs: &[u32], input: u32, change: f64
         }
     }
     instance.set(&[input][..], &present).ok()?;
-    let round_off = size.iter().map(|size| ROUND_OFF * size.max(1.0) / change).collect();
-    Some([slope, round_off])
+    let allowed = |(slope, size): (&f64, &f64)| same * slope.abs() + ROUND_OFF * size.max(1.0) / CHANGES[0].0;
+    let allowed = slope.iter().zip(&size).map(allowed).collect();
+    Some([slope, allowed])
 }
 
 /// At a communication point, derivatives are the differences of the outputs that the FMU shows when an input is set.
@@ -90,10 +96,8 @@ pub fn shown(model: &Model) -> Verdict {
             CHANGES.iter().filter_map(|change| differences(&mut instance, &outputs, input, *change)).collect();
         let largest = known.iter().flat_map(|[slopes, _]| slopes).fold(0.0f64, |most, slope| most.max(slope.abs()));
         for (place, (&output, own)) in outputs.iter().zip(&column).enumerate() {
-            let is_shown = |[slopes, round_off]: &[Vec<f64>; 2]| {
-                let allowed = ALLOWED[0] * slopes[place].abs() + ALLOWED[1] * largest + round_off[place];
-                (own - slopes[place]).abs() <= allowed
-            };
+            let is_shown =
+                |[slopes, allowed]: &[Vec<f64>; 2]| (own - slopes[place]).abs() <= ALLOWED * largest + allowed[place];
             if !known.is_empty() && !known.iter().any(is_shown) {
                 let shown: Vec<f64> = known.iter().map(|[slopes, _]| slopes[place]).collect();
                 return Verdict::Broken(format!("d {} / d {} = {own:e}, shown {shown:?}", name(output), name(input)));

@@ -37,11 +37,16 @@ const SAME: f64 = 1e-10;
 const SAME_OUTPUT: f64 = 1e-6;
 /// Allowed difference from differences of runs, relative to the largest of a row.
 const SAME_AS_RUNS: f64 = 1e-6;
-/// Seeds of machines that miss the limits, and their bounds of forward against adjoint and against runs. 5: a rotor with modal blades is 2.7e-6
+/// Results that miss the limits, by the seed of the machine and a part of their names, empty for all: bounds of forward against adjoint and
+/// against runs. 5: a rotor with modal blades is 2.7e-6
 /// off, the cause is not known. 21: the specific force at the tip of a body with shear is 3.8e-6 and 2.2e-6 off, 1.4e-10 and 4.8e-7 without
 /// shear. 24: the least thrust coefficient of a rotor hardly depends on the numbers, and runs differ by 2.5e-8 of its value, the cause is not
 /// known; forward and adjoint agree to 6e-13.
-const MISSED: [(u64, [f64; 2]); 3] = [(5, [SAME_OUTPUT, 4e-6]), (21, [6e-6, 4e-6]), (24, [SAME_OUTPUT, 2e-2])];
+const MISSED: [(u64, &str, [f64; 2]); 3] = [
+    (5, "", [SAME_OUTPUT, 4e-6]),
+    (21, "specific_force", [6e-6, 4e-6]),
+    (24, "thrust_coefficient", [SAME_OUTPUT, 2e-2]),
+];
 
 /// One in this many machines is given to the command too.
 const COMMANDS: u64 = 4;
@@ -136,7 +141,7 @@ pub fn check(model: &Model, found: &mut Found) -> Option<()> {
     if model.seed.is_multiple_of(COMMANDS) {
         by_command((&model, &inputs), &options, [forward, adjoint], found);
     }
-    compare(&mut random, ([forward, adjoint], bounds(&model)[0]), found);
+    compare(&mut random, &model, [forward, adjoint], found);
     differences((&model, &inputs), (&mut recorded, &results), (&chosen, rows), forward, found);
     Some(())
 }
@@ -236,7 +241,7 @@ fn kinds(model: &Model) -> Vec<String> {
 }
 
 /// Forward against adjoint, entry by entry and in products with random vectors.
-fn compare(random: &mut fastrand::Rng, ([forward, adjoint], same): ([&Gradients; 2], f64), found: &mut Found) {
+fn compare(random: &mut fastrand::Rng, model: &Model, [forward, adjoint]: [&Gradients; 2], found: &mut Found) {
     let mut products = [0.0; 3];
     let along: Vec<f64> = forward.by.iter().map(|_| 2.0 * random.f64() - 1.0).collect();
     for (row, other) in forward.of.iter().zip(&adjoint.of) {
@@ -249,6 +254,7 @@ fn compare(random: &mut fastrand::Rng, ([forward, adjoint], same): ([&Gradients;
         }
         let weight = (2.0 * random.f64() - 1.0) / largest;
         let mut worst_of_row = 0.0f64;
+        let [same, _] = bounds(model, &row.name);
         for ((a, b), along) in row_by.iter().zip(&other_by).zip(&along) {
             products[0] += weight * a * along;
             products[1] += weight * b * along;
@@ -267,7 +273,7 @@ fn compare(random: &mut fastrand::Rng, ([forward, adjoint], same): ([&Gradients;
     if products[2] > 0.0 {
         let apart = (products[0] - products[1]).abs() / products[2];
         found.worst[2] = found.worst[2].max(apart);
-        if apart > same {
+        if apart > SAME_OUTPUT {
             found.broken.push(format!("products {products:?}"));
         }
     }
@@ -292,10 +298,10 @@ type Number = (usize, usize, f64);
 /// An input with the indices of its rows.
 type Rows = (usize, Vec<usize>);
 
-/// Bounds of a machine's results but latch times and impulses: of forward against adjoint and against runs.
-fn bounds(model: &Model) -> [f64; 2] {
-    let missed = MISSED.iter().find(|(seed, _)| *seed == model.seed);
-    missed.map_or([SAME_OUTPUT, SAME_AS_RUNS], |(_, bounds)| *bounds)
+/// Bounds of a result but latch times and impulses: of forward against adjoint and against runs.
+fn bounds(model: &Model, name: &str) -> [f64; 2] {
+    let missed = MISSED.iter().find(|(seed, part, _)| *seed == model.seed && name.contains(part));
+    missed.map_or([SAME_OUTPUT, SAME_AS_RUNS], |(.., bounds)| *bounds)
 }
 
 /// Derivatives against differences of runs with the same steps.
@@ -306,7 +312,6 @@ fn differences(
     forward: &Gradients,
     found: &mut Found,
 ) {
-    let [_, same] = bounds(model);
     let mut place = 0;
     let run = |recorded: &mut Recorded,
                by: &By,
@@ -332,6 +337,7 @@ fn differences(
     let judge = |by: &By, column: usize, (share, values): (f64, Vec<Vec<f64>>), found: &mut Found| {
         for (result, row) in forward.of.iter().enumerate() {
             let at = |run: usize| values[run][result];
+            let [_, same] = bounds(model, &row.name);
             let wide = (at(0) - 8.0 * at(1) + 8.0 * at(4) - at(5)) / (12.0 * 2.0 * share);
             let close = (at(1) - 8.0 * at(2) + 8.0 * at(3) - at(4)) / (12.0 * share);
             let own = row.derivatives[column] * size(by);
