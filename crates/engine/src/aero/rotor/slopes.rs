@@ -371,8 +371,8 @@ impl RotorStep {
         }
     }
 
-    /// Variations of the state after the step, loads and coefficients included, and of the loads, six per section, the hub last, root frame, due to variations of the state
-    /// before it and of the motions at its end: [`MOTION`] entries each, the hub last.
+    /// Variations of the state after the step, loads and coefficients included, and of the loads, six per section, the hub last, root frame,
+    /// due to variations of the state before it and of the motions at its end: [`MOTION`] entries each, the hub last.
     pub fn forward(&self, state: &[f64], motions: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let count = self.sections.len();
         let motion = |section: usize| &motions[MOTION * section..MOTION * (section + 1)];
