@@ -88,7 +88,10 @@ impl GeneralizedAlpha {
         end.dissipated = start.dissipated + mean(dissipated, end.powers.dissipated);
         let error = equations.norm(&self.residual);
         equations.project(&mut end.q, &mut end.v, &mut end.a);
-        equations.close(&mut end.q, &mut end.v, &mut end.a)?;
+        if equations.close(&mut end.q, &mut end.v, &mut end.a)? {
+            // the next step starts with the powers of its own start
+            end.powers = equations.powers(end.time_s, &end.q, &end.v, &end.a);
+        }
         Ok(error)
     }
 }

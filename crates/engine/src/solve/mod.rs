@@ -45,12 +45,12 @@ pub trait EquationsOfMotion {
     fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
 
     /// Projects a state onto the constraints of closed loops with the last factors, after [`EquationsOfMotion::project`] at the ends of
-    /// steps.
+    /// steps. Returns whether there are such constraints; powers must then be computed again.
     ///
     /// # Errors
     /// If the loops cannot be closed.
-    fn close(&mut self, _q: &mut [f64], _v: &mut [f64], _a: &mut [f64]) -> Result<(), Open> {
-        Ok(())
+    fn close(&mut self, _q: &mut [f64], _v: &mut [f64], _a: &mut [f64]) -> Result<bool, Open> {
+        Ok(false)
     }
 
     /// Residual at a state; entries of held and prescribed coordinates are zero.

@@ -108,7 +108,10 @@ impl Esdirk {
         }
         let error = equations.norm(&self.residual);
         equations.project(&mut end.q, &mut end.v, &mut end.a);
-        equations.close(&mut end.q, &mut end.v, &mut end.a)?;
+        if equations.close(&mut end.q, &mut end.v, &mut end.a)? {
+            // the next step starts with the powers of its own start
+            end.powers = equations.powers(end.time_s, &end.q, &end.v, &end.a);
+        }
         end.auxiliary.copy_from_slice(&end.a);
         Ok(error)
     }

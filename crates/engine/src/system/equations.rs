@@ -313,11 +313,12 @@ impl EquationsOfMotion for Equations {
         }
     }
 
-    fn close(&mut self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) -> Result<(), Open> {
+    fn close(&mut self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) -> Result<bool, Open> {
         if self.model.constraints() == 0 {
-            return Ok(());
+            return Ok(false);
         }
-        rigid_loop::close(&self.model, &mut self.work, [q, v, a]).map_err(|miss| match miss {
+        let closed = rigid_loop::close(&self.model, &mut self.work, [q, v, a]);
+        closed.map(|()| true).map_err(|miss| match miss {
             Miss::Open(gap) => Open::Gap { gap },
             Miss::Slips(slip) => Open::Slip { slip },
         })
