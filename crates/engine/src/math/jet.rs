@@ -37,6 +37,30 @@ pub struct Partial<const N: usize> {
     pub by: [f64; N],
 }
 
+impl Jet for f64 {
+    const ZERO: Self = 0.0;
+
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn times(self, factor: f64) -> Self {
+        self * factor
+    }
+
+    #[inline(always)]
+    fn composed(self, [f, _, _]: [f64; 3]) -> Self {
+        f
+    }
+}
+
 impl Add for Moving {
     type Output = Self;
     #[inline(always)]

@@ -129,7 +129,7 @@ impl Constraint<'_> {
                 let points = closure.nodes.iter().zip(&closure.offsets_m);
                 points.map(|(node, offset)| node.map_or(0.0, |node| at(node, offset.norm()))).fold(0.0, f64::max)
             }
-            Self::NoSlip(no_slip) => at(no_slip.node, no_slip.contact(&work.nodes[no_slip.node]).arm_m.norm()),
+            Self::NoSlip(no_slip) => at(no_slip.node, no_slip.arm_m(work)),
         }
     }
 }

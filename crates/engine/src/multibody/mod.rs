@@ -28,7 +28,7 @@ pub mod no_slip;
 pub(crate) mod nodal;
 pub(crate) mod node;
 pub mod norm;
-mod rigid_factor;
+pub(crate) mod rigid_factor;
 pub(crate) mod rigid_loop;
 mod runner;
 mod sheared_factor;

@@ -4,30 +4,83 @@
 //! the coordinates: they restrict velocities without restricting positions. At the level of accelerations they join the rows of the rigid
 //! loops in `rigid_loop.rs`.
 
+use crate::math::jet::{self, Jet, Vector, cross, dot, plus, three};
 use crate::multibody::closure::Gap;
 use crate::multibody::node::Node;
 pub use crate::multibody::runner::{LEAST_SINE, NoSlip, NoSlipDescription, ROWS, Runner};
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::Vector3;
 
-/// Point of contact with its frame, root frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+/// Motion of a node in jets, root frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NodeMotion<J> {
+    /// Position in m.
+    pub position: Vector<J>,
+    /// Velocity in m/s.
+    pub velocity: Vector<J>,
+    /// Acceleration in m/s².
+    pub acceleration: Vector<J>,
+    /// Angular velocity in rad/s.
+    pub spin: Vector<J>,
+    /// Angular acceleration in rad/s².
+    pub spin_rate: Vector<J>,
+    /// Columns of the rotation matrix, root ← node.
+    pub axes: [Vector<J>; 3],
+}
+
+impl NodeMotion<f64> {
+    fn of(node: &Node) -> Self {
+        Self {
+            position: node.position.into(),
+            velocity: node.velocity.into(),
+            acceleration: node.acceleration.into(),
+            spin: node.spin.into(),
+            spin_rate: node.spin_rate.into(),
+            axes: node.rotation.into(),
+        }
+    }
+}
+
+impl<J: Jet> NodeMotion<J> {
+    /// A vector fixed to the node, and its rate.
+    fn turned(&self, fixed: &Vector3<f64>) -> [Vector<J>; 2] {
+        let vector = jet::turned(&self.axes, &constants(fixed));
+        [vector, cross(self.spin, vector)]
+    }
+}
+
+/// Point of contact with its frame in jets, root frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Contact<J> {
     /// From the node to the point in m.
-    pub arm_m: Vector3<f64>,
+    arm_m: Vector<J>,
     /// Rate of that vector in m/s: for a wheel not that of the material point.
-    pub arm_rate_m_s: Vector3<f64>,
+    arm_rate_m_s: Vector<J>,
     /// Directions of the rows: across the heading, along `normal × heading`; the heading; the normal.
-    pub directions: [Vector3<f64>; ROWS],
+    directions: [Vector<J>; ROWS],
     /// Rates of the directions in 1/s.
-    pub direction_rates_1_s: [Vector3<f64>; ROWS],
+    direction_rates_1_s: [Vector<J>; ROWS],
+}
+
+fn constants<J: Jet>(vector: &Vector3<f64>) -> Vector<J> {
+    three(|axis| J::constant(vector[axis]))
+}
+
+fn minus<J: Jet>(a: Vector<J>, b: Vector<J>) -> Vector<J> {
+    three(|axis| a[axis] - b[axis])
+}
+
+fn scaled<J: Jet>(vector: Vector<J>, factor: J) -> Vector<J> {
+    vector.map(|entry| entry * factor)
 }
 
 /// Unit vector along `vector`, and its rate for the rate of `vector`.
-fn unit(vector: &Vector3<f64>, rate: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let length = vector.norm();
-    let unit = vector / length;
-    (unit, (rate - unit * unit.dot(rate)) / length)
+fn unit<J: Jet>(vector: Vector<J>, rate: Vector<J>) -> [Vector<J>; 2] {
+    let square = dot(&vector, &vector);
+    let root = square.value().sqrt();
+    let inverse = square.composed([1.0 / root, -0.5 / root.powi(3), 0.75 / root.powi(5)]);
+    let unit = scaled(vector, inverse);
+    [unit, scaled(minus(rate, scaled(unit, dot(&unit, &rate))), inverse)]
 }
 
 impl NoSlip {
@@ -51,95 +104,116 @@ impl NoSlip {
     }
 
     /// Point of contact and directions of the rows at the motion of a node, eqs. (L45), (L46).
-    pub fn contact(&self, node: &Node) -> Contact {
-        let normal = self.described.normal;
-        let turned = |direction: &Vector3<f64>| {
-            let direction = node.rotation * direction;
-            (direction, node.spin.cross(&direction))
-        };
-        let (centre, centre_rate) = turned(&self.described.offset_m);
-        let (side, side_rate, arm_m, arm_rate_m_s) = match &self.described.runner {
+    fn contact<J: Jet>(&self, node: &NodeMotion<J>) -> Contact<J> {
+        let normal = constants(&self.described.normal);
+        let [centre, centre_rate] = node.turned(&self.described.offset_m);
+        let ([side, side_rate], arm_m, arm_rate_m_s) = match &self.described.runner {
             Runner::Skate { direction } => {
-                let (blade, blade_rate) = turned(direction);
-                let (side, side_rate) = unit(&normal.cross(&blade), &normal.cross(&blade_rate));
-                (side, side_rate, centre, centre_rate)
+                let [blade, blade_rate] = node.turned(direction);
+                (unit(cross(normal, blade), cross(normal, blade_rate)), centre, centre_rate)
             }
             Runner::Wheel { axis, radius_m, .. } => {
-                let (axis, axis_rate) = turned(axis);
-                let (heading, heading_rate) = unit(&axis.cross(&normal), &axis_rate.cross(&normal));
+                let [axis, axis_rate] = node.turned(axis);
+                let [heading, heading_rate] = unit(cross(axis, normal), cross(axis_rate, normal));
                 // from the point of contact to the centre
-                let spoke = heading.cross(&axis);
-                let spoke_rate = heading_rate.cross(&axis) + heading.cross(&axis_rate);
-                let (arm_m, arm_rate_m_s) = (centre - spoke * *radius_m, centre_rate - spoke_rate * *radius_m);
-                (normal.cross(&heading), normal.cross(&heading_rate), arm_m, arm_rate_m_s)
+                let spoke = cross(heading, axis);
+                let spoke_rate = plus(cross(heading_rate, axis), cross(heading, axis_rate));
+                let radius = |spoke: Vector<J>| spoke.map(|entry| entry.times(*radius_m));
+                let side = [cross(normal, heading), cross(normal, heading_rate)];
+                (side, minus(centre, radius(spoke)), minus(centre_rate, radius(spoke_rate)))
             }
         };
         Contact {
             arm_m,
             arm_rate_m_s,
-            directions: [side, side.cross(&normal), normal],
-            direction_rates_1_s: [side_rate, side_rate.cross(&normal), Vector3::zeros()],
+            directions: [side, cross(side, normal), normal],
+            direction_rates_1_s: [side_rate, cross(side_rate, normal), [J::ZERO; 3]],
         }
     }
 
-    /// Gap of the rows at the motion of the last sweep, of the ground relative to the body: the position along the normal and the velocities
-    /// along the directions, with their rates, eq. (L47). Rows that are not constrained are zero.
-    pub fn gap(&self, work: &Workspace) -> Gap {
-        let node = &work.nodes[self.node];
+    /// Rows of the gap, its rates and its accelerations at the motion of a node, of the ground relative to the body: the position along the
+    /// normal and the velocities along the directions, with their rates, eq. (L47). Rows that are not constrained are zero.
+    pub(crate) fn rows<J: Jet>(&self, node: &NodeMotion<J>) -> [Vector<J>; 3] {
         let contact = self.contact(node);
-        let velocity = node.velocity + node.spin.cross(&contact.arm_m);
-        let acceleration =
-            node.acceleration + node.spin_rate.cross(&contact.arm_m) + node.spin.cross(&contact.arm_rate_m_s);
-        let mut gap =
-            Gap { position_m: Vector3::zeros(), velocity_m_s: Vector3::zeros(), acceleration_m_s2: Vector3::zeros() };
+        let velocity = plus(node.velocity, cross(node.spin, contact.arm_m));
+        let turning = plus(cross(node.spin_rate, contact.arm_m), cross(node.spin, contact.arm_rate_m_s));
+        let acceleration = plus(node.acceleration, turning);
+        let mut rows = [[J::ZERO; 3]; 3];
         if self.described.holds_normal {
-            gap.position_m[2] = -self.height_m(work);
+            rows[0][2] = self.height(node, &contact).times(-1.0);
         }
         for (row, _) in self.active().iter().enumerate().filter(|(_, active)| **active) {
             let (direction, rate) = (&contact.directions[row], &contact.direction_rates_1_s[row]);
-            gap.velocity_m_s[row] = -direction.dot(&velocity);
-            gap.acceleration_m_s2[row] = -direction.dot(&acceleration) - rate.dot(&velocity);
+            rows[1][row] = dot(direction, &velocity).times(-1.0);
+            rows[2][row] = (dot(direction, &acceleration) + dot(rate, &velocity)).times(-1.0);
         }
-        gap
+        rows
+    }
+
+    /// Gap of the rows at the motion of the last sweep.
+    pub fn gap(&self, work: &Workspace) -> Gap {
+        let [position_m, velocity_m_s, acceleration_m_s2] = self.rows(&self.motion(work)).map(Vector3::from);
+        Gap { position_m, velocity_m_s, acceleration_m_s2 }
+    }
+
+    fn motion(&self, work: &Workspace) -> NodeMotion<f64> {
+        NodeMotion::of(&work.nodes[self.node])
+    }
+
+    /// Distance of the point of contact from the plane along its normal in m.
+    fn height<J: Jet>(&self, node: &NodeMotion<J>, contact: &Contact<J>) -> J {
+        let point = plus(node.position, contact.arm_m);
+        dot(&point, &constants(&self.described.normal)) - J::constant(self.described.distance_m)
+    }
+
+    /// Force and moment on the node per multiplier, with the sign of the nodes' wrenches; zero for rows that are not constrained.
+    pub(crate) fn wrenches<J: Jet>(&self, node: &NodeMotion<J>) -> [[Vector<J>; 2]; ROWS] {
+        let contact = self.contact(node);
+        let active = self.active();
+        std::array::from_fn(|row| {
+            if !active[row] {
+                return [[J::ZERO; 3]; 2];
+            }
+            let force = contact.directions[row].map(|entry| entry.times(-1.0));
+            [force, cross(contact.arm_m, force)]
+        })
     }
 
     /// Distance of the point of contact from the plane along its normal in m, at the poses of the last sweep.
     pub fn height_m(&self, work: &Workspace) -> f64 {
-        let node = &work.nodes[self.node];
-        (node.position + self.contact(node).arm_m).dot(&self.described.normal) - self.described.distance_m
+        let node = self.motion(work);
+        self.height(&node, &self.contact(&node))
     }
 
-    /// Force on the body for multipliers of the rows in N, root frame.
-    pub fn force_n(&self, contact: &Contact, multipliers: &Vector3<f64>) -> Vector3<f64> {
-        let rows = self.active().into_iter().zip(&contact.directions).zip(multipliers.iter());
-        rows.filter(|((active, _), _)| *active).map(|((_, direction), force_n)| direction * *force_n).sum()
+    /// Distance of the point of contact from the node in m.
+    pub(crate) fn arm_m(&self, work: &Workspace) -> f64 {
+        Vector3::from(self.contact(&self.motion(work)).arm_m).norm()
     }
 
     /// Adds the forces on the body to its node; returns their wrench about the origin on the root, with the sign of the nodes' wrenches.
     pub(crate) fn apply(&self, work: &mut Workspace, multipliers: &Vector3<f64>) -> Pair {
+        let [mut force, mut moment] = [Vector3::zeros(); 2];
+        for ([own_force, own_moment], multiplier) in self.wrenches(&self.motion(work)).iter().zip(multipliers) {
+            force += Vector3::from(*own_force) * *multiplier;
+            moment += Vector3::from(*own_moment) * *multiplier;
+        }
         let node = &mut work.nodes[self.node];
-        let contact = self.contact(node);
-        let force = self.force_n(&contact, multipliers);
-        node.add_fixed(&-force, &-contact.arm_m.cross(&force));
-        Pair { linear: force, angular: (node.position + contact.arm_m).cross(&force) }
+        node.add_fixed(&force, &moment);
+        Pair { linear: -force, angular: -moment - node.position.cross(&force) }
     }
 
     /// Adds a unit multiplier of a row to the wrenches in `work.bias`.
     pub(crate) fn load_unit(&self, work: &mut Workspace, row: usize) {
-        let contact = self.contact(&work.nodes[self.node]);
-        let force = contact.directions[row];
-        work.bias[self.node].linear -= force;
-        work.bias[self.node].angular -= contact.arm_m.cross(&force);
+        let [force, moment] = self.wrenches(&self.motion(work))[row].map(Vector3::from);
+        work.bias[self.node].linear += force;
+        work.bias[self.node].angular += moment;
     }
 
     /// Changes of the rows due to the node displacements in `work.bias`.
     pub(crate) fn gap_change(&self, work: &Workspace) -> Vector3<f64> {
-        let contact = self.contact(&work.nodes[self.node]);
-        let change = work.bias[self.node].linear + work.bias[self.node].angular.cross(&contact.arm_m);
-        let mut rows = Vector3::zeros();
-        for (row, _) in self.active().iter().enumerate().filter(|(_, active)| **active) {
-            rows[row] = -contact.directions[row].dot(&change);
-        }
-        rows
+        let Pair { linear, angular } = work.bias[self.node];
+        let change =
+            |[force, moment]: [Vector<f64>; 2]| Vector3::from(force).dot(&linear) + Vector3::from(moment).dot(&angular);
+        Vector3::from(self.wrenches(&self.motion(work)).map(change))
     }
 }

@@ -21,6 +21,8 @@ pub(crate) struct RigidFactor {
     /// Pseudo-inverse of `S` by rows.
     inverse: Vec<f64>,
     pub(super) gaps: Vec<f64>,
+    /// Eigenvalue up to which a row is redundant.
+    least: f64,
     /// Largest change of a point, in place of the difference of two points in `S`.
     pub(super) mobility: f64,
 }
@@ -35,6 +37,7 @@ impl RigidFactor {
             vectors: square.clone(),
             inverse: square,
             gaps: vec![0.0; rows],
+            least: 0.0,
             mobility: 0.0,
         }
     }
@@ -53,6 +56,27 @@ impl RigidFactor {
         }
     }
 
+    /// Change of the tree's coordinates that removes a unit gap of a row.
+    pub(crate) fn removal(&self, row: usize) -> Vec<f64> {
+        let rows = self.columns.len();
+        let mut change = vec![0.0; self.columns.first().map_or(0, Vec::len)];
+        for (column, inverse) in self.columns.iter().zip(self.inverse.chunks_exact(rows)) {
+            change.iter_mut().zip(column).for_each(|(x, z)| *x += inverse[row] * z);
+        }
+        change
+    }
+
+    /// Multipliers without a generalised force: eigenvectors that the pseudo-inverse omits.
+    pub(crate) fn null_vectors(&self) -> impl Iterator<Item = Vec<f64>> {
+        let n = self.gaps.len();
+        let omitted = (0..n).filter(move |k| !self.keeps(self.small[k * n + k]));
+        omitted.map(move |k| (0..n).map(|row| self.vectors[row * n + k]).collect())
+    }
+
+    fn keeps(&self, eigenvalue: f64) -> bool {
+        eigenvalue > self.least
+    }
+
     /// Computes the pseudo-inverse of the small matrix.
     pub(super) fn invert(&mut self) {
         let n = self.gaps.len();
@@ -66,9 +90,10 @@ impl RigidFactor {
         let largest = (0..n).map(|k| self.small[k * n + k]).fold(0.0, f64::max);
         let least = (REDUNDANT * largest).max(IMMOBILE * self.mobility);
         self.inverse.fill(0.0);
+        self.least = least;
         for k in 0..n {
             let value = self.small[k * n + k];
-            if value <= least || value.is_nan() {
+            if !self.keeps(value) {
                 continue;
             }
             for i in 0..n {

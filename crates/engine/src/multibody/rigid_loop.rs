@@ -10,10 +10,11 @@ use crate::multibody::constraint::Constraint;
 use crate::multibody::kinematics::{Motion, sweep_motion};
 use crate::multibody::model::Model;
 use crate::multibody::norm::kinematic_norm;
-use crate::multibody::rigid_factor::RigidFactor;
+pub(crate) use crate::multibody::rigid_factor::RigidFactor;
 use crate::multibody::runner::ROWS;
 use crate::multibody::workspace::{Pair, Workspace};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// The gap or one of its rates.
 type Rate = fn(&Gap) -> Vector3<f64>;
@@ -86,12 +87,23 @@ pub(crate) fn correct(model: &Model, work: &mut Workspace, x: &mut [f64]) -> f64
     kinematic_norm(model, work, x)
 }
 
-/// Projects a state onto the constraints with the last factors, eqs. (C7), (L48): coordinates, then rates and accelerations at these.
+/// The factors that the last projection used.
+pub(crate) fn last_closing(work: &Workspace) -> Arc<RigidFactor> {
+    work.closing.clone().unwrap_or_else(|| Arc::new(work.rigid_factor.clone()))
+}
+
+/// Projects a state onto the constraints with the last factors, or those in `work.closing`, eqs. (C7), (L48): coordinates, then rates and
+/// accelerations at these.
 pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64]; 3]) -> Result<(), Miss> {
     let tree = model.tree_coordinates();
     // integrals of the multipliers have no meaning
     q[tree..].fill(0.0);
     v[tree..].fill(0.0);
+    let kept = work.closing.clone();
+    let mut factor = match &kept {
+        Some(kept) => RigidFactor::clone(kept),
+        None => std::mem::replace(&mut work.rigid_factor, RigidFactor::new(0, 0)),
+    };
     let mut before = f64::INFINITY;
     let mut openness = Openness::default();
     for round in 0..CORRECTIONS {
@@ -105,7 +117,6 @@ pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64];
             break;
         }
         before = worst;
-        let mut factor = std::mem::replace(&mut work.rigid_factor, RigidFactor::new(0, 0));
         let parts: [(&mut [f64], Rate); 3] = [
             (&mut q[..tree], |gap| gap.position_m),
             (&mut v[..tree], |gap| gap.velocity_m_s),
@@ -118,6 +129,8 @@ pub(crate) fn close(model: &Model, work: &mut Workspace, [q, v, a]: [&mut [f64];
             }
             factor.remove_gaps(x);
         }
+    }
+    if kept.is_none() {
         work.rigid_factor = factor;
     }
     let Openness { of_loops, slip, .. } = openness;

@@ -15,6 +15,7 @@ use crate::multibody::runner::ROWS;
 use crate::multibody::sheared_panel::ShearedFactor;
 use crate::multibody::slope_vector::Slope;
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 pub use crate::multibody::node::{ArticulatedInertia, ElementFactor, Node, Pair};
 
@@ -51,6 +52,9 @@ pub struct Workspace {
     pub(crate) sheared: Vec<ShearedFactor>,
     pub(crate) closure_factor: ClosureFactor,
     pub(crate) rigid_factor: RigidFactor,
+    /// Factors by which states are projected onto the constraints in place of the last ones: those of a run on a tape, along whose steps another
+    /// machine runs.
+    pub(crate) closing: Option<Arc<RigidFactor>>,
     /// Per constraint: its multipliers in N at the last wrenches; of a rigid loop the force on its first point, root frame.
     pub(crate) rigid_forces: Vec<Vector3<f64>>,
 }
@@ -106,6 +110,7 @@ impl Workspace {
             sheared: vec![ShearedFactor::ZERO; if model.sheared { elements } else { 0 }],
             closure_factor: ClosureFactor::new(3 * model.closures.len() + model.damped_modes.len(), model.coordinates),
             rigid_forces: vec![zero; model.constraints()],
+            closing: None,
             rigid_factor: RigidFactor::new(ROWS * model.constraints(), model.tree_coordinates()),
         }
     }

@@ -80,6 +80,7 @@ pub(super) fn covers(model: &Model) -> bool {
         joint && body.modal.is_none() && !body.sheared && body.carrier.is_none() && body.joint.drive_carried == 0.0
     };
     model.closures.is_empty()
+        && model.constraints() == 0
         && model.damped_modes.is_empty()
         && model.circuits.is_empty()
         && model.bodies.iter().all(covered)

@@ -7,6 +7,7 @@
 
 mod carried;
 mod chain;
+mod constraint;
 mod coupling;
 mod elastic;
 mod elimination;
@@ -38,6 +39,7 @@ use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Base, Body, Model};
 use crate::multibody::workspace::Workspace;
 use chain::{Column, Shift, fixed};
+use constraint::ConstraintBlock;
 use exact::Exact;
 use inertia::Inertia;
 use link::Link;
@@ -63,6 +65,7 @@ pub struct Derivative {
     inertia: Inertia,
     loads: Vec<LoadedSection>,
     loops: Vec<LoopForce>,
+    constraints: Vec<ConstraintBlock>,
     rotors: Vec<Rotor>,
     exact: Exact,
     /// Elements with shear.
@@ -123,6 +126,7 @@ impl Derivative {
             inertia: Inertia::new(model),
             loads: Vec::with_capacity(model.stations.len()),
             loops: vec![LoopForce::ZERO; model.closures.len()],
+            constraints: ConstraintBlock::of_model(model),
             rotors: Rotor::of_model(model),
             exact: Exact::new(model),
             shifts: vec![Shift::ZERO; nodes],
@@ -145,6 +149,9 @@ impl Derivative {
         }
         for (own, closure) in self.loops.iter_mut().zip(&model.closures) {
             *own = LoopForce::new(closure, work);
+        }
+        for (index, own) in self.constraints.iter_mut().enumerate() {
+            own.prepare(model.constraint(index), motion, work);
         }
         self.rotors.iter_mut().for_each(|rotor| rotor.prepare(work, motion, environment.root));
     }
@@ -262,6 +269,9 @@ impl Derivative {
         for own in &self.loops {
             own.forward(shifts, wrenches);
         }
+        for own in &self.constraints {
+            own.forward(shifts, along, wrenches, sum);
+        }
         for rotor in &self.rotors {
             rotor.forward(shifts, along, wrenches, sum);
         }
@@ -338,9 +348,18 @@ impl Derivative {
         for own in &self.loops {
             own.reverse(wrenches, shifts);
         }
+        for own in &self.constraints {
+            own.reverse(wrenches, w, shifts, by_a);
+        }
         for rotor in &self.rotors {
             rotor.reverse(wrenches, w, shifts, by_a);
         }
+        self.pull_shifts([by_q, by_v, by_a]);
+    }
+
+    /// Adds the multipliers of the coordinates, their rates and their accelerations from those of the motion of the nodes.
+    fn pull_shifts(&mut self, [by_q, by_v, by_a]: [&mut [f64]; 3]) {
+        let Self { links, columns, shifts, spatial, spatial_at, .. } = self;
         for (n, link) in links.iter().enumerate().rev() {
             let on = shifts[n];
             for i in link.range() {
@@ -397,8 +416,8 @@ impl WithFours for Preparation<'_> {
 
 /// Linear systems with `M + g C + g² K` of the tree, eqs. (X30)–(X33).
 impl Derivative {
-    /// Whether [`Self::factorize`] covers a model: not with closed loops, joints with several degrees of freedom, sliding joints, modal
-    /// bodies, damping of modes, circuits, rotors that turn with their carrier and shear.
+    /// Whether [`Self::factorize`] covers a model: not with closed loops, skates, wheels, joints with several degrees of freedom, sliding
+    /// joints, modal bodies, damping of modes, circuits, rotors that turn with their carrier and shear.
     pub fn has_factors(model: &Model) -> bool {
         exact::covers(model)
     }
@@ -434,9 +453,10 @@ impl Derivative {
         self.exact.solve_transposed(&self.links, model, x);
     }
 
-    /// Whether [`Self::forward_lanes`] covers the linearised point: not with a root that rotates, loads at stations and closed loops.
+    /// Whether [`Self::forward_lanes`] covers the linearised point: not with a root that rotates, loads at stations and closed loops,
+    /// skates and wheels.
     pub fn has_lanes(&self) -> bool {
-        self.loads.is_empty() && self.loops.is_empty() && !self.inertia.rotates()
+        self.loads.is_empty() && self.loops.is_empty() && self.constraints.is_empty() && !self.inertia.rotates()
     }
 
     /// [`Self::forward_lanes`] along one direction; `false`, without a result, for machines and points that are not covered.

@@ -10,6 +10,7 @@ use crate::load::{LoadFrame, RootMotion, Wrench};
 use crate::multibody::closure::{ClosureDescription, Penalty};
 use crate::multibody::dynamics::residual;
 use crate::multibody::model::{Attachment, BodyDescription};
+use crate::multibody::no_slip::{NoSlipDescription, Runner};
 
 /// Parts of a random machine besides beams and joints with one degree of freedom.
 #[derive(Clone, Copy, PartialEq)]
@@ -23,11 +24,13 @@ pub(super) enum Extra {
     Rotors,
     /// Two modal bodies.
     Modal,
+    /// Rigid loops, a skate and a wheel.
+    Constraints,
 }
 
 impl Extra {
     pub(super) fn of(seed: u64) -> Self {
-        [Self::None, Self::Spatial, Self::Shear, Self::Rotors, Self::Modal][(seed / 20) as usize]
+        [Self::None, Self::Spatial, Self::Shear, Self::Rotors, Self::Modal, Self::Constraints][(seed / 20) as usize]
     }
 }
 
@@ -141,7 +144,7 @@ impl Case {
         let closure = ClosureDescription {
             places: [Some((0, 0.8)), Some((4, 0.8))],
             offsets_m: [vector(&mut random, 0.1), vector(&mut random, 0.1)],
-            rigid: false,
+            rigid: extra == Extra::Constraints,
             penalty: Penalty { inertia_kg: 0.3, damping_n_s_m: 2.0, stiffness_n_m: 50.0 },
         };
         let on_root = ClosureDescription {
@@ -149,7 +152,22 @@ impl Case {
             offsets_m: closure.offsets_m.map(|m| m * 3.0),
             ..closure.clone()
         };
-        let mut model = Model::with_constraints(&bodies, &[closure, on_root], &[]);
+        let mut no_slips = Vec::new();
+        if extra == Extra::Constraints {
+            let mut direction = || vector(&mut random, 1.0).normalize();
+            let skate = NoSlipDescription {
+                place: (4, 0.4),
+                offset_m: direction() * 0.1,
+                runner: Runner::Skate { direction: direction() },
+                normal: direction(),
+                distance_m: 0.3,
+                holds_normal: seed % 2 == 0,
+            };
+            let runner = Runner::Wheel { axis: direction(), radius_m: 0.2, rolling: seed % 3 > 0 };
+            let wheel = NoSlipDescription { place: (0, 0.8), runner, normal: direction(), holds_normal: true, ..skate };
+            no_slips.extend([skate, wheel]);
+        }
+        let mut model = Model::with_constraints(&bodies, &[closure, on_root], &no_slips);
         model.bodies[1].damps_attached = true;
         model.bodies[3].damping_roots = Some([0.5, 1.0, 1.2, 0.9, 1.0, 1.0].into());
         let hinged = |own: &&mut Body| extra == Extra::Rotors && matches!(own.joint.kind, JointKind::Revolute { .. });
