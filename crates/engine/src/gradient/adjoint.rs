@@ -119,7 +119,7 @@ impl Gradient<'_> {
                 self.system.equations.clear_held(&mut on.v);
                 *shift -= by_time.map_or(0.0, |by_time| dot(&by_time, &w));
                 self.subtract_forcings(&step.start, &w, sums);
-                if let Some(jump) = self.jump(index) {
+                if let Some(jump) = self.jump(index)? {
                     let impulse = match part {
                         Part::Jump(coordinate) if index == last => Some(coordinate),
                         Part::Jump(_) | Part::Start | Part::Branch(_) | Part::Whole => None,
@@ -155,7 +155,7 @@ impl Gradient<'_> {
         mut shift: f64,
         sums: &mut Sums,
     ) -> Result<(Variation, f64), GradientError> {
-        self.projection(step).pull(&mut multipliers);
+        self.projection(step).pull(&mut multipliers, sums.gradient.as_mut());
         let seeds = self.mean_seeds(step, sums);
         let mut along_length = 0.0;
         let mut column = Variation::zeros(0);

@@ -104,7 +104,7 @@ impl Plant {
     fn step_along(&mut self, copy: &mut Tape, (step, begins): (&Step, bool)) -> Result<(), GradientError> {
         let apart = |what| GradientError::Apart { time_s: step.end.time_s, what };
         self.allow_work(1.0);
-        self.step_on_tape(copy, (step.piece, begins), |plant| plant.retrace(step))?;
+        self.step_on_tape(copy, (step.piece, begins), |plant| plant.closed_by(step, |plant| plant.retrace(step)))?;
         let Some(own) = copy.steps.last() else { return Ok(()) };
         let crossed = |ending| if let Ending::Crossing(indicator) = ending { Some(indicator) } else { None };
         if crossed(own.ending) != crossed(step.ending) {

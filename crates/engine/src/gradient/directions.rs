@@ -5,7 +5,7 @@
 //! the same matrix.
 
 use crate::gradient::{add, dot, largest_products, scale};
-use crate::multibody::Model;
+use crate::multibody::{Model, energy};
 
 /// Remainder, as a share of the solution, at which a linear system is solved.
 const SOLVED: f64 = 3e-13;
@@ -57,6 +57,8 @@ impl Directions {
         for circuit in &model.circuits {
             scales_m[circuit.coordinate] = circuit.displacement_m(reach_m);
         }
+        // forces of constraints accelerate the machine's mass
+        scales_m[model.tree_coordinates()..].fill(energy::mass_kg(model).recip());
         // a machine without extent: its rotations count as they are
         scales_m.iter_mut().filter(|scale| **scale <= 0.0).for_each(|scale| *scale = 1.0);
         let ones = vec![1.0; scales_m.len()];

@@ -116,7 +116,7 @@ impl Gradient<'_> {
         if !step.renewed {
             return Ok(None);
         }
-        let impulses = match self.jump(index) {
+        let impulses = match self.jump(index)? {
             Some(jump) => Some(self.jump_forward(&jump, front, causes)?),
             None => None,
         };
@@ -197,7 +197,9 @@ impl Gradient<'_> {
         front.shifts_s.iter_mut().zip(&changes_s).for_each(|(shift_s, change_s)| *shift_s += change_s);
         front.variations = stages.into_iter().filter_map(|mut stages| stages.pop()).collect();
         let projection = self.projection(step);
-        front.variations.iter_mut().for_each(|end| projection.apply(end));
+        for (direction, end) in front.variations.iter_mut().enumerate() {
+            projection.apply(end, causes.parameters.then_some(direction));
+        }
         Ok(())
     }
 

@@ -14,14 +14,15 @@ const REFINEMENTS: usize = 2;
 
 impl Gradient<'_> {
     /// The jump of the rates at the start of a step, whose states of the joints are adopted; `None` if no joint is stopped there.
-    pub(super) fn jump(&self, index: usize) -> Option<Jump> {
+    pub(super) fn jump(&mut self, index: usize) -> Result<Option<Jump>, GradientError> {
         let step = &self.steps[index];
-        let before = index.checked_sub(1).map(|before| &self.steps[before]).or(self.step_before)?;
+        let before = index.checked_sub(1).map(|before| &self.steps[before]).or(self.step_before);
+        let Some(before) = before else { return Ok(None) };
         let joints = self.system.equations.forces.joints();
         let stops = joints.iter().zip(&before.joints).filter(|(joint, memory)| joint.held && !joint.is_held_in(memory));
         let stopped: Vec<usize> = stops.map(|(joint, _)| joint.coordinate).collect();
         if stopped.is_empty() {
-            return None;
+            return Ok(None);
         }
         let mut still = before.end.clone();
         still.v.fill(0.0);
@@ -32,7 +33,39 @@ impl Gradient<'_> {
         for joint in joints.iter().filter(|joint| joint.held && !stopped.contains(&joint.coordinate)) {
             at.a[joint.coordinate] = 0.0;
         }
-        Some(Jump { at, still, stopped })
+        let mut jump = Jump { at, still, stopped };
+        self.find_multipliers(&mut jump)?;
+        Ok(Some(jump))
+    }
+
+    /// Impulses of the constraints in a jump, which the run does not keep, as multipliers of its accelerations.
+    fn find_multipliers(&mut self, jump: &mut Jump) -> Result<(), GradientError> {
+        let tree = self.system.equations.model.tree_coordinates();
+        if tree == self.system.coordinates() {
+            return Ok(());
+        }
+        self.system.join_loops();
+        let found = self.add_multipliers(jump, tree);
+        self.system.part_loops();
+        found
+    }
+
+    fn add_multipliers(&mut self, jump: &mut Jump, tree: usize) -> Result<(), GradientError> {
+        jump.at.a[tree..].fill(0.0);
+        self.place(&jump.still);
+        let still = self.scratch.clone();
+        for correction in 0..=REFINEMENTS {
+            self.place(&jump.at);
+            if correction == 0 {
+                self.factorize(&jump.at, 0.0)?;
+            }
+            let mut left: Vec<f64> = self.scratch.iter().zip(&still).map(|(at, still)| at - still).collect();
+            let equations = &mut self.system.equations;
+            equations.clear_held(&mut left);
+            equations.solve(&mut left);
+            add(&mut jump.at.a[tree..], -1.0, &left[tree..]);
+        }
+        Ok(())
     }
 
     /// Variations behind a jump from those before it, and those of its impulses.
@@ -96,7 +129,8 @@ impl Gradient<'_> {
             }
             let rows = left(self, &change);
             impulses.variations.push(jump.stopped.iter().map(|c| -rows[*c]).collect());
-            add(&mut variation.v, 1.0, &change);
+            let tree = self.system.equations.model.tree_coordinates();
+            add(&mut variation.v[..tree], 1.0, &change[..tree]);
         }
         Ok(impulses)
     }

@@ -114,7 +114,9 @@ impl Gradient<'_> {
             let of_powers = if accounts { self.power_slopes(step, power_at, &variations, loads) } else { Vec::new() };
             if stage + 1 == self.tableau.stages() {
                 let projection = self.projection(step);
-                variations.iter_mut().for_each(|variation| projection.apply(variation));
+                for (direction, variation) in variations.iter_mut().enumerate() {
+                    projection.apply(variation, Some(direction));
+                }
             }
             self.place(at);
             let mut of_outputs = match indices.is_empty() {
@@ -202,7 +204,11 @@ impl Gradient<'_> {
                 Integrand::Output(index) | Integrand::Square(index) => {
                     let mut by_state = self.output_gradient(index, at);
                     if stage + 1 == self.tableau.stages() {
-                        self.projection(step).pull(&mut by_state);
+                        let mut through_gaps = vec![0.0; self.entries.len()];
+                        self.projection(step).pull(&mut by_state, Some(&mut through_gaps));
+                        if let Some(gradient) = &mut sums.gradient {
+                            add(gradient, share * h * slope, &through_gaps);
+                        }
                     }
                     by_state
                 }

@@ -26,6 +26,7 @@ mod outputs;
 mod parameter;
 mod prescribed;
 mod projection;
+mod redundant;
 mod replay;
 mod result;
 mod rotor;

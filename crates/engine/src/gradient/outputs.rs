@@ -106,7 +106,7 @@ impl<'a> Gradient<'a> {
                 remedy: "choose the latch time of the joint as the result".into(),
             });
         }
-        Ok(())
+        self.check_determined(index, time)
     }
 
     /// Puts all machines into the states of the joints at a requested time, and returns the point there.

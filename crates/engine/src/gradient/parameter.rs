@@ -194,7 +194,8 @@ impl Difference {
         let weakened = plants.iter_mut().any(|Perturbed { plant, .. }| {
             plant.system_mut().machine.failures.iter().any(|failure| weakens(&failure.effect))
         });
-        // voltages are not forces on joints, the damping of modes is not linear in the blocks, and shapes are not among them
+        // voltages are not forces on joints, the damping of modes is not linear in the blocks, and shapes and constraints are not among them
+        let is_constrained = own.model.constraints() > 0;
         let has_others = !own.model.circuits.is_empty()
             || !own.model.damped_modes.is_empty()
             || own.model.bodies.iter().any(|body| body.modal.is_some());
@@ -206,16 +207,15 @@ impl Difference {
         let damping = others.iter().map(|(weight, other)| (*weight, other.damping.as_slice()));
         let damping = DampingSlope::new(&own.model, &own.damping, damping);
         let models: Vec<(f64, &Model)> = others.iter().map(|(weight, other)| (*weight, &other.model)).collect();
-        if models.iter().all(|(_, model)| **model == own.model) {
-            return match damping {
-                None => Self::Joints,
-                damping => Self::Mesh(Box::new(MeshSlopes { blocks: None, damping })),
-            };
+        let is_same = models.iter().all(|(_, model)| **model == own.model);
+        if is_same && damping.is_none() {
+            return Self::Joints;
         }
-        match BlockSlopes::new(&own.model, models.into_iter()) {
-            None => Self::Any,
-            blocks => Self::Mesh(Box::new(MeshSlopes { blocks, damping })),
+        let blocks = if is_same { None } else { BlockSlopes::new(&own.model, models.into_iter()) };
+        if is_constrained || !is_same && blocks.is_none() {
+            return Self::Any;
         }
+        Self::Mesh(Box::new(MeshSlopes { blocks, damping }))
     }
 }
 

@@ -132,8 +132,9 @@ impl Plant {
         }
         parameter::adopt(&mut self.system, step, &tape.inputs);
         let mut branch = Step { ending: Ending::Given, timers: Vec::new(), ..step.clone() };
-        self.step_apart(&step.start, time_s, (&mut branch.end, &mut branch.stages))
-            .map_err(|_| GradientError::NotSolved { time_s, left: f64::INFINITY })?;
+        let taken =
+            self.closed_by(step, |plant| plant.step_apart(&step.start, time_s, (&mut branch.end, &mut branch.stages)));
+        taken.map_err(|_| GradientError::NotSolved { time_s, left: f64::INFINITY })?;
         self.keep_last_stage(&mut branch)?;
         Ok(branch)
     }
@@ -313,6 +314,7 @@ impl Plant {
             step.episode + usize::from(slews || fails)
         });
         advance(self)?;
+        let closing = self.last_closing();
         self.loosen_bound_after_jump();
         self.system.remember_attitudes();
         let State { start, stages, ahead, joints: behind, .. } = &self.system.state;
@@ -358,6 +360,7 @@ impl Plant {
             stages: stages.clone(),
             end: ahead.clone(),
             last: None,
+            closing,
             ending: first.map_or(ending, Ending::Crossing),
             joints,
             failures,

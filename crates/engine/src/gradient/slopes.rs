@@ -47,7 +47,14 @@ impl Equations {
         let size = self.norm(direction);
         let joints = self.model.bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.is_redundant());
         let parameters = joints.flat_map(|joint| &direction[joint.range()][joint.kind.translations()..]);
-        parameters.fold(size, |size, entry| size.max(entry.abs()))
+        let size = parameters.fold(size, |size, entry| size.max(entry.abs()));
+        let multipliers = &direction[self.model.tree_coordinates()..];
+        if multipliers.is_empty() {
+            return size;
+        }
+        // a force on the machine's mass
+        let mass_kg = crate::multibody::energy::mass_kg(&self.model);
+        multipliers.iter().fold(size, |size, entry| size.max(entry.abs() / mass_kg))
     }
 
     /// Solution of the transposed equations by the factors, which are symmetric in the degrees of freedom but for circuits: `D⁻¹ N⁻¹ Dᵀ` of eq. (X26).
@@ -213,12 +220,6 @@ impl System {
         }
         if let Some(joint) = machine.sliding_joint() {
             return refuse("sliding joints", joint);
-        }
-        if let Some(closure) = machine.closures.iter().find(|closure| closure.rigid) {
-            return refuse("rigid loops", &closure.name);
-        }
-        if let Some(no_slip) = machine.no_slips.first() {
-            return refuse("skates and wheels", &no_slip.name);
         }
         let turns_otherwise =
             |body: &Body| body.modal.as_ref().is_some_and(|modal| modal.element.has_rates_of_angles());

@@ -296,7 +296,9 @@ impl Gradient<'_> {
         let taken = self.stages_through(step, starts, shifts_s, causes)?;
         let mut ends: Vec<Variation> = taken.into_iter().filter_map(|mut stages| stages.pop()).collect();
         let projection = self.projection(step);
-        ends.iter_mut().for_each(|end| projection.apply(end));
+        for (direction, end) in ends.iter_mut().enumerate() {
+            projection.apply(end, (causes.parameters && direction < starts.len()).then_some(direction));
+        }
         Ok(ends)
     }
 

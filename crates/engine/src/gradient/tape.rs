@@ -5,6 +5,7 @@ use crate::force::set::Indicator;
 use crate::gradient::GradientError;
 use crate::gradient::inputs::{InputRows, Piece};
 use crate::gradient::timer::Timer;
+use crate::multibody::rigid_loop::RigidFactor;
 use crate::solve::point::Point;
 use crate::system::air::AirHistory;
 use crate::system::failure_memory::FailureMemory;
@@ -42,6 +43,8 @@ pub(crate) struct Step {
     pub end: Point,
     /// Its last stage, for machines whose ends are projected onto the constraints of joints, (J6); otherwise it is the end.
     pub last: Option<Box<Point>>,
+    /// The factors of its projection onto the constraints of rigid loops, skates and wheels, (C7).
+    pub closing: Option<Arc<RigidFactor>>,
     /// States of the joints in it.
     pub joints: Vec<JointMemory>,
     /// States of the failures in it; empty without failures.

@@ -32,6 +32,15 @@ impl Variation {
         Self { q: zeros.clone(), v: zeros.clone(), a: zeros }
     }
 
+    /// Its coordinates, rates or accelerations.
+    pub fn part_mut(&mut self, order: usize) -> &mut [f64] {
+        match order {
+            0 => &mut self.q,
+            1 => &mut self.v,
+            _ => &mut self.a,
+        }
+    }
+
     pub fn add(&mut self, factor: f64, other: &Self) {
         add(&mut self.q, factor, &other.q);
         add(&mut self.v, factor, &other.v);

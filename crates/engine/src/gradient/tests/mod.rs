@@ -16,6 +16,7 @@ mod accounts;
 mod air;
 mod airs;
 mod chains;
+mod constraints;
 mod electric;
 mod failures;
 mod folding;
