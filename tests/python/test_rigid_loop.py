@@ -117,12 +117,11 @@ def test_lp37_a_triangle_from_code_carries_its_weight():
 
 
 def test_lp38_what_rigid_loops_refuse_is_named(tmp_path):
-    """LP-38. Gradients, linear models of moving states, periodic motions, FMUs with such a linear model or for Model Exchange and a penalty
+    """LP-38. Linear models of moving states, periodic motions, FMUs with such a linear model or for Model Exchange and a penalty
     beside `rigid` are refused with the name of the loop or the cure."""
     model = fw.Model(rigid(FOUR_BAR))
     tied = fw.Model(TIED)
     refusals = [
-        (lambda: model.gradient("motor.angle", "motor.motor_damping"), fw.FoldwingError, "gradients do not cover rigid loops.*front"),
         (lambda: model.linearize("start"), fw.FoldwingError, 'rigid loops are linearised at rest only.*"front" stiffness_N_m'),
         (lambda: model.periodic(60.0, shaft="motor"), fw.FoldwingError, 'no periodic motion.*the loop "front" is rigid.*stiffness_N_m'),
         (lambda: model.package(tmp_path / "a.fmu", interface="me"), fw.FoldwingError, "rigid.*stiffness_N_m"),
@@ -135,3 +134,23 @@ def test_lp38_what_rigid_loops_refuse_is_named(tmp_path):
     assert not list(tmp_path.iterdir())
     run = tied.simulate(stop=0.02, outputs=["loop.tie.force.z", "loop.tie.gap.z"])
     assert np.abs(run["loop.tie.gap.z"]).max() < 1e-14 and np.abs(run["loop.tie.force.z"]).max() > 1.0
+
+
+def test_lp49_gradients_of_a_four_bar_linkage_with_rigid_loops():
+    """LP-49. Angle of the crank and a force of the pin by the damping of the motor and the length of the coupler's section, forward and
+    adjoint, against differences of runs that choose their steps, over 1e-3 of the numbers: to 1e-4, their tolerance over that step."""
+    text = rigid(FOUR_BAR).replace("[simulation]", "[solver]\ntolerance = 1e-9\n\n[simulation]")
+    assert "tolerance = 1e-9" in text and text.count("[solver]") == 1
+    of, by = ["motor.angle", "loop.front.force.x"], ["motor.motor_damping", "file:section.bar.width_m"]
+    forward = fw.Model(text).gradient(of, by, stop=STOP_S, mode="forward")
+    adjoint = fw.Model(text).gradient(of, by, stop=STOP_S, mode="adjoint")
+    assert np.allclose(forward.jacobian, adjoint.jacobian, rtol=1e-7, atol=0.0)
+    for column, (key, value) in enumerate([("damping_N_m_s_rad = 0.1", 0.1), ("width_m = 0.02", 0.02)]):
+        ends = []
+        for sign in (1.0, -1.0):
+            changed = text.replace(key, f"{key.split(' = ')[0]} = {value * (1.0 + 1e-3 * sign)!r}")
+            assert changed != text
+            run = fw.Model(changed).simulate(stop=STOP_S, step=STOP_S, outputs=of)
+            ends.append(np.array([run[name][-1] for name in of]))
+        known = (ends[0] - ends[1]) / (2e-3 * value)
+        assert np.allclose(forward.jacobian[:, column], known, rtol=1e-4, atol=0.0), (key, forward.jacobian[:, column], known)

@@ -114,7 +114,6 @@ pub fn without(model: &Model, part: &str, place: &str) -> Option<Model> {
         "rotors whose tower disturbs the wind" => remove("tower"),
         part if part.starts_with("gusts") => remove("gust"),
         "mass-proportional damping of bodies with shear on free joints" => Some(unsheared(model, place)),
-        "rigid loops" => remove(&format!("loop.{place}")),
         part if part.starts_with("failures") => remove(&format!("failure.{place}")),
         part if part.starts_with("runs in which a generator passes") => of_joint("generator"),
         "the methods generalized_alpha and rk4" => remove("solver"),
