@@ -307,7 +307,7 @@ def test_long_tests_have_a_short_one_beside_them():
             left_out |= {f"test_notebooks_show_what_they_store[{case}]" for case in re.findall(r'param\("(\w+)", marks=pytest\.mark\.long\)', text)}
     assert left_out == LONG.keys()
     assert set(LONG.values()) <= run
-    assert re.search(r"^ +make long LONG_SHARE=2\b", (ROOT / ".ci/run").read_text(encoding="utf-8"), re.M)
+    assert re.search(r"^ +make long LONG_SHARE=3\b", (ROOT / ".ci/run").read_text(encoding="utf-8"), re.M)
     assert "long" in stages_of_validate()
 
 
