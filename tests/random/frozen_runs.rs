@@ -498,7 +498,14 @@ fn rows(model: &Model, plant: &Plant) -> InputRows {
     if rows.len() == 1 {
         return InputRows::default();
     }
+    // the torque of a joint whose motion is prescribed is not an input of the machine
+    let interface = Interface::new(plant.machine());
+    let is_input = |index: usize| {
+        let mut variables = interface.variables().iter().filter(|row| row.causality == Causality::Input);
+        variables.any(|row| interface.input_index(row.value_reference) == Some(index))
+    };
     let columns = (0..first.len()).filter(|index| rows.iter().any(|(_, row)| row[*index] != first[*index]));
+    let columns = columns.filter(|index| is_input(*index));
     let columns = columns.map(|index| InputColumn {
         index,
         held: switches.contains(&index),
