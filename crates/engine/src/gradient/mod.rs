@@ -12,6 +12,7 @@ mod adjoint;
 mod air;
 mod along;
 mod block;
+mod difference;
 mod directions;
 mod ends;
 mod error;
