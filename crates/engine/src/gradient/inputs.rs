@@ -86,6 +86,11 @@ impl InputRows {
         self.columns.get(column).is_some_and(|column| !column.held && rows.all(|row| *row < self.times_s.len()))
     }
 
+    /// Whether a row with values of real inputs is at a time.
+    pub(crate) fn varies_at(&self, time_s: f64) -> bool {
+        self.times_s.contains(&time_s) && self.columns.iter().any(|column| !column.held)
+    }
+
     /// Times in s at which inputs jump: of two rows each, and of rows at which a switch changes.
     pub fn jumps_s(&self) -> impl Iterator<Item = f64> + '_ {
         let switched = |row: usize| self.columns.iter().any(|own| own.held && own.values[row] != own.values[row - 1]);
