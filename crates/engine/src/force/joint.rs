@@ -127,6 +127,17 @@ impl JointForces {
         powers.dissipated += own.dissipated;
     }
 
+    /// Power of the work per rate of the motor's command, which it follows at once, in N·m.
+    pub fn work_per_command_rate_n_m(
+        &self,
+        [time_s, branch_s]: [f64; 2],
+        [q, v]: [&[f64]; 2],
+        work: &Workspace,
+    ) -> f64 {
+        let here = self.here(time_s, branch_s, q, v, work);
+        self.motor().map_or(0.0, |motor| motor.work_per_slew_rate_n_m(&here))
+    }
+
     /// Energy stored in the joint's forces.
     pub fn stored(&self, time_s: f64, q: &[f64], work: &Workspace) -> Stored {
         let c = self.coordinate;

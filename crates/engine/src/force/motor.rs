@@ -149,6 +149,13 @@ impl Motor {
         }
     }
 
+    /// Power of the work per rate of the neutral angle, in N·m.
+    pub fn work_per_slew_rate_n_m(&self, here: &Here) -> f64 {
+        let (neutral_rad, _) = self.neutral_on(here.time_s, here.branch_s);
+        let pieces = self.pieces(here.angle_rad, here.rate_rad_s, neutral_rad);
+        self.drive.slew_power_on_w(pieces, here.angle_rad, neutral_rad, 1.0)
+    }
+
     /// Distances to both torque limits in N·m, negative beyond them; 1 without limits.
     pub fn limit_distances_n_m(&self, time_s: f64, angle_rad: f64, rate_rad_s: f64) -> [f64; 2] {
         let limit_n_m = self.drive.torque_limit_n_m;

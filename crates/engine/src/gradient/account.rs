@@ -8,8 +8,10 @@ use crate::gradient::{Entry, Gradient, GradientError, add};
 use crate::load::RootMotion;
 use crate::math::difference::SIXTH_ORDER;
 use crate::multibody::energy::first_moment_kg_m;
+use crate::signal::JointInputs;
 use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
+use crate::system::equations::Equations;
 use crate::system::{EnergyOutputs, System};
 use std::mem::offset_of;
 
@@ -181,27 +183,40 @@ impl Gradient<'_> {
         slopes
     }
 
-    /// Slopes of the power of work with respect to the rows of gravity and of the root's acceleration by their rates, eq. (X36): a gravity
-    /// field that varies in time does work on the potential. A change of all rows, which the neighbouring machines have, does not change
-    /// its rate.
+    /// Slopes of the power of work with respect to the rows of gravity, of the root's acceleration and of commands by their rates, eq. (X36): a
+    /// gravity field that varies in time does work on the potential, as does a neutral angle that moves. A change of all rows, which the
+    /// neighbouring machines have, does not change its rate.
     fn work_by_rates(&mut self, at: &Point) -> Vec<f64> {
-        let root = self.system.state.inputs.layout().root;
-        let gravity = root.place(0, offset_of!(RootMotion, gravity_m_s2));
-        let acceleration = root.place(0, offset_of!(RootMotion, acceleration_m_s2));
-        let in_field = |entry: &Entry| {
+        let columns = self.entries.iter().map(|entry| {
             let column = &self.tape.inputs.columns()[self.neighbours[entry.beside].column()?];
-            let axis = |first: usize| column.index.checked_sub(first).filter(|axis| *axis < 3);
-            let (axis, sign) =
-                axis(gravity).map(|axis| (axis, 1.0)).or_else(|| axis(acceleration).map(|axis| (axis, -1.0)))?;
-            Some((axis, sign * self.tape.inputs.weight_rate_1_s(entry.row?, self.piece)))
-        };
-        let rates: Vec<Option<(usize, f64)>> = self.entries.iter().map(in_field).collect();
-        if rates.iter().all(Option::is_none) {
-            return vec![0.0; rates.len()];
+            Some((column.index, self.tape.inputs.weight_rate_1_s(entry.row?, self.piece)))
+        });
+        let columns: Vec<Option<(usize, f64)>> = columns.collect();
+        if columns.iter().all(Option::is_none) {
+            return vec![0.0; columns.len()];
         }
         self.place(at);
-        let moment_kg_m = first_moment_kg_m(&self.system.equations.model, &self.system.equations.work);
-        rates.iter().map(|rate| rate.map_or(0.0, |(axis, rate)| -rate * moment_kg_m[axis])).collect()
+        let by_rate = |column: Option<(usize, f64)>| {
+            column.map_or(0.0, |(index, rate_1_s)| rate_1_s * self.work_per_rate(index, at))
+        };
+        columns.into_iter().map(by_rate).collect()
+    }
+
+    /// Power of the work per rate of an input at the point of the last residual.
+    fn work_per_rate(&self, input: usize, at: &Point) -> f64 {
+        let layout = self.system.state.inputs.layout();
+        let Equations { model, work, forces, .. } = &self.system.equations;
+        let fields = [(offset_of!(RootMotion, gravity_m_s2), -1.0), (offset_of!(RootMotion, acceleration_m_s2), 1.0)];
+        for (offset, sign) in fields {
+            let first = layout.root.place(0, offset);
+            if (first..first + 3).contains(&input) {
+                return sign * first_moment_kg_m(model, work)[input - first];
+            }
+        }
+        let command = |joint: &usize| layout.joints.place(*joint, offset_of!(JointInputs, command_rad)) == input;
+        (0..forces.joints().len()).find(command).map_or(0.0, |joint| {
+            forces.joints()[joint].work_per_command_rate_n_m([at.time_s, self.middle_s], [&at.q, &at.v], work)
+        })
     }
 
     fn powers_by_neighbours(&mut self, step: &Step, at: &Point) -> Vec<[f64; 2]> {
