@@ -128,10 +128,12 @@ impl Gradient<'_> {
                 }
             }
             if let Some((account, before)) = account {
-                let step = &marched[before];
+                let earlier = &marched[before];
                 let (on, shift) = &mut multipliers;
-                let side = EventSide { step, at: &step.end, sign: -1.0, loses };
+                let side = EventSide { step: earlier, at: &earlier.end, sign: -1.0, loses };
                 self.add_energy_seed(side, account, (on, shift), sums.gradient.as_mut());
+                // the air of the step comes next
+                self.adopt(step);
             }
         }
         Ok(multipliers)
