@@ -9,8 +9,17 @@ use crate::solve::EquationsOfMotion;
 use crate::solve::point::Point;
 use crate::system::brake::JUMP_1_S;
 
-/// Corrections by the momenta that are left: masses of loops, a million times those of the machine, multiply round-off of a solution.
-const REFINEMENTS: usize = 2;
+/// Maximum number of corrections by the momenta that are left: masses of loops, a million times those of the machine, multiply round-off of a
+/// solution. They end where they no longer become smaller.
+const REFINEMENTS: usize = 20;
+
+/// Whether a correction is smaller than the one before it, whose size is `before`, and not zero.
+fn is_smaller(correction: &[f64], before: &mut f64) -> bool {
+    let size = correction.iter().fold(0.0f64, |size, entry| size.max(entry.abs()));
+    let is = size < *before && size > 0.0;
+    *before = size;
+    is
+}
 
 impl Gradient<'_> {
     /// The jump of the rates at the start of a step, whose states of the joints are adopted; `None` if no joint is stopped there.
@@ -54,7 +63,8 @@ impl Gradient<'_> {
         jump.at.a[tree..].fill(0.0);
         self.place(&jump.still);
         let still = self.scratch.clone();
-        for correction in 0..=REFINEMENTS {
+        let mut size = f64::INFINITY;
+        for correction in 0..REFINEMENTS {
             self.place(&jump.at);
             if correction == 0 {
                 self.factorize(&jump.at, 0.0)?;
@@ -63,6 +73,9 @@ impl Gradient<'_> {
             let equations = &mut self.system.equations;
             equations.clear_held(&mut left);
             equations.solve(&mut left);
+            if !is_smaller(&left[tree..], &mut size) {
+                break;
+            }
             add(&mut jump.at.a[tree..], -1.0, &left[tree..]);
         }
         Ok(())
@@ -121,10 +134,14 @@ impl Gradient<'_> {
             }
             let first = left(self, &change);
             self.solve_masses(&jump.at, first, &variation.v, &mut change)?;
+            let mut size = f64::INFINITY;
             for _ in 0..REFINEMENTS {
                 let mut left = left(self, &change);
                 self.system.equations.clear_held(&mut left);
                 self.system.equations.solve(&mut left);
+                if !is_smaller(&left, &mut size) {
+                    break;
+                }
                 add(&mut change, 1.0, &left);
             }
             let rows = left(self, &change);
@@ -197,22 +214,30 @@ impl Gradient<'_> {
         }
         let [mut w, _, _] = self.solve_transposed(&jump.at, 0.0, &right)?;
         add(&mut w, 1.0, &of_impulse);
+        // the sum of the products, not the product with the sum, whose round-off masses of loops multiply
+        let mut correction = w.clone();
+        let [mut sum_q, mut sum_a] = [0, 1].map(|_| vec![0.0; on.v.len()]);
+        let mut size = f64::INFINITY;
         for _ in 0..REFINEMENTS {
             let equations = &mut self.system.equations;
-            equations.residual_transposed(&mut self.derivative, &w, [&mut by_q, &mut by_v, &mut by_a]);
-            let mut left: Vec<f64> = on.v.iter().zip(&by_a).map(|(own, found)| own - found).collect();
-            equations.clear_held(&mut left);
-            equations.solve_transposed(&self.derivative, &mut left);
-            add(&mut w, 1.0, &left);
+            equations.residual_transposed(&mut self.derivative, &correction, [&mut by_q, &mut by_v, &mut by_a]);
+            add(&mut sum_q, 1.0, &by_q);
+            add(&mut sum_a, 1.0, &by_a);
+            correction = on.v.iter().zip(&sum_a).map(|(own, found)| own - found).collect();
+            equations.clear_held(&mut correction);
+            equations.solve_transposed(&self.derivative, &mut correction);
+            if !is_smaller(&correction, &mut size) {
+                break;
+            }
+            add(&mut w, 1.0, &correction);
         }
-        for (point, sign) in [(&jump.at, -1.0), (&jump.still, 1.0)] {
-            self.linearize(point);
-            let equations = &self.system.equations;
-            equations.residual_transposed(&mut self.derivative, &w, [&mut by_q, &mut by_v, &mut by_a]);
-            add(&mut on.q, sign / JUMP_1_S, &by_q);
-        }
+        add(&mut on.q, -1.0 / JUMP_1_S, &sum_q);
+        self.linearize(&jump.still);
+        let equations = &self.system.equations;
+        equations.residual_transposed(&mut self.derivative, &w, [&mut by_q, &mut by_v, &mut by_a]);
+        add(&mut on.q, 1.0 / JUMP_1_S, &by_q);
         for c in &jump.stopped {
-            on.v[*c] = by_a[*c];
+            on.v[*c] = sum_a[*c];
         }
         Ok(w)
     }
