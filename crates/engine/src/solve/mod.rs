@@ -45,7 +45,7 @@ pub trait EquationsOfMotion {
     fn project(&self, q: &mut [f64], v: &mut [f64], a: &mut [f64]);
 
     /// Projects a state onto the constraints of closed loops with the last factors, after [`EquationsOfMotion::project`] at the ends of
-    /// steps. Returns whether there are such constraints; powers must then be computed again.
+    /// steps. Returns whether there are constraints of either kind: powers must then be computed again.
     ///
     /// # Errors
     /// If the loops cannot be closed.

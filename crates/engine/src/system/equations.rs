@@ -12,7 +12,7 @@ use crate::multibody::dynamics::{self, Damping, Environment};
 use crate::multibody::factor::{self, FreedomTangent, Weights};
 use crate::multibody::gauge::Side;
 use crate::multibody::internal_load::SectionPlace;
-use crate::multibody::kinematics::Motion;
+use crate::multibody::kinematics::{self, Motion};
 use crate::multibody::model::{Attachment, BodyDescription, Element};
 use crate::multibody::no_slip::NoSlipDescription;
 use crate::multibody::rigid_loop::{self, Miss};
@@ -315,7 +315,11 @@ impl EquationsOfMotion for Equations {
 
     fn close(&mut self, q: &mut [f64], v: &mut [f64], a: &mut [f64]) -> Result<bool, Open> {
         if self.model.constraints() == 0 {
-            return Ok(false);
+            let is_projected = self.booked && !self.spatial.is_empty();
+            if is_projected {
+                kinematics::sweep_motion(&self.model, &mut self.work, Motion { q, v, a });
+            }
+            return Ok(is_projected);
         }
         let closed = rigid_loop::close(&self.model, &mut self.work, [q, v, a]);
         closed.map(|()| true).map_err(|miss| match miss {
