@@ -138,7 +138,7 @@ pub fn check(model: &Model, found: &mut Found) -> Option<()> {
         return None;
     }
     found.kinds.extend(kinds(&model));
-    if model.seed.is_multiple_of(COMMANDS) {
+    if model.seed.is_multiple_of(COMMANDS) || std::env::var_os("FOLDWING_DEBUGALL").is_some() {
         by_command((&model, &inputs), &options, [forward, adjoint], found);
     }
     compare(&mut random, &model, [forward, adjoint], found);

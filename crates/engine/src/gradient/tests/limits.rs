@@ -33,7 +33,7 @@ pub(super) fn usual(names: &[&str]) -> Vec<Place> {
 
 /// A share of the torque limit, below 1, at which no stage is at the limit to within `distance` of it, and many lie on either side: the pieces
 /// of stages do not change along the differences.
-fn clear_limit(started: impl Fn(f64) -> Plant, inputs: &InputRows, distance: f64) -> f64 {
+pub(super) fn clear_limit(started: impl Fn(f64) -> Plant, inputs: &InputRows, distance: f64) -> f64 {
     let clear = |share: &f64| {
         let mut plant = started(*share);
         let tape = plant.run_on_tape_with(inputs, &TIMES_S).unwrap_or_else(|error| panic!("{error}"));

@@ -134,13 +134,15 @@ fn gradients_pass_through_two_rigid_latches_and_stops() {
     agree(&compared, 3e-6);
 }
 
-/// GR-35: a parallelogram of beams that a loop closes and a rigid latch at its crank stops: ideal joints in the impulse.
+/// GR-35: a parallelogram of beams, without and with shear, that a loop closes and a rigid latch at its crank stops: ideal joints in the
+/// impulse.
 #[test]
 fn gradients_pass_through_a_rigid_latch_of_a_closed_loop() {
-    let machine = |numbers: Numbers| {
+    let machine = |numbers: Numbers, has_shear: bool| {
         let material = Material { youngs_modulus_pa: 3e9, shear_modulus_pa: 1.2e9, density_kg_m3: numbers.density };
         let bar = |name: &str, length_m: f64| {
-            Body::beam(name, length_m, Solid::rectangle(0.02, numbers.thickness, material))
+            let solid = Solid::rectangle(0.02, numbers.thickness, material);
+            Body::beam(name, length_m, if has_shear { solid.with_shear() } else { solid })
                 .elements(1)
                 .stiffness_damping_s(numbers.beta)
         };
@@ -175,13 +177,17 @@ fn gradients_pass_through_a_rigid_latch_of_a_closed_loop() {
         results.retain(|result| !matches!(result, RunResult::Output { index, .. } if is_load(*index)));
         results
     };
-    let compared = compare_results(machine, &InputRows::default(), &places, motions);
-    assert_eq!(compared.events, 1);
-    // the masses of the loop in the impulse, a million times those of the machine, leave round-off of 1e-16 times a million, over a
-    // thousandth of a length
-    let Compared { forward_and_adjoint, differences, .. } = compared;
-    assert!(forward_and_adjoint < 1e-9, "{forward_and_adjoint:.1e}");
-    assert!(differences < 2e-6, "{differences:.1e}");
+    for has_shear in [false, true] {
+        let machine = |numbers: Numbers| machine(numbers, has_shear);
+        let compared = compare_results(machine, &InputRows::default(), &places, motions);
+        let Compared { forward_and_adjoint, differences, events } = compared;
+        println!("GR-35 {has_shear}: {forward_and_adjoint:.1e} {differences:.1e}");
+        assert_eq!(events, 1);
+        // the masses of the loop in the impulse, a million times those of the machine, leave round-off of 1e-16 times a million, over a
+        // thousandth of a length
+        assert!(forward_and_adjoint < 1e-9, "{has_shear}: {forward_and_adjoint:.1e}");
+        assert!(differences < 2e-6, "{has_shear}: {differences:.1e}");
+    }
 }
 
 /// LP-06: the wing of GR-33 tied to the root by a loop with spring, damper and inertia: motions, reactions, latch time and the force of the

@@ -80,6 +80,7 @@ fn rows_of_inputs_in_air_have_slopes() {
             output(layout.energy.place(0, 0), 1),
             output(layout.tips.place(0, 0), 1),
         ];
+        results.extend(layout.accounts().map(|index| output(index, 1)));
         let latches = tape.latch_time_s(fold).is_some();
         assert_eq!(latches, kind.latched);
         results.extend(latches.then_some(RunResult::LatchTime { joint: fold }));
