@@ -27,6 +27,8 @@ const RUN_STEPS: f64 = 32.4;
 const EARLIER_STEPS: f64 = 14.3;
 /// Differences between runs as shares of a number, each with its double.
 const DIFFERENCES: [f64; 3] = [1e-3, 1e-4, 1e-5];
+/// Slopes of a largest value from one side and from the other differ by this share where it lies at another time in runs beside it.
+const BEND: f64 = 1e-3;
 /// Newton's iteration leaves this share of a value.
 const NEWTON: f64 = 1e-12;
 /// Derivatives below this fraction of the result are round-off: those of outputs that a number does not affect.
@@ -38,14 +40,15 @@ const SAME_OUTPUT: f64 = 1e-6;
 /// Allowed difference from differences of runs, relative to the largest of a row.
 const SAME_AS_RUNS: f64 = 1e-6;
 /// Results that miss the limits, by the seed of the machine and a part of their names, empty for all: bounds of forward against adjoint and
-/// against runs. 5: a rotor with modal blades is 2.7e-6
-/// off, the cause is not known. 21: the specific force at the tip of a body with shear is 3.8e-6 and 2.2e-6 off, 1.4e-10 and 4.8e-7 without
-/// shear. 24: the least thrust coefficient of a rotor hardly depends on the numbers, and runs differ by 2.5e-8 of its value, the cause is not
-/// known; forward and adjoint agree to 6e-13.
-const MISSED: [(u64, &str, [f64; 2]); 3] = [
-    (5, "", [SAME_OUTPUT, 4e-6]),
+/// against runs. 21: the specific force at the tip of a body with shear is 3.8e-6 and 2.2e-6 off, 1.4e-10 and 4.8e-7 without shear. 65:
+/// accelerations of such a body behind a rigid latch, 2.1e-5. 76: the largest root moment of a modal blade, 2.1e-6 over 1e-5 of a number. 112: work of 1e-3 of the energies, 9.3e-6. 122: a wind by its row ahead of the
+/// start, 5e-5, with dynamic inflow; the cause is not known.
+const MISSED: [(u64, &str, [f64; 2]); 5] = [
     (21, "specific_force", [6e-6, 4e-6]),
-    (24, "thrust_coefficient", [SAME_OUTPUT, 2e-2]),
+    (65, "", [4e-5, SAME_AS_RUNS]),
+    (76, "root_moment", [SAME_OUTPUT, 3e-6]),
+    (112, "energy.work", [SAME_OUTPUT, 2e-5]),
+    (122, "", [SAME_OUTPUT, 1e-4]),
 ];
 
 /// One in this many machines is given to the command too.
@@ -345,6 +348,16 @@ fn differences(
             if largest[result] <= ROUND_OFF / SAME * row.value.abs().max(1.0) {
                 continue;
             }
+            // a largest value may lie at another time in runs on one side: it has no difference over this step
+            let [behind, ahead] = [[2, 1, 0], [3, 4, 5]].map(|runs| {
+                let [one, two, four] = runs.map(|run| (at(run) - row.value) / share);
+                8.0 / 3.0 * one - two + four / 12.0
+            });
+            let is_largest = ["max(", "min(", "peak("].iter().any(|start| row.name.starts_with(start));
+            if is_largest && (behind + ahead).abs() > BEND * largest[result] {
+                found.limited += 1;
+                continue;
+            }
             let apart = (own - close).abs();
             found.compared += 1;
             if limit + noise > same * largest[result] {
@@ -413,6 +426,13 @@ fn prepared(model: &Model) -> Model {
             .with("tolerance", 1e-12)
             .with("fixed_step_s", 0.5 * step_s),
     );
+    // the derivatives are those of an exact solution for the loads
+    for table in model.tables.iter_mut().filter(|table| table.name == "aerodynamics") {
+        if !table.is("coupling", "staggered") {
+            table.keys.retain(|(key, _)| *key != "coupling_tolerance");
+            table.set("coupling_tolerance", 1e-12);
+        }
+    }
     model
 }
 
