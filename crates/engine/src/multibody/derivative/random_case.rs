@@ -161,9 +161,9 @@ impl Case {
                 runner: Runner::Skate { direction: direction() },
                 normal: direction(),
                 distance_m: 0.3,
-                holds_normal: seed % 2 == 0,
+                holds_normal: seed.is_multiple_of(2),
             };
-            let runner = Runner::Wheel { axis: direction(), radius_m: 0.2, rolling: seed % 3 > 0 };
+            let runner = Runner::Wheel { axis: direction(), radius_m: 0.2, rolling: !seed.is_multiple_of(3) };
             let wheel = NoSlipDescription { place: (0, 0.8), runner, normal: direction(), holds_normal: true, ..skate };
             no_slips.extend([skate, wheel]);
         }
