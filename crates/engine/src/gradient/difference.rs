@@ -1,11 +1,30 @@
-//! Parts of the residual in which perturbed machines differ from the one that ran: their slopes need no more than these.
+//! Perturbed machines, and the parts of the residual in which they differ from the one that ran: its slopes need no more than these.
 
-use crate::gradient::parameter::Perturbed;
+use crate::gradient::inputs::Offset;
+use crate::gradient::replay::Replay;
 use crate::gradient::tape::Tape;
 use crate::machine::Effect;
 use crate::multibody::Model;
 use crate::multibody::block_slopes::{BlockSlopes, DampingSlope};
+use crate::run::Plant;
 use crate::system::equations::Equations;
+
+/// A perturbed plant.
+pub(super) struct Perturbed {
+    /// Its weight in a slope.
+    pub weight: f64,
+    pub plant: Plant,
+    /// Its change of the inputs over time.
+    pub offset: Option<Offset>,
+    /// Its slews and failures in the steps of the tape; `None` until it is initialised.
+    pub replay: Option<Replay>,
+}
+
+impl Perturbed {
+    pub fn new(weight: f64, plant: Plant, offset: Option<Offset>) -> Self {
+        Self { weight, plant, offset, replay: None }
+    }
+}
 
 /// Kind of the difference between the residuals of the machines.
 pub(super) enum Difference {

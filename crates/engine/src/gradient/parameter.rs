@@ -5,7 +5,7 @@ use crate::force::joint::JointForces;
 use crate::force::memory::JointMemory;
 use crate::force::set::Forces;
 use crate::gradient::GradientError;
-use crate::gradient::difference::{Difference, MeshSlopes, forces_differ};
+use crate::gradient::difference::{Difference, MeshSlopes, Perturbed, forces_differ};
 use crate::gradient::impulse::Jump;
 use crate::gradient::inputs::{InputRows, Offset};
 use crate::gradient::replay::Replay;
@@ -43,23 +43,6 @@ pub struct Parameter {
     perturbed: Vec<Perturbed>,
     /// The rows of the input over time whose values are differentiated by, each a parameter of its own; `None` for a single number.
     rows: Option<Vec<usize>>,
-}
-
-/// A perturbed plant.
-pub(super) struct Perturbed {
-    /// Its weight in a slope.
-    pub weight: f64,
-    pub plant: Plant,
-    /// Its change of the inputs over time.
-    pub offset: Option<Offset>,
-    /// Its slews and failures in the steps of the tape; `None` until it is initialised.
-    replay: Option<Replay>,
-}
-
-impl Perturbed {
-    fn new(weight: f64, plant: Plant, offset: Option<Offset>) -> Self {
-        Self { weight, plant, offset, replay: None }
-    }
 }
 
 impl Parameter {

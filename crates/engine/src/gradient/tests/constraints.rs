@@ -65,7 +65,7 @@ fn of_loop(plant: &Plant) -> Vec<RunResult> {
 /// Step of the differences of runs of a linkage as a share of a number: over [`DIFFERENCE`] their truncation is 2e-6.
 const OVER: f64 = 1e-4;
 
-/// GR-112: a parallelogram of beams with a rigid loop, with an elastic and a rigid latch, whose impulse the constraint takes part in: strains,
+/// GR-112: a parallelogram of beams with a rigid loop, with an elastic and a rigid latch, in whose impulse the constraint acts: strains,
 /// motions, reactions, the force of the loop, means, the dissipated energy and the latch time by eleven numbers. Forward and adjoint mode as in
 /// GR-35: reactions are differences of large forces.
 #[test]
@@ -82,7 +82,7 @@ fn gradients_with_a_rigid_loop() {
     agree(&compared, 1e-9, "GR-112 rigid latch");
 }
 
-/// GR-114: of the side forces of two wheels on one axis only the sum is determined: each is refused as a result, as are the reactions of their
+/// GR-114: of the side forces of two wheels on one axis only the sum is determined: each is an error as a result, as are the reactions of their
 /// axles, while those of the nose wheel, normal forces and motions are results (GR-113).
 #[test]
 fn forces_of_redundant_constraints_are_refused() {

@@ -4,7 +4,6 @@ use crate::math::jet::{Partial, Vector};
 use crate::math::so3::hat;
 use crate::multibody::closure::Closure;
 use crate::multibody::constraint::Constraint;
-use crate::multibody::derivative::Derivative;
 use crate::multibody::derivative::chain::{Shift, Timed, fixed, second};
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::Model;
@@ -206,17 +205,5 @@ impl NodeMotion<Partial<ENTRIES>> {
                 jets(&own, &[(TURN, turned_by_units(&own))])
             }),
         }
-    }
-}
-
-impl Derivative {
-    /// Slopes of a row of the gap of a constraint, of its rate (`order` 1) or its acceleration (2), with respect to the coordinates, their
-    /// rates and their accelerations, into `slopes`.
-    pub(crate) fn gap_slopes(&mut self, (constraint, order, row): (usize, usize, usize), slopes: [&mut [f64]; 3]) {
-        let [by_q, by_v, by_a] = slopes;
-        [&mut *by_q, &mut *by_v, &mut *by_a].into_iter().for_each(|slopes| slopes.fill(0.0));
-        self.shifts.fill(Shift::ZERO);
-        self.constraints[constraint].add_row(ROWS * order + row, 1.0, &mut self.shifts);
-        self.pull_shifts([by_q, by_v, by_a]);
     }
 }

@@ -37,6 +37,7 @@ use crate::multibody::dynamics::{Damping, Environment};
 use crate::multibody::joint::JointKind;
 use crate::multibody::kinematics::Motion;
 use crate::multibody::model::{Base, Body, Model};
+use crate::multibody::no_slip::ROWS;
 use crate::multibody::workspace::Workspace;
 use chain::{Column, Shift, fixed};
 use constraint::ConstraintBlock;
@@ -355,6 +356,14 @@ impl Derivative {
             rotor.reverse(wrenches, w, shifts, by_a);
         }
         self.pull_shifts([by_q, by_v, by_a]);
+    }
+
+    /// Slopes of a row of the gap of a constraint, of its rate (`order` 1) or its acceleration (2), with respect to the motion.
+    pub(crate) fn gap_slopes(&mut self, (constraint, order, row): (usize, usize, usize), mut slopes: [&mut [f64]; 3]) {
+        slopes.iter_mut().for_each(|slopes| slopes.fill(0.0));
+        self.shifts.fill(Shift::ZERO);
+        self.constraints[constraint].add_row(ROWS * order + row, 1.0, &mut self.shifts);
+        self.pull_shifts(slopes);
     }
 
     /// Adds the multipliers of the coordinates, their rates and their accelerations from those of the motion of the nodes.
