@@ -137,7 +137,7 @@ def test_lp38_what_rigid_loops_refuse_is_named(tmp_path):
 
 
 def test_lp49_gradients_of_a_four_bar_linkage_with_rigid_loops():
-    """LP-49. Angle of the crank and mean force of the pin by the damping of the motor and the width of the coupler's section, forward and
+    """LP-49. Angle of the crank and mean force of the pin by the damping of the motor and the width of the bars, forward and
     adjoint, against differences of runs with fixed steps, over 1e-3 of the numbers: to 1e-5, as these runs close their loops in directions
     of their own. The force at an instant depends on these directions: its differences are 10 % off."""
     text = rigid(FOUR_BAR).replace("[simulation]", "[solver]\ntolerance = 1e-12\nfixed_step_s = 0.001\n\n[simulation]")

@@ -41,8 +41,9 @@ const SAME_OUTPUT: f64 = 1e-6;
 const SAME_AS_RUNS: f64 = 1e-6;
 /// Results that miss the limits, by the seed of the machine and a part of their names, empty for all: bounds of forward against adjoint and
 /// against runs. 21: the specific force at the tip of a body with shear is 3.8e-6 and 2.2e-6 off, 1.4e-10 and 4.8e-7 without shear. 65:
-/// accelerations of such a body behind a rigid latch, 2.1e-5. 76: the largest root moment of a modal blade, 2.1e-6 over 1e-5 of a number. 112: work of 1e-3 of the energies, 9.3e-6. 122: a wind by its row ahead of the
-/// start, 5e-5, with dynamic inflow; the cause is not known.
+/// accelerations of such a body behind a rigid latch, 2.1e-5. 76: the largest root moment of a modal blade, 2.1e-6 over 1e-5 of a number.
+/// 112: work of 1e-3 of the energies, 9.3e-6. 122: derivatives by the wind in its row ahead of the start, 5e-5, with dynamic inflow; the
+/// cause is not known.
 const MISSED: [(u64, &str, [f64; 2]); 5] = [
     (21, "specific_force", [6e-6, 4e-6]),
     (65, "", [4e-5, SAME_AS_RUNS]),
@@ -141,7 +142,7 @@ pub fn check(model: &Model, found: &mut Found) -> Option<()> {
         return None;
     }
     found.kinds.extend(kinds(&model));
-    if model.seed.is_multiple_of(COMMANDS) || std::env::var_os("FOLDWING_DEBUGALL").is_some() {
+    if model.seed.is_multiple_of(COMMANDS) {
         by_command((&model, &inputs), &options, [forward, adjoint], found);
     }
     compare(&mut random, &model, [forward, adjoint], found);

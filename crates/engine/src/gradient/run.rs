@@ -196,7 +196,7 @@ impl Plant {
         let system = &mut self.system;
         system.state.now.copy_from(&system.state.ahead);
         inputs.write_next(piece, &mut system.state);
-        // inputs that are equal on both sides of a row are not where the values in the row vary
+        // inputs that do not change at a row change there in runs with other values of the row
         if !system.inputs_changed() && !inputs.varies_at(piece.from_s) {
             return Ok(false);
         }

@@ -317,6 +317,7 @@ impl EquationsOfMotion for Equations {
         if self.model.constraints() == 0 {
             let is_projected = self.booked && !self.spatial.is_empty();
             if is_projected {
+                // the powers of the projected end need its motion
                 kinematics::sweep_motion(&self.model, &mut self.work, Motion { q, v, a });
             }
             return Ok(is_projected);
